@@ -127,7 +127,8 @@ def test_what_cannot_be_rubbed_is_refused() -> None:
     modes = eigenmodes(scene, 2)
     block = scene.body("block")
     for wrong, about in (
-        ({"amplitude": -1.0}, "amplitude"), ({"amplitude": [[1e-6]]}, "must have shape"), ({"amplitude": []}, "one amplitude"),
+        ({"amplitude": -1.0}, "amplitude"), ({"amplitude": [[1e-6]]}, "must have shape"),
+        ({"amplitude": []}, "one amplitude"),
         ({"steps": 50}, "four"),
         ({"cycles": 2}, "cycles"), ({"at": scene.ground.at((0, 0, 0))}, "on a body that moves"),
         ({"at": "block"}, "on a body that moves"),

@@ -83,9 +83,10 @@ def simulate(
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
     Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
-    the tolerance of the iteration with method="monolithic", and to round-off, some 1e-9, with laps). Saved are every `save_every`th step and the last.
-    project_start: change initial velocities that do not agree with the joints as little as possible, with a note,
-    instead of refusing them; a drive changes them in any case, it says what the velocity is. stages: see
+    the tolerance of the iteration with method="monolithic", to round-off with laps, some 1e-9). Saved are every
+    `save_every`th step and the last. project_start: change initial velocities that do not agree with the joints as
+    little as possible, with a note, instead of refusing them; a drive changes them in any case, it says what the
+    velocity is. stages: see
     `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
     reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands
     of times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
