@@ -1,4 +1,4 @@
-"""Laps in scene files: the same scene as from Python, and refusals with their line."""
+"""Faces of laps in scene files."""
 
 from __future__ import annotations
 
@@ -7,98 +7,41 @@ from pathlib import Path
 import pytest
 
 import warpffrf as wf
-from warpffrf.model import joints, laws, mesh
-from warpffrf.model.errors import InputError
-from warpffrf.scene_file import load_scene
 
-TEXT = """
+SCENE = """
 [materials.steel]
 youngs_modulus = 210e9
 poisson_ratio = 0.3
-density = 7800
-
-[meshes.block]
+density = 7850.0
+[meshes.plate]
 kind = "box"
-size = [0.04, 0.02, 0.02]
-counts = [4, 2, 2]
+size = [1.0, 1.0, 0.2]
+counts = [4, 4, 1]
 order = 1
-
-[reduced_bodies.lower]
-mesh = "block"
+[reduced_bodies.plate]
+mesh = "plate"
 material = "steel"
-interfaces = { z_min = "rigid" }
-laps = { face = "z_max" }
-modes = 4
 cache = false
-
-[reduced_bodies.upper]
-mesh = "block"
-material = "steel"
-interfaces = { z_max = "rigid" }
-laps = { face = { kind = "lap_cells", first = "z_min", size = 0.02 } }
-modes = 4
-cache = false
-
-[bodies.lower]
-body = "lower"
-position = [0, 0, 0.01]
-
-[bodies.upper]
-body = "upper"
-position = [0, 0, 0.03]
-
-[joints.foot]
-kind = "fixed"
-a = "ground"
-b = "lower.z_min"
-
-[laps.joint]
-a = "upper.face"
-b = "lower.face"
-friction = 0.15
-law = { kind = "linear_layer", stiffness = 1e14 }
-interference = 1e-6
+laps = LAPS
+[bodies.plate]
+body = "plate"
 """
 
 
-def written(folder: Path, text: str) -> Path:
-    file = folder / "scene.toml"
-    file.write_text(text)
-    return file
+def written(tmp_path: Path, laps: str) -> Path:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE.replace("LAPS", laps))
+    return path
 
 
-def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
-    steel = wf.Material(210e9, 0.3, 7800.0, name="steel")
-    block = mesh.box((0.04, 0.02, 0.02), (4, 2, 2), order=1)
-    both = [
-        wf.reduce(block, steel, interfaces={foot: "rigid"}, laps={"face": face}, modes=4, cache=False, progress=False)
-        for foot, face in (("z_min", "z_max"), ("z_max", wf.LapCells("z_min", size=0.02)))
-    ]
-    scene = wf.Scene()
-    lower = scene.add_body(both[0], name="lower", position=(0, 0, 0.01))
-    upper = scene.add_body(both[1], name="upper", position=(0, 0, 0.03))
-    scene.add(joints.Fixed(scene.ground, lower["z_min"], name="foot"))
-    layer = laws.LinearLayer(1e14)
-    scene.add(wf.Lap(upper["face"], lower["face"], friction=0.15, law=layer, interference=1e-6, name="joint"))
-    loaded = load_scene(written(tmp_path, TEXT)).scene
-    assert loaded.content_hash() == scene.content_hash()
-    assert loaded.lap("joint").coefficient == 0.15 and len(loaded.lap("joint").cells().area) < 8
+def test_names_and_tables(tmp_path: Path) -> None:
+    loaded = wf.load_scene(written(tmp_path, '{ foot = { first = "z_min", size = 0.5 }, head = "z_max" }'))
+    laps = loaded.scene.bodies[0].reduced.laps
+    assert {name: lap.cells for name, lap in laps.items()} == {"foot": 4, "head": 16}
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ('a = "upper.face"', 'a = "upper.z_max"', "first port must be a lap"),
-        ("friction = 0.15", "frictions = 0.15", "did you mean 'friction'"),
-        ('kind = "linear_layer", stiffness = 1e14', 'kind = "exponential_asperities", stiffness = 1', "law"),
-        ("size = 0.02", "sice = 0.02", "did you mean 'size'"),
-        ("friction = 0.15", 'friction = "much"', "friction must be a number or a table"),
-        ('b = "lower.face"', 'b = "base.face"', "there is no body 'base'"),
-    ],
-)
-def test_refusals_name_the_line(old: str, new: str, words: str, tmp_path: Path) -> None:
-    assert TEXT.count(old) == 1
-    text = TEXT.replace(old, new)
-    line = 1 + TEXT[: TEXT.index(old)].count("\n")
-    with pytest.raises(InputError, match=rf"scene.toml:{line}.*{words}"):
-        load_scene(written(tmp_path, text))
+def test_what_does_not_exist_is_named(tmp_path: Path) -> None:
+    with pytest.raises(wf.InputError, match="lap 'foot': 'edge' does not exist; known: 'first'"):
+        wf.load_scene(written(tmp_path, '{ foot = { first = "z_min", edge = 0.5 } }'))
+    with pytest.raises(wf.InputError, match="lap 'foot': .*'z_mid' does not exist"):
+        wf.load_scene(written(tmp_path, '{ foot = "z_mid" }'))

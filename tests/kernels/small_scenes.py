@@ -15,6 +15,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.films import Film
 from warpffrf.model.friction import RegularisedCoulomb, StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
+from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
@@ -22,6 +23,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings, run
+from warpffrf.online.load_steps import run_static
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.eigenmodes import find_modes
@@ -169,7 +171,8 @@ def meeting(first: Any, second: Any, law: Any, height: float) -> Scene:
 
 
 def beams() -> Scene:
-    """Flexible bars that turn and are loaded at places and over surfaces, at the fullest level of inertia."""
+    """Flexible bars that turn and are loaded at places and over surfaces, at the fullest level of inertia; the ends of
+    one are drawn together, and held then."""
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     spin = np.array([0.0, 0.0, 20.0])
     bars = []
@@ -186,6 +189,8 @@ def beams() -> Scene:
     scene.add(forces.Bushing(bars[0]["y_max"], bars[1]["y_min"], np.diag([0.0, 0.0, 0.0, 5.0, 5.0, 5.0])))
     scene.add(forces.PointForce(bars[1]["y_max"], (0.0, 0.0, -50.0)))
     scene.add(forces.PointTorque(bars[1]["y_max"], (1.0, 0.0, 0.0), frame="body"))
+    tie = scene.add(joints.PointOnLine(bars[1]["y_min"], bars[1]["y_max"], axis=(0, 1, 0)))
+    scene.add(forces.Pretension(tie, 20.0, lock_at=1e-4))
     scene.add(forces.SurfaceLoad(bars[0]["x_max"], 1e3))
     scene.add(forces.NodalLoad(bars[1]["middle"], (0.0, 0.0, 0.1)))
     return scene
@@ -297,6 +302,55 @@ def journal(*, load: float = 2e3, feed: float = 1e5, speed: float = 300.0, yield
     return scene
 
 
+@functools.cache
+def half(face: str) -> ReducedBody:
+    """A block whose `face` lies on another one."""
+    other = "z_min" if face == "z_max" else "z_max"
+    return reduce(
+        mesh.box((0.06, 0.02, 0.02), (3, 2, 2), order=1), STEEL, interfaces={other: "rigid"}, laps={"face": face},
+        modes=6, cache=False, progress=False,
+    )  # fmt: skip
+
+
+@functools.cache
+def folded() -> ReducedBody:
+    """A clamped fork of two leaves, whose inner faces lie on each other."""
+    filled = np.ones((3, 1, 3), dtype=bool)
+    filled[1:, :, 1] = False
+    leaves = mesh.grid((0.0, 0.01, 0.03, 0.05), (0.0, 0.01), (0.0, 4e-3, 4.01e-3, 8e-3), filled=filled, order=1)
+    for name, z in (("low", 4e-3), ("high", 4.01e-3)):
+        leaves = leaves.select_plane(name, point=(0.02, 0, z), normal=(0, 0, 1))
+    leaves = leaves.select("tip", "z_max", lambda x: x[:, 0] > 0.03)
+    return reduce(
+        leaves, STEEL, interfaces={"x_min": "rigid", "tip": "average"}, laps={"lap": ("low", "high")}, modes=6,
+        cache=False, progress=False,
+    )  # fmt: skip
+
+
+def lapped(friction: float = 0.3, push: float = 700.0) -> Scene:
+    """Two blocks pressed together, one of them pulled along until some cells slip."""
+    scene = Scene(gravity=(0, 0, 0))
+    base = scene.add_body(half("z_max"), name="base", position=(0, 0, 0.01))
+    top = scene.add_body(half("z_min"), name="top", position=(0, 0, 0.03))
+    scene.add(joints.Fixed(scene.ground, base["z_min"]))
+    if not friction:
+        scene.add(joints.Prismatic(scene.ground, top["z_max"], axis=(0, 0, 1)))
+    scene.add(Lap(top["face"], base["face"], friction=friction))
+    along = signals.Ramp(0.0, push, duration=1e-4)
+    scene.add(forces.PointForce(top["z_max"], (along if friction else 0.0, 0.0, -2000.0)))
+    return scene
+
+
+def fork(friction: float) -> Scene:
+    """The leaves of a fork pressed together at their ends, in a state of one body."""
+    scene = Scene(gravity=(0, 0, 0))
+    body = scene.add_body(folded(), name="fork")
+    scene.add(joints.Fixed(scene.ground, body["x_min"]))
+    scene.add(Lap(body["lap"], friction=friction))
+    scene.add(forces.PointForce(body["tip"], (0.0, 0.0, signals.Ramp(-300.0, -600.0, duration=1e-4))))
+    return scene
+
+
 # --- how they are run
 
 
@@ -325,6 +379,11 @@ def two_worlds(case: Case) -> str:
     engine.enter(k.DYNAMIC, case.step, target=STEPS)
     engine.replay(4 * STEPS)
     return "completed" if np.all(engine.word("step") == STEPS) else "not_converged"
+
+
+def load_steps(case: Case) -> str:
+    """Equilibria one after the other."""
+    return run_static(case.build(), STEPS * case.step, step=case.step, progress=False).status
 
 
 def modes(case: Case) -> str:
@@ -446,6 +505,11 @@ CASES: dict[str, Case] = {
     "journal, profiles": Case(lambda: journal(evaluation="hyper"), 1e-4, {"start": "equilibrium"}),
     "journal, other rules": Case(lambda: journal(cavitation="half", load=50.0), 1e-4, {"start": "equilibrium"}),
     # runs that fail, each in another way
+    "laps": Case(lapped, options=REST),
+    "laps without friction": Case(lambda: lapped(0.0), options=REST),
+    "laps in a body": Case(lambda: fork(0.2), options=REST),
+    "laps, load steps": Case(lambda: lapped(push=400.0), how=load_steps),
+    "laps, two worlds": Case(lapped, how=two_worlds),
     "too deep": Case(
         lambda: rollers(rubbing(), rubbing(), friction=0.3, load=suddenly(1e12)), options=HOPELESS, ends="capacity"
     ),

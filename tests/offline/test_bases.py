@@ -45,6 +45,8 @@ CASES = {
     "balanced": (bases.Balanced(pool_modes=80), Limits(10, None)),
     "pod": (bases.POD(), Limits(None, TOP)),
     "pod of snapshots": (bases.POD(snapshots=snapshots(30, 12)), NONE),
+    # two faces of the roller that look at each other through its wall
+    "joint": (bases.TrialVectorDerivatives(first="rim", second="bore", normal=6, tangential=5), Limits(4, None)),
 }
 
 
@@ -88,7 +90,7 @@ def full(body):
 
 def built(body, case: str):
     options, limits = CASES[case]
-    return build_basis(options, body[1], body[2], limits)
+    return build_basis(options, body[1], body[2], limits, mesh=body[0])
 
 
 def test_registries_agree():
@@ -445,6 +447,9 @@ def test_options_describe_themselves():
         (lambda: bases.Balanced(pool_modes=9).check_limits(1e3, None), "both set the pool"),
         (lambda: bases.POD().check_limits(None, 3), "give bases.POD"),
         (lambda: bases.POD(frequencies=(1.0,)).check_limits(1e3, None), "leave it out"),
+        (lambda: bases.basis_options("trial_vector_derivatives"), "first must name a facet set; give bases.Trial"),
+        (lambda: bases.TrialVectorDerivatives(first="a", second="a"), "first and second are both 'a'"),
+        (lambda: bases.TrialVectorDerivatives(first="a", second="b", normal=-1), "normal must be a whole number"),
     ],
 )
 def test_bad_options_name_the_thing(make, message):

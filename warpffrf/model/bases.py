@@ -44,6 +44,11 @@ class Basis:
         if value >= 1.0:
             raise InputError(f"basis {self.kind!r}: {name} must be below 1, got {value:g}")
 
+    @property
+    def facet_sets(self) -> tuple[str, ...]:
+        """Facet sets of the mesh that this basis looks at."""
+        return ()
+
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
         """Raises `InputError` for a limit of `reduce` that this basis does not take."""
         for name, value in (("max_frequency", max_frequency), ("modes", modes)):
@@ -236,7 +241,45 @@ class POD(Basis):
             )
 
 
-BASES: dict[str, type[Basis]] = {cls.kind: cls for cls in (FreeFree, CraigBampton, CraigChang, Krylov, Balanced, POD)}
+@dataclass(frozen=True, kw_only=True)
+class TrialVectorDerivatives(_Modal):
+    """Vibration modes of the free body and joint modes of two faces `first` and `second` (facet sets of the mesh) that
+    touch: derivatives of static and vibration modes with respect to the state of the joint (Witteveen, Pichler 2014).
+
+    normal, tangential: number of joint modes from pressures and from tractions. For comparison with the published way;
+    a lap (`reduce(laps=...)`) knows every cell and needs no such modes.
+    """
+
+    kind: ClassVar[str] = "trial_vector_derivatives"
+    takes: ClassVar[Mapping[str, str]] = FreeFree.takes
+    first: str = ""
+    second: str = ""
+    normal: int = 20
+    tangential: int = 20
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        label = f"basis {self.kind!r}"
+        for name in ("first", "second"):
+            if not isinstance(getattr(self, name), str) or not getattr(self, name):
+                raise InputError(
+                    f"{label}: {name} must name a facet set; give bases.TrialVectorDerivatives(first=..., second=...), "
+                    "the two faces of the joint"
+                )
+        if self.first == self.second:
+            raise InputError(f"{label}: first and second are both {self.first!r}; name the two faces of the joint")
+        for name in ("normal", "tangential"):
+            object.__setattr__(self, name, require_count(getattr(self, name), f"{label}: {name}", 0))
+
+    @property
+    def facet_sets(self) -> tuple[str, ...]:
+        """The two faces."""
+        return self.first, self.second
+
+
+BASES: dict[str, type[Basis]] = {
+    cls.kind: cls for cls in (FreeFree, CraigBampton, CraigChang, Krylov, Balanced, POD, TrialVectorDerivatives)
+}
 
 
 def basis_options(basis: Any) -> Basis:

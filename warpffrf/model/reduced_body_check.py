@@ -76,6 +76,11 @@ def _lap_shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
         forces += 3 * c
     if body.laps and body.lap_compliance is None:
         raise InputError("laps have no lap_compliance")
+    for name, field in body.stress.items():
+        if field.laps is not None:
+            yield f"stress/{name}/laps", (forces, len(field.points), 6)
+    if body.surface.laps is not None:
+        yield "surface/laps", (forces, len(body.surface.points), 3)
     if body.lap_compliance is not None:
         yield "lap_compliance", (forces, forces)
 

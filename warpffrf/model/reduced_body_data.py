@@ -33,11 +33,14 @@ class Interface:
 
 @dataclass(frozen=True, eq=False)
 class DisplaySurface:
-    """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3)."""
+    """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n, 3)
+    [m/N], what each of the N forces on the body's laps does beyond the global modes, user axes; None where there are no
+    laps, or where that was left out as too large."""
 
     points: np.ndarray
     triangles: np.ndarray
     modes: np.ndarray
+    laps: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)

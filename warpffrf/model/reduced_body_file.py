@@ -81,6 +81,8 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
         "surface/triangles": body.surface.triangles,
         "surface/modes": body.surface.modes,
     }
+    if body.surface.laps is not None:
+        arrays["surface/laps"] = body.surface.laps
     facts: dict[str, Any] = {"mass": float(body.mass), "interfaces": {}, "contact_surfaces": {}}
     for name, interface in body.interfaces.items():
         arrays[f"interfaces/{name}/point"] = interface.point
@@ -261,7 +263,9 @@ def _restore(
             for name, kind in facts["interfaces"].items()
         },
         contact_surfaces=contact,
-        surface=DisplaySurface(arrays["surface/points"], arrays["surface/triangles"], arrays["surface/modes"]),
+        surface=DisplaySurface(
+            arrays["surface/points"], arrays["surface/triangles"], arrays["surface/modes"], arrays.get("surface/laps")
+        ),
         stress=stress,
         report=report,
         provenance=provenance,

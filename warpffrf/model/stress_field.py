@@ -1,4 +1,4 @@
-r"""Stress of a reduced body at chosen points, from its modal coordinates and the hat forces on its contact surfaces.
+r"""Stress of a reduced body at chosen points, from its modal coordinates and the forces on contact surfaces and laps.
 
 A stress is six numbers in the order xx, yy, zz, xy, yz, zx [Pa] (tensor components, no factor 2), axes of the user
 frame. At point x
@@ -9,7 +9,8 @@ with `q` the global coordinates, `f` the forces `f_i = int psi_i t dA` [N] of th
 outward normal ones (columns, rows) or tangential ones (2, columns, rows), `T` the response of the local modes, `s` the
 coefficients of the traction `t = sum_i psi_i s_i` that the forces stand for, and `M` the Gram matrix. `W` is the part
 that follows from the traction alone, without any deformation: see `warpffrf.offline.stress.operator`. It makes the
-traction on a contact surface the one that was applied.
+traction on a contact surface the one that was applied. Forces s on the cells of laps add `sum_i laps_i(x) s_i`, the
+response of the residual flexibility to them; on the faces of a lap themselves it is the stress of the finite elements.
 
 On a rotationally periodic body `T` is kept for the `p0` distinct places of the points in one sector, in the axes of
 that sector, per harmonic: `sigma_j = Re sum_k w_k e^{i k s_j phi} T_k f_k` at the place of point j, turned into user
@@ -186,12 +187,18 @@ class StressField:
     tangential: dict[str, LoadStress]
     place: np.ndarray
     sector: np.ndarray
+    laps: np.ndarray | None = None  # (N, p, 6) Pa/N, of each force on the body's laps; None without laps
 
     def evaluate(
-        self, q: np.ndarray, forces: dict[str, np.ndarray], tangential: dict[str, np.ndarray] | None = None
+        self,
+        q: np.ndarray,
+        forces: dict[str, np.ndarray],
+        tangential: dict[str, np.ndarray] | None = None,
+        laps: np.ndarray | None = None,
     ) -> np.ndarray:
         """Stress (p, 6) [Pa], user axes, at global coordinates `q` (m,) under outward normal `forces` (columns, rows)
-        and `tangential` ones (2, columns, rows) [N] on each contact surface that is loaded.
+        and `tangential` ones (2, columns, rows) [N] on each contact surface that is loaded, and the forces `laps` (N,)
+        [N] on all cells of all laps, in the order of `ReducedBody.lap_compliance`.
 
         Raises `InputError` for an unknown surface, or an array of another shape.
         """
@@ -199,6 +206,8 @@ class StressField:
         if q.shape != (len(self.modes),):
             raise InputError(f"stress {self.name!r}: {len(self.modes)} modal coordinates are needed, got {q.shape}")
         stress = np.tensordot(q.astype(self.modes.dtype), self.modes, axes=1).astype(np.float64)
+        if laps is not None and np.any(laps):
+            stress = stress + self._of_laps(np.asarray(laps, dtype=np.float64))
         for what, parts, loads in (("normal", self.normal, forces), ("tangential", self.tangential, tangential or {})):
             for name, load in loads.items():
                 if name not in parts:
@@ -212,6 +221,12 @@ class StressField:
                     load = load.reshape(-1, *part.shape[-2:])
                     stress = stress + self._response(part, load) + part.of_traction(load)
         return stress
+
+    def _of_laps(self, forces: np.ndarray) -> np.ndarray:
+        count = 0 if self.laps is None else len(self.laps)
+        if self.laps is None or forces.shape != (count,):
+            raise InputError(f"stress {self.name!r}: forces on laps must be ({count},), got {forces.shape}")
+        return np.tensordot(forces.astype(self.laps.dtype), self.laps, axes=1).astype(np.float64)
 
     def _response(self, part: LoadStress, load: np.ndarray) -> np.ndarray:
         """T f (p, 6) in user axes."""
@@ -240,6 +255,8 @@ class StressField:
     def arrays(self) -> dict[str, np.ndarray]:
         """The arrays of the field by path; `restore` reads them back."""
         found = {"points": self.points, "modes": self.modes, "place": self.place, "sector": self.sector}
+        if self.laps is not None:
+            found["laps"] = self.laps
         for root, part in self._loads.items():
             own = {f"{root}/own/{key}": getattr(part.own, key) for key in ("data", "indices", "indptr")}
             found.update(own, **{f"{root}/transfer": part.transfer.transfer, f"{root}/axes": part.transfer.axes})
@@ -274,5 +291,5 @@ class StressField:
             found[what][on] = replace(part, own=own)
         return cls(
             name, arrays["points"], arrays["modes"], found["normal"], found["tangential"], arrays["place"],
-            arrays["sector"],
+            arrays["sector"], arrays.get("laps"),
         )  # fmt: skip

@@ -69,6 +69,13 @@ class LapProduct:
     notes: list[str]
     warnings: list[str]
 
+    def by_force(self, observer: str, components: int) -> np.ndarray | None:
+        """What an observer sees of each force (N, places, components), None where it was not asked."""
+        if observer not in self.observed:
+            return None
+        seen = self.observed[observer]
+        return np.ascontiguousarray(seen.T).reshape(seen.shape[1], -1, components)
+
 
 @dataclass
 class PathProduct:

@@ -60,7 +60,7 @@ from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.products import Limits, SurfaceProduct
 
 # bases whose span holds the vibration modes of the free body, so that a covered range can be stated
-HOLDS_VIBRATIONS = ("free_free", "craig_chang")
+HOLDS_VIBRATIONS = ("free_free", "craig_chang", "trial_vector_derivatives")
 HALF_WIDTH = 4  # spacings to the half-width of the pressure that the grid is judged with: a usual, well resolved patch
 LEAST_COLUMNS = 7  # of a window: three coarse hats and their feet; a grid with fewer is not judged
 SAMPLED = 16  # unit loads of a surface whose residual is measured: they cost one block of solves
@@ -265,6 +265,11 @@ def _truncated(body: ReducedBody, limits: Limits, frequencies: dict[str, Any]) -
         )
     if dropped := body.report.get("dependent_directions_dropped", 0):
         texts.append(f"{dropped} direction(s) of the global basis, because the others hold them already")
+    if left_out := body.report.get("basis", {}).get("derivatives_left_out"):
+        texts.append(
+            "of the trial vector derivatives of the joint, in energy norm, {:.2%} of the normal and {:.2%} of the "
+            "tangential ones".format(*left_out)
+        )
     for s in body.contact_surfaces.values():
         if not s.grid.periodic:
             texts.append(

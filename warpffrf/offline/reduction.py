@@ -34,6 +34,7 @@ from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.fe.dilatation import formulation_notes
 from warpffrf.offline.fe.materials import Assignment, assign, facet_material, other_material
 from warpffrf.offline.general.checkpoint import Checkpoint
+from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.general.path import reduce_general
 from warpffrf.offline.inertia.invariants import MODES
 from warpffrf.offline.interfaces.kinds import body_interfaces
@@ -251,6 +252,10 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     if product.laps is not None:
         report["laps"] = {name: {"cells": s.cells, **s.facts()} for name, s in product.laps.surfaces.items()}
         report["notes"] += product.laps.notes
+        if SKIN not in product.laps.observed:
+            report["notes"].append(
+                "the skin for pictures follows the laps by the global modes only, to keep the file small"
+            )
         report["warnings"] += product.laps.warnings
     for cross in product.cross:
         share = coupling(cross, surfaces[cross.target], surfaces[cross.source])
@@ -270,7 +275,12 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         frequencies=product.omega / (2.0 * np.pi),
         interfaces=product.interfaces,
         contact_surfaces=surfaces,
-        surface=DisplaySurface(product.skin_points, product.skin_triangles, np.ascontiguousarray(product.skin_modes)),
+        surface=DisplaySurface(
+            product.skin_points,
+            product.skin_triangles,
+            np.ascontiguousarray(product.skin_modes),
+            None if product.laps is None else product.laps.by_force(SKIN, 3),
+        ),
         stress=recovery.fields(product, surfaces),
         report=report,
         provenance={

@@ -257,6 +257,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
     from warpffrf.model import mesh
     from warpffrf.model.material import Material
+    from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced_body import ReducedBody
     from warpffrf.model.scene import Scene
     from warpffrf.offline import reduce
@@ -272,6 +273,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "grid": form_of("grid", mesh.grid, {}),
             "read": form_of("mesh file", mesh.read, paths),
             "from_matrices": form_of("matrices", mesh.from_matrices, paths, ("name",)),
+            "cut": form_of("cut", cut, {"mesh": "meshes"}),
         },
         "reduced_bodies": {
             "reduce": form_of(

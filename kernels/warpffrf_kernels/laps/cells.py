@@ -10,7 +10,7 @@ from warpffrf_kernels.laps.forms import Form
 
 wp.set_module_options(MODULE_OPTIONS)
 
-NEAR = wp.constant(wp.float64(0.5))  # how far traction and kappa may be from those of a form for the small u to settle
+NEAR = wp.constant(wp.float64(0.1))
 TINY = wp.constant(wp.float64(1.0e-9))  # of mu p: a traction across that says nothing of kappa
 NO_PRESSURE = wp.constant(wp.float64(1.0e-11))  # of the largest force of a cell
 

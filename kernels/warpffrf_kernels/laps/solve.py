@@ -36,9 +36,14 @@ from warpffrf_kernels.laps.tableau import (
     unknowns_of,
 )
 from warpffrf_kernels.laps.words import (
+    AHEAD,
+    ALL_PASSES,
     CLOSES,
     COUNT,
     DONE,
+    EVALUATIONS,
+    EXCHANGES,
+    HELD,
     KNOWN,
     NORMAL,
     OPENS,
@@ -55,8 +60,18 @@ from warpffrf_kernels.laps.words import (
 wp.set_module_options(MODULE_OPTIONS)
 
 SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and what it yields
+ROUGHLY = wp.constant(wp.float64(1.0e-4))  # in the first iteration whose balance counts, ...
+NEARLY = wp.constant(wp.float64(1.0e-7))  # ... and in the second
 MOST_PASSES = wp.constant(150)
 REFRESHED = wp.constant(25)
+
+
+@wp.kernel
+def look_ahead(ctl: wp.array(dtype=Control), lap_words: inout(wp.array3d(dtype=int))):
+    """Per (world, group): the evaluation that follows is that of a prediction."""
+    w, group = wp.tid()
+    if ctl[w].run != 0:
+        lap_words[w, group, AHEAD] = 1
 
 
 @wp.kernel
@@ -69,10 +84,10 @@ def solve_laps(
     lap_slip: wp.array3d(dtype=real),
     lap_gap: wp.array2d(dtype=real),
     lap_state: wp.array2d(dtype=int),
+    lap_z_flat: wp.array(dtype=real),
     ctl: inout(wp.array(dtype=Control)),
     lap_words: inout(wp.array3d(dtype=int)),
     lap_z: inout(wp.array2d(dtype=real)),
-    lap_z_flat: inout(wp.array(dtype=real)),
     lap_step: inout(wp.array2d(dtype=real)),
     lap_mode: inout(wp.array2d(dtype=int)),
     lap_aim: inout(wp.array3d(dtype=real)),
@@ -98,6 +113,7 @@ def solve_laps(
     lap_push: out(wp.array2d(dtype=real)),
     lap_stored: out(wp.array2d(dtype=real)),
     lap_taken: out(wp.array3d(dtype=real)),
+    lap_off: out(wp.array2d(dtype=real)),
 ):
     """Per (world, group): forces of all cells at the trial state, what they do to the motion, their energy."""
     w, group, lane = wp.tid()
@@ -118,14 +134,18 @@ def solve_laps(
     weights = (w * model.elements[0].laps[0].count + group) * MOST_RANK
     ready = lap_words[w, group, READY]
     since = lap_words[w, group, SINCE]
+    ahead = lap_words[w, group, AHEAD]
     sync()
     if lane == 0:
         look_at_motion(model, w, group, r1, axes, q1, lap_gradient, lap_z, lap_step)
         lap_words[w, group, KNOWN] = -1
+        lap_words[w, group, AHEAD] = 0
         c = int(0)
         while c < cells:
             lap_flips[w, first + c] = 0
             c += 1
+    if lap_words[w, group, HELD] != 0:
+        return
     if ready == 0:
         begin_table(model, w, group, lane, lap_table)
         if lane == 0:
@@ -186,7 +206,15 @@ def solve_laps(
             lap_words[w, group, SINCE] = 0
         sync()
     done = int(0)
+    if ahead != 0 and ready != 0:
+        done = int(1)
+    enough = SETTLED
+    if ctl[w].iteration == 1:  # of an evaluation that no balance follows it is 0
+        enough = ROUGHLY
+    elif ctl[w].iteration == 2:
+        enough = NEARLY
     passes = int(0)
+    off = real(0.0)
     while done == 0:
         passes += 1
         change = real(0.0)
@@ -207,7 +235,8 @@ def solve_laps(
             )  # fmt: skip
             changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
             lap_words[w, group, DONE] = 0
-            if changing == 0 and change <= SETTLED:
+            off = change
+            if changing == 0 and change <= enough:
                 lap_words[w, group, DONE] = 1
             elif passes >= MOST_PASSES or not wp.isfinite(change):
                 lap_words[w, group, DONE] = 2
@@ -234,6 +263,7 @@ def solve_laps(
                     lap_weight, weights, lap_strip, lap_row,
                 )  # fmt: skip
                 if lane == 0:
+                    lap_words[w, group, EXCHANGES] = lap_words[w, group, EXCHANGES] + 1
                     u = triple(lap_u, lines + components * c, components)
                     v = triple(lap_v, lines + components * c, components)
                     put_triple(lap_u, lines + components * c, components, first_of(map, u, v))
@@ -246,6 +276,9 @@ def solve_laps(
         sync()
     if lane == 0:
         lap_words[w, group, PASSES] = passes
+
+        lap_words[w, group, ALL_PASSES] = lap_words[w, group, ALL_PASSES] + passes
+        lap_words[w, group, EVALUATIONS] = lap_words[w, group, EVALUATIONS] + 1
         if done == 2:
             ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
             lap_words[w, group, READY] = 0
@@ -289,3 +322,4 @@ def solve_laps(
         lap_stored[w, group] = stored
         lap_taken[w, group, 0] = rubbed
         lap_taken[w, group, 1] = rest
+        lap_off[w, group] = off

@@ -11,9 +11,10 @@ A cell that changes its state has other independent numbers u', v' of its old on
     u  = M^-1 (u' - b T_ax u_x),
     T'_xx = T_xx - T_xa M^-1 b T_ax,    T'_xa = T_xa M^-1,    T'_aa = H = (c + d T_aa) M^-1,    T'_ax = (d - H b) T_ax:
 
-a change of rank three. It is kept aside as T = table + left right, so that a change costs no more than the columns and
-lines it needs; those of the cell itself are written into the table, where `left` and `right` have nothing from then on.
-When MOST_RANK is reached it is added to the table, at the speed of a product of matrices. The table is kept by columns.
+a change of the rank of b: three where a cell opens or closes, one between stick and slip. It is kept aside as T = table
++ left right, so that a change costs no more than the columns and lines it needs; those of the cell itself are written
+into the table, where `left` and `right` have nothing from then on. When MOST_RANK is reached it is added to the table,
+at the speed of a product of matrices. The table is kept by columns.
 """
 
 import warp as wp
@@ -24,7 +25,7 @@ from warpffrf_kernels.laps.forms import Four
 
 wp.set_module_options(MODULE_OPTIONS)
 
-MOST_RANK = 48
+MOST_RANK = 64
 
 
 # --- where numbers of a group stand
@@ -198,26 +199,35 @@ def combine(
 ): ...
 
 
-# The table of n columns += left right, both of `rank` lines of n numbers; lanes over columns.
+# The table of n columns += left right, both of `rank` lines of n numbers; lanes over fours of columns. Four lines of
+# left at a time serve four columns: 16 products for four numbers read.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const double* A = left.data + start; const double* B = right.data + start;
-    for (int j = lane; j < n; j += lanes) {
-        double* __restrict q = table.data + at + (size_t)j * n;
+    const double* A = left.data + start; const double* B = right.data + start; double* T = table.data + at;
+    for (int j = 4 * lane; j < n; j += 4 * lanes) {
+        const int many = n - j < 4 ? n - j : 4;
+        double* __restrict q0 = T + (size_t)j * n; double* __restrict q1 = T + (size_t)(j + 1) * n;
+        double* __restrict q2 = T + (size_t)(j + 2) * n; double* __restrict q3 = T + (size_t)(j + 3) * n;
         int r = 0;
-        for (; r + 7 < rank; r += 8) {
-            const double* x = A + (size_t)r * n; const double* b = B + (size_t)r * n + j;
-            const double b0 = b[0], b1 = b[n], b2 = b[2 * (size_t)n], b3 = b[3 * (size_t)n];
-            const double b4 = b[4 * (size_t)n], b5 = b[5 * (size_t)n], b6 = b[6 * (size_t)n], b7 = b[7 * (size_t)n];
-            const double* x1 = x + n; const double* x2 = x1 + n; const double* x3 = x2 + n; const double* x4 = x3 + n;
-            const double* x5 = x4 + n; const double* x6 = x5 + n; const double* x7 = x6 + n;
-            for (int i = 0; i < n; ++i)
-                q[i] += (b0 * x[i] + b1 * x1[i] + (b2 * x2[i] + b3 * x3[i]))
-                    + (b4 * x4[i] + b5 * x5[i] + (b6 * x6[i] + b7 * x7[i]));
+        for (; many == 4 && r + 3 < rank; r += 4) {
+            const double* x0 = A + (size_t)r * n; const double* x1 = x0 + n;
+            const double* x2 = x1 + n; const double* x3 = x2 + n;
+            double b[4][4];
+            for (int k = 0; k < 4; ++k) for (int c = 0; c < 4; ++c) b[k][c] = B[(size_t)(r + k) * n + j + c];
+            for (int i = 0; i < n; ++i) {
+                const double a0 = x0[i], a1 = x1[i], a2 = x2[i], a3 = x3[i];
+                q0[i] += (b[0][0] * a0 + b[1][0] * a1) + (b[2][0] * a2 + b[3][0] * a3);
+                q1[i] += (b[0][1] * a0 + b[1][1] * a1) + (b[2][1] * a2 + b[3][1] * a3);
+                q2[i] += (b[0][2] * a0 + b[1][2] * a1) + (b[2][2] * a2 + b[3][2] * a3);
+                q3[i] += (b[0][3] * a0 + b[1][3] * a1) + (b[2][3] * a2 + b[3][3] * a3);
+            }
         }
         for (; r < rank; ++r) {
-            const double* x = A + (size_t)r * n; const double b0 = B[(size_t)r * n + j];
-            for (int i = 0; i < n; ++i) q[i] += b0 * x[i];
+            const double* x = A + (size_t)r * n; const double* y = B + (size_t)r * n + j;
+            for (int c = 0; c < many; ++c) {
+                double* __restrict q = q0 + (size_t)c * n; const double f = y[c];
+                for (int i = 0; i < n; ++i) q[i] += f * x[i];
+            }
         }
     }
 """)
@@ -280,6 +290,16 @@ def fetch(
 
 
 @wp.func
+def biggest_of_line(A: mat33, i: int) -> real:
+    return wp.max(wp.abs(A[i, 0]), wp.max(wp.abs(A[i, 1]), wp.abs(A[i, 2])))
+
+
+@wp.func
+def biggest_of_column(A: mat33, j: int) -> real:
+    return wp.max(wp.abs(A[0, j]), wp.max(wp.abs(A[1, j]), wp.abs(A[2, j])))
+
+
+@wp.func
 def exchange(
     components: int,
     a: int,
@@ -311,16 +331,27 @@ def exchange(
         sync()
         lane_free = int(0)
     N = map.d - H * map.b
-    j = int(0)
-    while j < components:
-        at = updates + (lane_free + j) * n
-        take(n, column, strips + j * n, 1, left, at)
-        combine(n, components, -P[j, 0], -P[j, 1], -P[j, 2], line, strips, n, right, at)
-        j += 1
+    added = int(0)
+    lines_in = int(0)  # lines and columns of b that are not zero: P = M^-1 b has the rank of the fewer
+    columns_in = int(0)
+    for i in range(3):
+        if i < components:
+            lines_in += wp.where(biggest_of_line(map.b, i) > real(0.0), 1, 0)
+            columns_in += wp.where(biggest_of_column(map.b, i) > real(0.0), 1, 0)
+    for i in range(3):
+        at = updates + (lane_free + added) * n
+        if i < components and lines_in <= columns_in and biggest_of_line(map.b, i) > real(0.0):
+            combine(n, components, M[0, i], M[1, i], M[2, i], column, strips, n, left, at)
+            combine(n, components, -map.b[i, 0], -map.b[i, 1], -map.b[i, 2], line, strips, n, right, at)
+            added += 1
+        elif i < components and lines_in > columns_in and biggest_of_column(map.b, i) > real(0.0):
+            combine(n, components, P[0, i], P[1, i], P[2, i], column, strips, n, left, at)
+            combine(n, 1, real(-1.0), real(0.0), real(0.0), line, strips + i * n, n, right, at)
+            added += 1
     sync()
     j = int(0)
     while j < components:  # what the cell itself has of them stands in the table
-        take_zero(components, a, lane_free + components, n, j, left, right, updates)
+        take_zero(components, a, lane_free + added, n, j, left, right, updates)
         combine(n, components, M[0, j], M[1, j], M[2, j], column, strips, n, table, base + (a + j) * n)
         j += 1
     sync()
@@ -339,7 +370,7 @@ def exchange(
             i += 1
         j += 1
     sync()
-    return lane_free + components
+    return lane_free + added
 
 
 # left[r][a + j] = right[r][a + j] = 0 for all lines r.

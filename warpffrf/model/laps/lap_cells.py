@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
@@ -63,8 +63,8 @@ class LapCells:
 
 
 def lap_cells(laps: Mapping[str, Any] | None) -> dict[str, LapCells]:
-    """The laps of `reduce` by name: a facet set, two facet sets in a tuple or list, or `LapCells`. Raises `InputError`
-    for anything else."""
+    """The laps of `reduce` by name: a facet set, two facet sets in a tuple or list, `LapCells`, or its arguments in a
+    dict, as scene files have it. Raises `InputError` for anything else."""
     example = 'reduce: laps must be {name: ("facet set", "facet set")}, such as {"lap": ("top", "bottom")}'
     if laps is None:
         return {}
@@ -78,6 +78,18 @@ def lap_cells(laps: Mapping[str, Any] | None) -> dict[str, LapCells]:
             found[name] = LapCells(given)
         elif isinstance(given, tuple | list) and len(given) == 2:
             found[name] = LapCells(*given)
+        elif isinstance(given, Mapping):
+            found[name] = _from_table(name, given)
         else:
             raise InputError(f"{example}, one facet set for a face, or LapCells; got {given!r} for {name!r}")
     return found
+
+
+def _from_table(name: str, given: Mapping[str, Any]) -> LapCells:
+    known = [field.name for field in fields(LapCells)]
+    for key in given:
+        if key not in known:
+            raise unknown_name(f"reduce: lap {name!r}:", key, known)
+    if "first" not in given:
+        raise InputError(f"reduce: lap {name!r} needs first, the name of a facet set")
+    return LapCells(**given)

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bases import Basis
+from warpffrf.model.mesh import Mesh
 from warpffrf.offline.bases.balanced import balanced
 from warpffrf.offline.bases.craig_bampton import craig_bampton
 from warpffrf.offline.bases.craig_chang import craig_chang
@@ -29,6 +30,7 @@ from warpffrf.offline.bases.global_basis import attachment_modes, global_basis, 
 from warpffrf.offline.bases.krylov import krylov
 from warpffrf.offline.bases.pod import pod
 from warpffrf.offline.bases.problem import BasisProblem, RawBasis
+from warpffrf.offline.bases.tvd import trial_vector_derivatives
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits
@@ -40,6 +42,7 @@ BASES: dict[str, Callable[[BasisProblem, Any], RawBasis]] = {
     "krylov": krylov,
     "balanced": balanced,
     "pod": pod,
+    "trial_vector_derivatives": trial_vector_derivatives,
 }
 
 
@@ -53,16 +56,21 @@ class GlobalBasis:
 
 
 def build_basis(
-    options: Basis, model: ElasticModel, system: InterfaceSystem, limits: Limits, turning: Array | None = None
+    options: Basis,
+    model: ElasticModel,
+    system: InterfaceSystem,
+    limits: Limits,
+    turning: Array | None = None,
+    mesh: Mesh | None = None,
 ) -> GlobalBasis:
     """Global modes of the free constrained body `model` from the basis `options`; `turning` (n^, 6): loads of turning
-    whose attachment modes are wanted too (`inertia.centrifugal`).
+    whose attachment modes are wanted too (`inertia.centrifugal`); `mesh`: of the body, for bases that look at facets.
 
     Raises `InputError` for a basis larger than the model, for one that needs interfaces where there are none, and for
     limits that it does not take.
     """
     A = attachment_modes(model, system.loads)
-    raw = BASES[options.kind](BasisProblem(model, system, limits, A), options)
+    raw = BASES[options.kind](BasisProblem(model, system, limits, A, mesh), options)
     if turning is not None:
         A = np.concatenate([A, attachment_modes(model, turning)], axis=1)
     V = model.without_rigid(raw.columns)

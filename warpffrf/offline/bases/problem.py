@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.mesh import Mesh
 from warpffrf.offline.bases.modes import vibration_modes, whole_multiples
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.interfaces.system import InterfaceSystem
@@ -18,13 +19,14 @@ AHEAD = 4  # modes computed beyond those wanted, to see whether a multiple frequ
 
 @dataclass(frozen=True, eq=False)
 class BasisProblem:
-    """The free constrained body `model` (n dofs), its interfaces, the limits of `reduce`, and the attachment modes
-    G F (n, a) of the interface loads F."""
+    """The free constrained body `model` (n dofs), its interfaces, the limits of `reduce`, the attachment modes
+    G F (n, a) of the interface loads F, and the mesh, for bases that look at facets."""
 
     model: ElasticModel
     system: InterfaceSystem
     limits: Limits
     attachments: Array
+    mesh: Mesh | None = None
 
     @property
     def elastic_dofs(self) -> int:

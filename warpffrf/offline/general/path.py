@@ -92,11 +92,12 @@ def reduce_general(
     require_observers(seen, len(mesh.points))
     massed = [s.fields[0].count if local_dynamics else 0 for s in contacts]
     _check_results([s.count for s in contacts], seen, massed, limit)
-    lapped = None
+    lapped, beside_laps = None, []
     if laps:
         with progress.stage("cells of laps"):
             lapped = BodyLaps.of(mesh, laps)
-            lapped.require_room(observers, limit)
+            beside_laps = lapped.observers(seen[0], observers)
+            lapped.require_room(beside_laps, limit)
 
     with progress.stage("assembly"):
         K, M = fe_matrices(mesh, assignment)
@@ -119,7 +120,7 @@ def reduce_general(
 
     with progress.stage("global modes"):
         turning = np.asarray(T.T @ (nodal_mass @ centrifugal_acceleration(mesh.points, center)))
-        basis = _global_modes(options, model, system, limits, turning if centrifugal else None, checkpoint)
+        basis = _global_modes(options, model, system, limits, turning if centrifugal else None, mesh, checkpoint)
         omega, Phi = basis.omega, basis.Phi
     with progress.stage("inertia terms"):
         turned = turning_response(model, turning, omega, Phi)
@@ -162,7 +163,7 @@ def reduce_general(
 
     lap_product = None
     if lapped is not None:
-        lap_product = lapped.product(model, omega, Phi, T, observers, limit, progress, checkpoint)
+        lap_product = lapped.product(model, omega, Phi, T, beside_laps, limit, progress, checkpoint)
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
     modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}
@@ -190,12 +191,13 @@ def _global_modes(
     system: InterfaceSystem,
     limits: Limits,
     turning: Array | None,
+    mesh: Mesh,
     checkpoint: Checkpoint,
 ) -> GlobalBasis:
     """The global modes: from the work file, or computed."""
     if (known := checkpoint.get("global modes")) is not None:
         return GlobalBasis(known["omega"], known["Phi"], json.loads(str(known["facts"])))
-    basis = build_basis(options, model, system, limits, turning)
+    basis = build_basis(options, model, system, limits, turning, mesh)
     # as it comes back from a work file: the same products, bit for bit
     basis = GlobalBasis(basis.omega, np.ascontiguousarray(basis.Phi), basis.facts)
     arrays = {"omega": basis.omega, "Phi": basis.Phi, "facts": np.array(json.dumps(basis.facts))}

@@ -24,16 +24,17 @@ from scipy.spatial import KDTree
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
+from warpffrf.model.laps.facing import BEHIND, FACING
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
-from warpffrf.offline.laps.clusters import gathered, wanted_size
+from warpffrf.offline.laps.clusters import gathered, slivers_joined, wanted_size
 from warpffrf.offline.laps.faces import Face
-from warpffrf.offline.laps.overlap import BEHIND, FACING, Pieces, overlap, places_across, whole
+from warpffrf.offline.laps.overlap import Pieces, overlap, places_across, whole
 
 Array = np.ndarray
 # Degree of quadrature on triangles of the reference domain: N_a |J| of plane facets, bilinear or biquadratic
-DEGREE = {False: 4, True: 8}
+DEGREE = {False: 4, True: 6}
 POINTS = 200_000  # quadrature points worked on together: with nine nodes on either side some 100 MB
 OPPOSITE = 1e-3  # of an edge: how far across the normal a node may lie from the node opposite
 SLIVER = 1e-6  # of a facet's area: below it a cut facet is no cell of its own
@@ -93,6 +94,7 @@ def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells) ->
     else:
         size = wanted_size(first, np.where(there, of_facet, 0.0), wanted.size, wanted.growth)
         of_face = gathered(first, there, of_facet * own, size)
+    of_face = slivers_joined(first, of_face, of_facet)
     kept = of_face[pieces.facet] >= 0
     pieces = Pieces(
         pieces.facet[kept], pieces.xi[kept], *(v[kept] if len(v) else v for v in (pieces.source, pieces.across))
@@ -155,8 +157,6 @@ def _integrated(
 def _by_nodes(name: str, first: Face, second: Face | None) -> Cells:
     n, nodes = len(first.points), first.node_set
     area, normals = _nodal_areas(first)
-    if np.any(area <= 0.0):  # pragma: no cover  - no kind of facet has such areas
-        raise InputError(f"lap {name!r}: nodes of {first.name!r} have no area; use by='facets'")
     notes = []
     opposite, gap = None, np.zeros(len(nodes))
     covered = (1.0, 1.0)
@@ -234,7 +234,9 @@ def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: A
     gap = np.einsum("kni,ki->kn", between, normals)
     aside = np.linalg.norm(between - gap[:, :, None] * normals[:, None], axis=2)
     facing = np.array([normal_across[node] for node in candidates.tolist()])[found]
-    seen = (np.einsum("kni,ki->kn", facing, normals) < FACING) & (gap > -BEHIND * edge)
+    seen = (np.einsum("kni,ki->kn", facing, normals) < FACING) & (
+        gap > -BEHIND * min(first.triangles.extent, second.triangles.extent)
+    )
     aside = np.where(seen, aside, np.inf)
     best = np.argmin(aside, axis=1)
     rows = np.arange(len(nodes))

@@ -6,6 +6,8 @@ edge of its middle facet, so that cells follow the rows of a structured mesh. Wi
 the outline, the edges that belong to one covered facet only and the facets that are covered in part,
 
     size = min(size, edge of the facet + growth d).
+
+A facet of which the outline leaves less than `LEAST` is no cell alone: it goes to the cell beside it.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from warpffrf.offline.laps.faces import Face
 
 Array = np.ndarray
 TURN = np.cos(np.radians(15.0))  # between a facet's normal and the mean of its cell: tractions keep one direction there
+LEAST = 0.2  # share of a facet below which it joins its neighbour: pressures on slivers would be noise
 SLACK = 1.01  # of the size: what structured meshes miss it by through round-off
 PARTLY = 1.0 - 1e-6  # share of a facet below which the outline of the second face crosses it
 
@@ -72,6 +75,28 @@ def gathered(face: Face, covered: Array, area: Array, wanted: Array) -> Array:
         low = _lower_half(along, area[here])
         waiting += [here[~low], here[low]]
     return cells
+
+
+def slivers_joined(face: Face, cells: Array, of_facet: Array) -> Array:
+    """The numbers `cells` (facets,), -1 of facets that have none, with every facet that is a cell alone and covered by
+    less than `LEAST` in the cell of the facet beside it that is covered most; without a neighbour it stays."""
+    alone = np.bincount(cells[cells >= 0])[cells] == 1
+    small = (cells >= 0) & alone & (of_facet < LEAST)
+    if not small.any():
+        return cells
+    edges, facet = face.boundary
+    number = row_numbers(edges)
+    order = np.argsort(number, kind="stable")
+    same = np.flatnonzero(np.diff(number[order]) == 0)
+    one, other = facet[order[same]], facet[order[same + 1]]
+    one, other = np.concatenate([one, other]), np.concatenate([other, one])
+    usable = small[one] & (cells[other] >= 0) & ~small[other]
+    one, other = one[usable], other[usable]
+    rising = np.argsort(of_facet[other], kind="stable")  # the last one wins
+    joined = cells.copy()
+    joined[one[rising]] = cells[other[rising]]
+    kept, numbers = np.unique(joined, return_inverse=True)
+    return numbers - int(kept[0] < 0)
 
 
 def _lower_half(along: Array, area: Array) -> Array:

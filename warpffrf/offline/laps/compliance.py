@@ -37,6 +37,7 @@ MANY_CELLS = 1500
 # Of the compliance of a cell under its own load: what is left of it beyond the cells before, in the order of a pivoted
 # Cholesky factorisation, where it depends on these. Round-off of a compliance is far below, cells of a mesh far above.
 DEPENDENT = 1e-10
+SKIN_BYTES = 1 << 28  # of what forces on laps do to the skin for pictures; a file with more is slow to read
 HELD = 1e-9  # of the largest residual compliance of a cell: below it a rigid interface holds the cell
 
 
@@ -64,8 +65,15 @@ class BodyLaps:
         """B (3 n, unknowns) csc of all laps, one after the other."""
         return sp.csc_matrix(sp.hstack([unit_loads(cells, self.axes[name]) for name, cells in self.cells.items()]))
 
+    def observers(self, skin: Observer, others: Sequence[Observer]) -> list[Observer]:
+        """Those that look at the responses to forces on laps: the skin's too, as long as it stays small."""
+        return [*others, skin] if self._small(skin) else [*others]
+
+    def _small(self, skin: Observer) -> bool:
+        return skin.rows * self.unknowns * skin.dtype.itemsize <= SKIN_BYTES
+
     def require_room(self, observers: Sequence[Observer], limit: int) -> None:
-        """Raises `InputError` where the compliance does not fit into `limit` [byte]."""
+        """Raises `InputError` where the compliance and what the observers see do not fit into `limit` [byte]."""
         needed = results_bytes([self.unknowns], observers)
         if needed > limit:
             counts = ", ".join(f"{name!r} {cells.count}" for name, cells in self.cells.items())
@@ -161,8 +169,8 @@ def _doubts(surfaces: Mapping[str, LapSurface], C: Array, softness: Array) -> li
         own = own + softness[:, normal].T @ softness[:, normal]
         if len(own) and (rank := _rank(own)) < len(own):
             found.append(
-                f"lap {name!r}: {len(own) - rank} of {s.cells} cells depend on the others, the faces have more facets "
-                "than the nodes between them can tell apart; make larger cells by LapCells(size=), or by='nodes'"
+                f"lap {name!r}: {len(own) - rank} of {s.cells} cells depend on the others: some pressures that change "
+                "from cell to cell load no node; make larger cells by LapCells(size=), or take by='nodes'"
             )
     return found
 

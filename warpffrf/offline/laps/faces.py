@@ -1,8 +1,9 @@
 r"""A facet set as a surface: places on it, and the triangles that it is cut in.
 
-A facet of any kind is split at its own nodes into triangles, straight in its reference domain and nearly so in space.
-What is cut is these triangles: a corner of a cut goes to the reference domain by the affine map of its triangle, so
-that whole triangles are whole triangles there, of which integrals are those of the isoparametric facet,
+A facet of any kind is split at its own nodes into triangles (at its corners, where these tell all), straight in its
+reference domain and nearly so in space. What is cut is these triangles: a corner of a cut goes to the reference domain
+by the affine map of its triangle, so that whole triangles are whole triangles there, of which integrals are those of
+the isoparametric facet,
 
     int f dA = sum_q w_q f(xi_q) |x_,1 x x_,2|(xi_q),      x(xi) = sum_a N_a(xi) x_a.
 """
@@ -16,10 +17,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from warpffrf.model.laps.facing import Triangles
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 
 Array = np.ndarray
+LINEAR = {"quad": "quad4", "tri": "tri3"}  # the facet on the corners of one of that domain
+STRAIGHT = 1e-9  # of a facet's length: how far its nodes may lie beside straight edges, digits of a mesh file
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,15 +92,27 @@ class Face:
 
     @cached_property
     def triangles(self) -> FaceTriangles:
-        """All facets split at their own nodes."""
-        facet, xi, corners = [], [], []
+        """All facets split at their own nodes, those with straight edges at their corners."""
+        facet, xi, numbers = [], [], []
         for start, (kind, nodes) in zip(self.starts[:-1], self.blocks, strict=True):
             element = facet_kind(kind)
-            split = element.triangles
-            facet.append(np.repeat(start + np.arange(len(nodes)), len(split)))
-            xi.append(np.tile(element.nodes[split], (len(nodes), 1, 1)))
-            corners.append(self.points[nodes[:, split]].reshape(-1, 3, 3))
-        return FaceTriangles(np.concatenate(facet), np.concatenate(xi), np.concatenate(corners))
+            straight = self._straight(kind, nodes)
+            corners = facet_kind(LINEAR[element.domain]).triangles
+            for split, here in ((corners, np.flatnonzero(straight)), (element.triangles, np.flatnonzero(~straight))):
+                facet.append(np.repeat(start + here, len(split)))
+                xi.append(np.tile(element.nodes[split], (len(here), 1, 1)))
+                numbers.append(nodes[here][:, split].reshape(-1, 3))
+        nodes = np.concatenate(numbers)
+        return FaceTriangles(self.points[nodes], nodes, np.concatenate(facet), np.concatenate(xi))
+
+    def _straight(self, kind: str, nodes: Array) -> Array:
+        """Which facets (m,) have all their nodes where the linear facet on their corners has them."""
+        element = facet_kind(kind)
+        values = facet_kind(LINEAR[element.domain]).shape(element.nodes)[0]
+        x = self.points[nodes]
+        corners = x[:, : element.corner_count]
+        off = np.linalg.norm(x - np.einsum("ac,mci->mai", values, corners), axis=2).max(axis=1)
+        return off <= STRAIGHT * np.linalg.norm(np.ptp(corners, axis=1), axis=1)
 
     def at(self, facet: Array, xi: Array) -> tuple[Any, Array]:
         """At places `xi` (q, 2) of the facets `facet` (q,): shape functions (q, n) csr over all nodes of the mesh, and
@@ -119,40 +135,9 @@ class Face:
 
 
 @dataclass(frozen=True, eq=False)
-class FaceTriangles:
-    """Triangles of a face: their `facet` (t,), corners `xi` (t, 3, 2) in its reference domain and `x` (t, 3, 3) [m]."""
+class FaceTriangles(Triangles):
+    """Triangles of a face, of which it also knows the `facet` (t,) and their corners `xi` (t, 3, 2) in its reference
+    domain."""
 
     facet: Array
     xi: Array
-    x: Array
-
-    @cached_property
-    def _area_vector(self) -> Array:
-        return 0.5 * np.cross(self.x[:, 1] - self.x[:, 0], self.x[:, 2] - self.x[:, 0])
-
-    @cached_property
-    def area(self) -> Array:
-        """Areas (t,) [m2]."""
-        return np.linalg.norm(self._area_vector, axis=1)
-
-    @cached_property
-    def normal(self) -> Array:
-        """Outward unit normals (t, 3)."""
-        return self._area_vector / np.where(self.area > 0.0, self.area, 1.0)[:, None]
-
-    @cached_property
-    def center(self) -> Array:
-        """Centroids (t, 3) [m]."""
-        return self.x.mean(axis=1)
-
-    @cached_property
-    def reach(self) -> Array:
-        """Largest distance (t,) of a corner from the centroid [m]."""
-        return np.linalg.norm(self.x - self.center[:, None], axis=2).max(axis=1)
-
-    @cached_property
-    def plane(self) -> Array:
-        """Two axes (t, 2, 3) of each triangle's plane, which make a right-handed frame with its normal."""
-        first = self.x[:, 1] - self.x[:, 0]
-        first = first / np.linalg.norm(first, axis=1, keepdims=True)
-        return np.stack([first, np.cross(self.normal, first)], axis=1)

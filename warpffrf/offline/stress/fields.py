@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -46,7 +47,10 @@ class StressRecovery:
                 normal[name] = (s.observed[label], span)
                 if label in s.observed_tangential:
                     tangential[name] = (s.observed_tangential[label], span)
-            found[plan.name] = plan.field(seen, contact, normal, tangential, sectors)
+            field = plan.field(seen, contact, normal, tangential, sectors)
+            if product.laps is not None:
+                field = replace(field, laps=product.laps.by_force(label, 6))
+            found[plan.name] = field
         return found
 
 

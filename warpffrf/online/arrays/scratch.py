@@ -92,6 +92,8 @@ class Residuals(Arrays):
     slip_softness: DeviceArray = reals("world", "joint_friction", 2, unit="m/N", note="along the slip, across it")
     slip_bound: DeviceArray = reals("world", "joint_friction", unit="N")
     slip_loss: DeviceArray = reals("world", "joint_friction", unit="J", note="dissipated in a step", zero_without=True)
+    holds: DeviceArray = integers("world", "pretension", note="1 where the length is held in the attempt")
+    held_at: DeviceArray = reals("world", "pretension", unit="m", note="that length")
     residual_history: DeviceArray = reals("world", "residual", note="of an attempt, as fractions", carried=True)
     gap_defect: DeviceArray = reals(
         "world", 2, note="largest open gap under pressure, force left out", zero_without=True
@@ -538,6 +540,7 @@ class Laps(Arrays):
     lap_push: DeviceArray = reals("world", "lap_column", note="forces on the coordinates", zero_without=True)
     lap_stored: DeviceArray = reals("world", "lap_group", unit="J")
     lap_taken: DeviceArray = reals("world", "lap_group", 2, unit="J", note="by friction, rest", zero_without=True)
+    lap_off: DeviceArray = reals("world", "lap_group", note="what forces have not settled", zero_without=True)
     lap_stiffness: DeviceArray = reals("world", "lap_square", note="T_zz", run=True)
     lap_followed: DeviceArray = reals("world", "lap_followed", note="T_zz B", run=True)
 

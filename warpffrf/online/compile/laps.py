@@ -15,11 +15,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.linalg import lapack
 from warpffrf_kernels.core.model import Laps
 from warpffrf_kernels.laps import motion
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
+from warpffrf.model.errors import InputError
 from warpffrf.model.laps import Lap
 from warpffrf.model.laps.lap import LapCellsOf
 from warpffrf.online.compile.collector import Collector
@@ -28,6 +30,10 @@ from warpffrf.online.compile.inertia import outer_modes
 Array = np.ndarray
 RIGID = int(motion.RIGID)
 MANY = 1500  # cells of a group
+DEPENDENT = 1e-10  # of the mean compliance of a force: what is left of it beside the others
+THIN = 1e-6  # of that mean: layer that is added then
+STIFF = 1e4  # times the stiffness of cells on their own: no deformation is left
+ROUND_OFF = 1e-12  # of the extent of a face: gaps that are none
 
 
 def groups_of(laps: list[Lap]) -> list[list[int]]:
@@ -81,6 +87,7 @@ def fill_laps(collector: Collector) -> None:
         G = _compliance(members, cells, flexible)
         J = _motion(members, cells, flexible)
         kept = slice(None) if components == 3 else slice(0, None, 3)
+        collector.notes.extend(_tell_apart(members, G, J, kept))
         diagonal = np.diag(G).reshape(-1, 3)
         columns, lines = J.shape[1], len(J[kept])
         within = 0
@@ -101,7 +108,8 @@ def fill_laps(collector: Collector) -> None:
         )  # fmt: skip
         part(
             compliance=G[kept, kept].T.ravel(), motion=J[kept].T.ravel(), friction=friction,
-            gap=np.concatenate([c.gap for c in cells]), own=diagonal[:, 1:].mean(axis=1),
+            gap=np.concatenate([_gaps(lap, c) for lap, c in zip(members, cells, strict=True)]),
+            own=diagonal[:, 1:].mean(axis=1),
             column_mode=np.concatenate(mode), outer=np.concatenate([rigid, *dense]),
             outer_column=np.concatenate([np.full(len(rigid), -1), within + np.arange(columns - within)]),
         )  # fmt: skip
@@ -188,6 +196,39 @@ def _compliance(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) ->
     ]
     G[np.diag_indices(n)] += np.concatenate(layers).ravel()
     return 0.5 * (G + G.T)
+
+
+def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
+    """Where forces of cells displace nothing that others do not, a layer on the diagonal of G that tells them apart;
+    and a note of it. Raises `InputError` where such forces move the bodies all the same: then nothing gives way between
+    them.
+    """
+    label = ", ".join(lap.label for lap in laps)
+    part = np.array(G[kept, kept], order="F")
+    mean = float(np.trace(part)) / len(part)
+    _, _, rank, _ = lapack.dpstrf(part / mean, tol=DEPENDENT)
+    missing = len(part) - rank
+    if not missing:
+        return []
+    G[np.diag_indices(len(G))] += THIN * mean
+    stiffness = np.einsum("ij,ij->j", J[kept], np.linalg.solve(G[kept, kept], J[kept])) * mean
+    soft = np.einsum("ij,ij->j", J[kept], J[kept])
+    if np.any(stiffness > STIFF * soft):
+        raise InputError(
+            f"{label}: cells have nothing left to yield by: the global modes of their bodies take up all that some of "
+            "their forces deform; reduce with fewer modes, with more elements across the thickness, or with fewer cells"
+        )
+    return [
+        f"{label}: {missing} of {len(part)} forces of cells displace nothing that the others do not, as with more "
+        f"cells than nodes; a layer that yields {THIN:g} of what a cell does on the average tells them apart, "
+        "LapCells(size=) gathers cells"
+    ]
+
+
+def _gaps(lap: Lap, cells: LapCellsOf) -> Array:
+    """Initial gaps (c,) [m], zero where they are round-off."""
+    extent = float(np.linalg.norm(np.ptp(lap.a.surface.points, axis=0))) + float(np.sqrt(cells.area.max()))
+    return np.where(np.abs(cells.gap) < ROUND_OFF * extent, 0.0, cells.gap)
 
 
 def _motion(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Array:

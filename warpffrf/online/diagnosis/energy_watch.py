@@ -69,7 +69,7 @@ class EnergyWatch:
         except KeyboardInterrupt:
             cure = "interrupted before smaller steps were tried"
         finally:
-            engine.state.assign(last)
+            engine.put_back(last)
             engine.chunks[0], engine.drained = rows, drained
         return (
             f"{owner} makes energy: by t = {t:.6g} s the run had gained {made:.3g} J, {made / most:.1%} of the largest "

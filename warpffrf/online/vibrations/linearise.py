@@ -13,7 +13,7 @@ Characteristics of springs and dampers enter by their slopes at the state, as di
     R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0
     C_r dx = 0                            rigid rows: joints and drives
     dlambda_s = law_x dx + law_v dv       spring rows, so that they add C_s^T law_x to R_x, C_s^T law_v to R_v
-    L dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x
+    L dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x; of laps `stuck_laps`
 
 C, and on the active set L and the local compliance G (hats without the modes), are those of the kernels. The phases of
 the contact grids are held, as in the kernels' own gradient: how the patch wanders over the material is no part of small
@@ -40,12 +40,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.compile.inertia import mode_reach
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.engine import Engine
+from warpffrf.online.vibrations import stuck_laps
 from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_systems, smallest_gap
 
 Array = np.ndarray
@@ -88,6 +90,8 @@ class Linearisation:
     lumped: int  # closed places of lumped contacts
     films: list[FilmSystem]  # oil films, beside M, D and K
     U: Array  # y -> rates of displacements, as bodies turn
+    K_laps: Array  # the part of K that sticking laps add
+    laps: Array  # B (z, n) of `stuck_laps`, y -> motion that laps see
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
 
 
@@ -98,6 +102,7 @@ class _Probe:
         self.engine, self.state, self.scratch = engine, engine.state, engine.scratch
         self.model = engine.compiled.model
         self.scratch.lasting.zero_()
+        stuck_laps.hold(engine)
         self.bodies, self.modes, self.rows = self.model.bodies.count, self.model.modes.count, self.model.rows.count
         self.count = 6 * self.bodies + self.modes
         self.base = engine.state.to_numpy()
@@ -110,6 +115,7 @@ class _Probe:
         for word, value in (("run", 1), ("moved", 1), ("reassemble", 1), ("refresh", 1), ("recenter", 0),
                             ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0)):  # fmt: skip
             ctl[word] = value
+        ctl["mode"][ctl["mode"] == int(k.LOADING)] = int(k.STATIC)  # load steps have no accelerations of the motion
         self.rates = (
             self._joined("v_rate", "omega_rate", "qd_rate"),
             self._joined("v", "omega", "qd"),
@@ -151,9 +157,10 @@ class _Probe:
         return np.concatenate([rigid.ravel(), self.base[modal][0, : self.modes]])
 
     def _springs(self) -> list[int]:
-        """Rows that are springs."""
+        """Rows that are springs, and those of pretensions that pull; one that holds its length is a joint's."""
         rigid = self.model.rows.rigid.numpy()
-        return [i for i in range(self.rows) if not rigid[i]]
+        locked = self.engine.locked_rows(0)
+        return [i for i in range(self.rows) if not rigid[i] and i not in locked]
 
     def _put(self, array: Any, value: Array, like: Array) -> None:
         full = np.zeros_like(like)
@@ -226,8 +233,8 @@ class _Probe:
             F = x.flexibility.numpy()[36 * g : 36 * (g + 1)].reshape(6, 6)[:size, :size]
             stiffness[start : start + size] = np.linalg.solve(F, defect[start : start + size])
         value, rate = x.coordinate.numpy()[0], self.state.drive_rate.numpy()[0, 1]
-        for row, (k, d) in self.tangents.items():
-            stiffness[row] = k * value[row] + d * rate[row] - lam[row]
+        for row, (c, d) in self.tangents.items():
+            stiffness[row] = c * value[row] + d * rate[row] - lam[row]
         return (lam + stiffness)[self.spring]
 
     def steps(self) -> Array:
@@ -250,7 +257,7 @@ def linearise(engine: Engine) -> Linearisation:
     try:
         return _linearise(_Probe(engine))
     finally:
-        engine.state.assign(kept)
+        engine.put_back(kept)
 
 
 def _linearise(probe: _Probe) -> Linearisation:
@@ -260,6 +267,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     x, B, Q, rows = probe.scratch, probe.bodies, probe.modes, probe.rows
     C = np.concatenate([x.C.numpy()[0, :rows, : 6 * B], x.C_modal.numpy()[0, :rows, :Q]], axis=1)
     contact, closed = _closed_contacts(probe)
+    laps, seen = stuck_laps.stuck_stiffness(probe.engine, n), stuck_laps.gradients(probe.engine, n)
     kinked = probe.find_tangents()
     lumped = probe.measure_lumped()
     probe.measure_films()
@@ -277,7 +285,7 @@ def _linearise(probe: _Probe) -> Linearisation:
         e[j] = RATE_STEP
         R_a[:, j] = (probe.forces(zero, zero, e) - probe.forces(zero, zero, -e)) / (2.0 * RATE_STEP)
     C_spring = C[probe.spring]
-    R_x = R_x[:n] + C_spring.T @ R_x[n:] + contact
+    R_x = R_x[:n] + C_spring.T @ R_x[n:] + contact + laps
     R_v = R_v[:n] + C_spring.T @ R_v[n:]
     R_a = R_a[:n]
     T, U, V, W, turning, co_rotating = _coordinates(probe)
@@ -285,6 +293,8 @@ def _linearise(probe: _Probe) -> Linearisation:
     return Linearisation(
         films=film_systems(probe.engine, n),
         U=U,
+        K_laps=T.T @ laps @ T,
+        laps=seen @ T,
         M=T.T @ R_a @ T,
         D=T.T @ (R_a @ V + R_v @ T),
         K=T.T @ (R_a @ W + R_v @ U + R_x @ T),
@@ -311,7 +321,7 @@ def _resolution(probe: _Probe, C: Array) -> float:
     ]
     contact = float(np.abs(probe.scratch.pair_wrench.numpy()[0, : probe.model.pairs.count]).max(initial=0.0))
     lumped = float(base["lumped_force"][0].max(initial=0.0))
-    forces = max(pulls, contact, lumped, *weights)
+    forces = max(pulls, contact, lumped, stuck_laps.largest_pull(probe.engine), *weights)
     noise = ROUND_OFF * forces / probe.length_step  # N/m, and on arms as long as positions N m/rad
     extent = float(np.linalg.norm(base["r"][0, :B], axis=-1).max())
     lightest = min(float(np.linalg.eigvalsh(b.inertia)[0]) for b in bodies)

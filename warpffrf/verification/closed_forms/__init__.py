@@ -1,4 +1,5 @@
-"""Closed forms of contact that simulations are held against: Hertz, Cattaneo-Mindlin, Carter, impact, conformal pin.
+"""Closed forms of contact that simulations are held against: Hertz, Cattaneo-Mindlin, Carter, impact, conformal pin,
+joints that slide a little.
 
 None of these files imports the engine, the kernels or the reduction.
 """
@@ -14,11 +15,20 @@ from warpffrf.verification.closed_forms.conformal import (
 )
 from warpffrf.verification.closed_forms.hertz import LineContact, PointContact, contact_modulus, cylinder_approach
 from warpffrf.verification.closed_forms.impact import BarImpact, HertzImpact
+from warpffrf.verification.closed_forms.joints import (
+    BarOnBase,
+    BoltedJoint,
+    PressFit,
+    TwoLeaves,
+    equivalent_damping,
+)
 from warpffrf.verification.closed_forms.mindlin import MindlinLine, MindlinPoint, tangential_compliance
 from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_ratio
 
 __all__ = [
     "BarImpact",
+    "BarOnBase",
+    "BoltedJoint",
     "CarterRolling",
     "ConformalPin",
     "HertzImpact",
@@ -26,12 +36,15 @@ __all__ = [
     "MindlinLine",
     "MindlinPoint",
     "PointContact",
+    "PressFit",
     "SlidingLine",
+    "TwoLeaves",
     "conformal_by_half_angle",
     "conformal_by_load",
     "contact_modulus",
     "coupling_ratio",
     "cylinder_approach",
+    "equivalent_damping",
     "persson",
     "tangential_compliance",
 ]

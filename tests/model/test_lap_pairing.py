@@ -1,0 +1,80 @@
+"""Faces of two bodies: which cells lie on each other, with which weights, and how far apart."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.laps.facing import Triangles, facing
+from warpffrf.model.laps.pairing import pair_faces
+
+
+def plate(counts: tuple[int, int], up: bool, shift=(0.0, 0.0, 0.0)):
+    """Triangles of a unit square in squares of its own, looking up or down, and the square of each."""
+    x, y = (np.linspace(0.0, 1.0, n + 1) for n in counts)
+    triangles, cell = [], []
+    for i in range(counts[0]):
+        for j in range(counts[1]):
+            a, b, c, d = ((x[i], y[j]), (x[i + 1], y[j]), (x[i + 1], y[j + 1]), (x[i], y[j + 1]))
+            for corners in ((a, b, c), (a, c, d)):
+                triangles.append([(*p, 0.0) for p in (corners if up else corners[::-1])])
+                cell.append(i * counts[1] + j)
+    normals = np.tile([0.0, 0.0, 1.0 if up else -1.0], (counts[0] * counts[1], 1))
+    return np.array(triangles) + np.array(shift), np.array(cell), normals
+
+
+def test_weights_are_shared_areas() -> None:
+    """Halves on thirds along x: the first half lies to 2/3 on the first third and to 1/3 on the second."""
+    first, cell, normals = plate((2, 1), True)
+    second, other, _ = plate((3, 1), False, (0.0, 0.0, 0.01))
+    found = pair_faces("lap 'l'", first, cell, normals, second, other)
+    assert found.weights.toarray() == pytest.approx(np.array([[2, 1, 0], [0, 1, 2]]) / 3.0, abs=1e-14)
+    assert found.gap == pytest.approx([0.01, 0.01]) and found.distance == pytest.approx((0.01, 0.01))
+    assert found.covered == pytest.approx([1.0, 1.0]) and found.shares == pytest.approx((1.0, 1.0))
+
+
+def test_a_tilted_face_has_its_mean_distance() -> None:
+    first, cell, normals = plate((4, 1), True)
+    second, other, _ = plate((1, 1), False)
+    second[..., 2] = 0.01 + 0.02 * second[..., 0]
+    found = pair_faces("lap 'l'", first, cell, normals, second, other)
+    assert found.gap == pytest.approx(0.01 + 0.02 * np.array([0.125, 0.375, 0.625, 0.875]), abs=1e-15)
+    assert found.shares == pytest.approx((1.0, 1.0))
+
+
+def test_cells_off_the_other_face_are_left_out() -> None:
+    first, cell, normals = plate((4, 1), True)
+    second, other, _ = plate((1, 1), False, (0.375, 0.0, 0.0))
+    found = pair_faces("lap 'l'", first, cell, normals, second, other)
+    assert found.cell.tolist() == [1, 2, 3] and found.covered == pytest.approx([0.5, 1.0, 1.0])
+    assert found.shares == pytest.approx((0.625, 0.625))
+
+
+@pytest.mark.parametrize(
+    ("second", "says"),
+    [
+        (plate((1, 1), False, (2.0, 0.0, 0.0))[0], "nearest corners are 1 m apart, they lie beside each other"),
+        (plate((1, 1), False, (0.0, 0.0, 0.8))[0], "0 and 0 of their areas.*0.8 m apart.*far apart"),
+        (plate((1, 1), False, (0.0, 0.0, -0.1))[0], "back to back with material between"),
+        (plate((1, 1), True, (0.0, 0.0, 0.01))[0], "their outward normals look the same way"),
+    ],
+)
+def test_faces_that_do_not_face_each_other(second, says) -> None:
+    first, cell, normals = plate((2, 1), True)
+    with pytest.raises(InputError, match=f"lap 'l': the faces do not face each other: .*{says}"):
+        pair_faces("lap 'l'", first, cell, normals, second, np.zeros(2, dtype=int))
+
+
+def test_pieces_fill_what_is_covered_for_any_turn() -> None:
+    """The covered area does not depend on which of two surfaces is looked from, where they are parallel."""
+    rng = np.random.default_rng(1)
+    first, second = plate((5, 4), True)[0], plate((3, 7), False)[0]
+    for angle in rng.uniform(0.0, 2.0 * np.pi, 5):
+        c, s = np.cos(angle), np.sin(angle)
+        turned = (second - 0.5) @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]) + np.array([0.6, 0.5, 0.52])
+        a, b = Triangles.of(first), Triangles.of(turned)
+        there, back = facing(a, b), facing(b, a)
+        assert there.area.sum() == pytest.approx(back.area.sum(), rel=1e-12)
+        assert there.covered == pytest.approx(back.covered[::-1], rel=1e-12)
+        assert np.abs(there.weights.sum(axis=2) - 1.0).max() < 1e-12 and there.weights.min() > -1e-12

@@ -1,0 +1,53 @@
+"""The study of joints on a coarse pair of sheets: spaces known to be exact are, and the page has the figures."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from warpffrf.study import joint_bases as study
+
+LOAD = {"partial slip": 60.0}
+
+
+@pytest.fixture(scope="module")
+def joint():
+    return study.two_sheets((16, 1, 1))
+
+
+@pytest.fixture(scope="module")
+def reference(joint):
+    return study.of_cells(joint, np.arange(16), "all cells")
+
+
+def test_coordinates_that_hold_every_response_are_exact(joint, reference):
+    free = joint.lap.model.free
+    Q = np.concatenate([joint.lap.responses[free], joint.still[free]], axis=1)
+    space = study.of_modes(joint, Q, "every response", 50)
+    assert np.abs(space.flexibility - reference.flexibility).max() < 1e-8 * np.abs(reference.flexibility).max()
+    path = study.load_path(60.0)
+    entry = study.measure(space, path, reference.follow(path))
+    assert entry is not None
+    # of 1e-11 of the energy that was dropped as dependent
+    assert max(entry.pressure, entry.traction, abs(entry.loss), abs(entry.amplitude)) < 1e-4
+
+
+def test_groups_cover_the_joint(joint):
+    group = study.graded(joint, 0.5)
+    x = joint.cells.points[:, 0]
+    ordered = group[np.argsort(x)]
+    assert np.all(np.diff(ordered) >= 0) and set(group) == set(range(group.max() + 1))
+    assert np.bincount(group)[0] == 1 and np.bincount(group).max() > 1
+    halves = study.of_cells(joint, np.argsort(np.argsort(x)) // 2, "halves")
+    assert halves.cells.count == 8 and halves.cells.area.sum() == pytest.approx(0.002)
+
+
+def test_page_has_the_figures(joint):
+    found = study.spaces(joint)
+    results = study.compared(joint, found, LOAD)
+    text = study.page(joint, found, results)
+    exact, statics, *_ = results[0].entries
+    assert exact is not None and exact.pressure == 0.0 and exact.loss == 0.0
+    assert statics is not None and statics.pressure > 0.01 and f"{statics.pressure:.1%}" in text
+    assert len(text.splitlines()) > 30 and "## Partial slip" in text
+    assert {s.name.split(" ")[0] for s in found} == {"all", "statics", "+", "cells", "graded"}
