@@ -213,7 +213,7 @@ def test_the_report_tells_of_laps(result: Result) -> None:
     text = result.report()
     assert "lap 'lap': normal force 2000 N (largest 2000)" in text
     assert f"loss            {result.lap('lap').loss[-1]:.5g} J by friction, in 24 cells" in text
-    assert "load steps have no error of time" in text
+    assert "each load step ends in an equilibrium" in text  # there is no error of time
 
 
 # --- pictures

@@ -124,11 +124,15 @@ def test_names_find_their_values(result: wf.Result) -> None:
 @pytest.mark.parametrize(
     ("what", "words"),
     [
-        ("pusch", "name 'pusch' does not exist"), (("push", "w"), "component of force 'push'"), ("place", "several comp"),
-        (("block", "x"), "a sensor and a body"), (np.zeros(3), "21 saved steps"), (("rod", "push", "x"), "kind"),
+        ("pusch", "name 'pusch' does not exist"),
+        (("push", "w"), "component of force 'push'"),
+        ("place", "several components"),
+        (("block", "x"), "a sensor and a body"),
+        (np.zeros(3), "21 saved steps"),
+        (("rod", "push", "x"), "kind"),
         ((), "give a name"),
     ],
-)  # fmt: skip
+)
 def test_what_is_not_there_is_named(result: wf.Result, what: object, words: str) -> None:
     with pytest.raises(InputError, match=words):
         result.hysteresis(what, "guide")

@@ -235,8 +235,8 @@ def shape_kinds() -> dict[str, Form]:
 
 @cache
 def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
-    """Section of contacts, films or laps and argument -> kind -> form, of those that take the laws, oils or forms of one sort
-    only."""
+    """Section of contacts, films or laps and argument -> kind -> form, of those that take the laws, oils or forms of
+    one sort only."""
     from warpffrf.model.films import FORMS, ROUGHNESSES
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS

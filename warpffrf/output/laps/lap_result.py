@@ -164,9 +164,9 @@ class LapResult:
         if np.any(ratio > SLIDES):
             row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
             found.append(
-                f"cell {cell} slid by {self.shift_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its size "
-                f"{self.size[cell] * 1e3:.4g} mm, and partners of cells are fixed: beyond {SLIDES:g} of a cell forces "
-                "act at other places than they would; model such motion as a contact"
+                f"cell {cell} slid by {self.shift_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its "
+                f"size {self.size[cell] * 1e3:.4g} mm, and partners of cells are fixed: beyond {SLIDES:g} of a cell "
+                "forces act at other places than they would; model such motion as a contact"
             )
         zone = self.slip_zone()
         if zone.coarse:
