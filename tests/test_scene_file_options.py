@@ -174,3 +174,26 @@ def test_characteristics_of_springs_and_dampers(tmp_path: Path) -> None:
         ("exponent = 1.5", "exponent = 0.5", "exponent", "at least 1, got 0.5"),
     ):
         _refused(MOUNT.replace(old, new), line, message)
+
+
+def test_static_runs_and_stages_can_be_written(tmp_path: Path) -> None:
+    """A block on a spring that is pushed: 5 N over 1000 N/m, and left there in time."""
+    machine = BLOCK + (
+        '[joints.rail]\nkind = "prismatic"\na = { body = "ground", point = [0, 0, 0] }\n'
+        'b = { body = "block", point = [0, 0, 0] }\naxis = [1, 0, 0]\n'
+        '[forces.spring]\nkind = "joint_spring_damper"\njoint = "rail"\nstiffness = 1000.0\n'
+        '[forces.push]\nkind = "point_force"\nport = { body = "block", point = [0, 0, 0] }\n'
+        'force = [{ kind = "ramp", start_value = 0.0, end_value = 5.0, duration = 1.0 }, 0, 0]\n'
+    )
+    static = 'kind = "static"\nduration = 1.0\nstep = 0.25\n'
+    stages = f'[[simulate.stages]]\nname = "push"\n{static}'
+    stages += '[[simulate.stages]]\nname = "wait"\nduration = 0.01\nstep = 1e-3\n'
+    for text, rows in ((f"[simulate]\n{static}", 5), (stages, 15)):
+        file = tmp_path / f"run{rows}.toml"
+        file.write_text(machine + text)
+        result = wf.run_scene(file, out=tmp_path / "out", progress=False)["simulate"]
+        assert result.status == "completed", result.message
+        assert len(result.time) == rows
+        x = result.history.joints["rail"].coordinate
+        assert x[:5] == pytest.approx([0.0, 1.25e-3, 2.5e-3, 3.75e-3, 5e-3], abs=1e-11)
+        assert x[4:] == pytest.approx(5e-3, abs=1e-9)

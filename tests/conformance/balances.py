@@ -72,8 +72,8 @@ def wrenches(scene: Scene, history: History) -> dict[str, Wrench]:
             law = item.law()
             point = law.points[1] if law.joint is None else law.joint.frames()[1].point
             on(law.ports, place(law.ports[1].body, point, history), wrench.force, wrench.torque)
-        elif hasattr(item, "slip"):
-            joint = item.slip().joint
+        elif hasattr(item, "slip") or hasattr(item, "tension"):
+            joint = item.joint
             at = place(joint.b.body, joint.frames()[1].point, history)
             on(joint.ports, at, wrench.force, wrench.torque)
         else:

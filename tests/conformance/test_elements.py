@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg as sla
 import scipy.sparse.linalg as spla
-from element_meshes import STEEL, crooked_block, each_formulation, ring
+from element_meshes import STEEL, crooked_block, each_formulation, lattice_mesh, ring
 
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
@@ -131,3 +131,18 @@ def test_frequencies_converge_with_mixed_kinds() -> None:
         lowest.append(np.sqrt(sla.eigh(K, M, eigvals_only=True, subset_by_index=[6, 6])[0]))
     assert mixed.volume() == pytest.approx(hexes.volume(), rel=1e-12)
     assert lowest[0] < lowest[1] < lowest[2]
+
+
+@pytest.mark.parametrize("kind", CELL_KINDS)
+def test_a_cut_leaves_two_faces_that_look_at_each_other(kind: str) -> None:
+    block = lattice_mesh(kind, (4, 4, 2), lambda x: x)
+    slit = block.cut("slit", point=(0.5, 0.5, 0.5), normal=(0, 0, 1), radius=0.6).check()
+    assert len(slit.points) > len(block.points)
+    assert slit.volume() == pytest.approx(block.volume(), rel=1e-14)
+    areas = {name: facets.blocks for name, facets in slit.facet_sets.items()}
+    total = {}
+    for name, blocks in areas.items():
+        corners = [slit.points[nodes[:, : 4 if facet[0] == "q" else 3]] for facet, nodes in blocks.items()]
+        total[name] = sum(0.5 * np.cross(x[:, 2] - x[:, 0], x[:, -1] - x[:, 1]).sum(axis=0) for x in corners)
+    assert total["slit_low"][2] > 0.5  # twelve of the sixteen squares, a sixteenth each
+    np.testing.assert_allclose(total["slit_low"], -np.asarray(total["slit_high"]), atol=1e-15)

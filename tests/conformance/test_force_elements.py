@@ -96,7 +96,7 @@ ALL = SPRINGS | CURVED
 def test_every_spring_of_the_registry_is_here() -> None:
     springs = {kind for kind, element in forces.FORCES.items() if hasattr(element, "law")}
     assert springs == {name for name in SPRINGS if name in forces.FORCES}
-    terms = ("law", "slip", "load")
+    terms = ("law", "slip", "tension", "load")
     assert all(sum(hasattr(element, term) for term in terms) == 1 for element in forces.FORCES.values())
 
 

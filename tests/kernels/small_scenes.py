@@ -171,7 +171,8 @@ def meeting(first: Any, second: Any, law: Any, height: float) -> Scene:
 
 
 def beams() -> Scene:
-    """Flexible bars that turn and are loaded at places and over surfaces, at the fullest level of inertia."""
+    """Flexible bars that turn and are loaded at places and over surfaces, at the fullest level of inertia; the ends of
+    one are drawn together, and held then."""
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     spin = np.array([0.0, 0.0, 20.0])
     bars = []
@@ -188,6 +189,8 @@ def beams() -> Scene:
     scene.add(forces.Bushing(bars[0]["y_max"], bars[1]["y_min"], np.diag([0.0, 0.0, 0.0, 5.0, 5.0, 5.0])))
     scene.add(forces.PointForce(bars[1]["y_max"], (0.0, 0.0, -50.0)))
     scene.add(forces.PointTorque(bars[1]["y_max"], (1.0, 0.0, 0.0), frame="body"))
+    tie = scene.add(joints.PointOnLine(bars[1]["y_min"], bars[1]["y_max"], axis=(0, 1, 0)))
+    scene.add(forces.Pretension(tie, 20.0, lock_at=1e-4))
     scene.add(forces.SurfaceLoad(bars[0]["x_max"], 1e3))
     scene.add(forces.NodalLoad(bars[1]["middle"], (0.0, 0.0, 0.1)))
     return scene

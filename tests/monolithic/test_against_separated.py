@@ -25,14 +25,16 @@ PLAY = 0.02  # rad
 SECOND = ("acceleration", "reaction", "torque")
 
 
-def both(scene: Scene, duration: float, step: float, **more: Any) -> tuple[History, monolithic.MonolithicHistory]:
+def both(
+    scene: Scene, duration: float, step: float, *, tolerance: float = TIGHT, **more: Any
+) -> tuple[History, monolithic.MonolithicHistory]:  # fmt: skip
     """The two histories."""
     a = run(
         scene, duration, step=step, integrator=GeneralizedAlpha(RHO), progress=False,
-        settings=Settings(residual_tolerance=TIGHT), **more,
+        settings=Settings(residual_tolerance=tolerance), **more,
     )  # fmt: skip
     b = monolithic.run(
-        scene, duration, step=step, integrator=GeneralizedAlpha(RHO), progress=False, tolerance=TIGHT,
+        scene, duration, step=step, integrator=GeneralizedAlpha(RHO), progress=False, tolerance=tolerance,
         **more,
     )  # fmt: skip
     assert a.status == "completed", a.message

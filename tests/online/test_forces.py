@@ -468,7 +468,7 @@ def refused() -> dict[str, tuple[Any, str]]:
         "left-handed": (
             lambda: forces.Bushing(scene.ground, port, STIFFNESS, axes=np.diag([1, 1, -1])), "right-handed",
         ),
-        "same body": (lambda: forces.Bushing(port, body.at((1, 0, 0)), STIFFNESS), "joins two bodies"),
+        "same body": (lambda: forces.Bushing(port, body.at((1, 0, 0)), STIFFNESS), "which does not deform"),
         "shape": (lambda: forces.Bushing(scene.ground, port, np.ones(3)), r"must have shape \(6"),
         "no axis": (lambda: forces.Bearing(scene.ground, port, axis=(0, 0, 0), radial=1.0), "zero length"),
         "coupling": (

@@ -34,7 +34,8 @@ def beam() -> ReducedBody:
 
 
 def chain(kind: str) -> Scene:
-    """Two beams in a row, turned out of line, between the ground and loads of every kind."""
+    """Two beams in a row, turned out of line, between the ground and loads of every kind; or the ends of the first one
+    tied to each other."""
     scene = Scene(gravity=(0, 0, 0))
     first, second = (
         scene.add_body(beam(), name=name, position=(0.0, y, 0.0), stiffening=True, inertia="constant")
@@ -48,6 +49,13 @@ def chain(kind: str) -> Scene:
         "universal": lambda: joints.Universal(first["y_max"], second["y_min"], axis=axis, second_axis=(0.0, 0.45, 0.9)),
         "bushing": lambda: forces.Bushing(first["y_max"], second["y_min"], (1e6, 2e6, 3e6, 2e3, 1e3, 3e3)),
         "rod": lambda: joints.Distance(first["y_max"], second["y_max"]),
+        "tie": lambda: joints.Universal(
+            first["y_min"], first["y_max"], axis=axis, second_axis=(0.0, 0.45, 0.9), point=(0.03, 0.1, 0.02)
+        ),
+        "tie rod": lambda: joints.Distance(first["y_max"], first["y_min"]),
+        "tie bushing": lambda: forces.Bushing(
+            first["y_max"], first["y_min"], (1e6, 2e6, 3e6, 2e3, 1e3, 3e3), point=(0.03, 0.1, 0.02)
+        ),
     }
     scene.add(middle[kind]())
     scene.add(forces.PointForce(second["y_max"], (3.0, -50.0, -40.0), name="dead"))
@@ -70,7 +78,7 @@ def evaluated(engine: Engine, q: np.ndarray, dx: np.ndarray, psi: np.ndarray, dq
     return np.concatenate([work.residual.numpy()[0], work.modal_residual.numpy()[0]])
 
 
-@pytest.mark.parametrize("kind", ["fixed", "revolute", "universal", "bushing", "rod"])
+@pytest.mark.parametrize("kind", ["fixed", "revolute", "universal", "bushing", "rod", "tie", "tie rod", "tie bushing"])
 def test_the_tangent_is_that_of_the_residuals(kind: str) -> None:
     scene = chain(kind)
     engine = Engine(scene)

@@ -46,7 +46,7 @@ def test_matrices_are_symmetric(friction: float) -> None:
     assert settle(engine)
     linear = linearise(engine)
     rest = linear.K - linear.K_laps
-    np.testing.assert_allclose(rest, rest.T, atol=1e-9 * LOAD)  # N m: round-off of differences over 10 um
+    np.testing.assert_allclose(rest, rest.T, atol=5e-9 * LOAD)  # N m: round-off of differences over 10 um
     assert np.abs(linear.K_laps - linear.K_laps.T).max() <= 1e-15 * np.abs(linear.K_laps).max()
     assert np.linalg.eigvalsh(linear.K_laps).min() > -1e-9 * np.abs(linear.K_laps).max()
     assert not np.any(engine.scratch.lap_words.numpy())  # the engine goes on with its own forces

@@ -62,7 +62,7 @@ def stopped(case: str, results: Path, number: int) -> str:
     return said.split("\n")[-2] if "\n" in said else ""
 
 
-@pytest.mark.parametrize("case", ["plain", "sparse", "adaptive", "stages", "runge-kutta", "energy-momentum"])
+@pytest.mark.parametrize("case", ["plain", "sparse", "adaptive", "stages", "static", "runge-kutta", "energy-momentum"])
 def test_a_killed_run_goes_on_bit_for_bit(case: str, tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
     assert "status" not in stopped(case, file, signal.SIGKILL)

@@ -39,7 +39,7 @@ def top() -> wf.Scene:
 
 
 def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
-    """The run of `case`: in one go, or in stages."""
+    """The run of `case`: in one go, in stages, or from one equilibrium to the next."""
     options = OPTIONS | more
     if case == "stages":
         half = 0.5 * STEPS * STEP
@@ -49,6 +49,8 @@ def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
         return wf.simulate(
             top(), STEPS / 4 * STEP, step=STEP, integrator=CHECKS[case], save_every=3, results=results, **options
         )
+    if case == "static":
+        return wf.simulate(pendulum(), STEPS * STEP, step=STEP, kind="static", results=results, **options)
     every = {"sparse": 7, "recorded": 100}.get(case, 1)
     if case == "recorded" and results is not None:
         options["record"] = results.with_suffix(".rrd")

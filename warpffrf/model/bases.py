@@ -44,6 +44,11 @@ class Basis:
         if value >= 1.0:
             raise InputError(f"basis {self.kind!r}: {name} must be below 1, got {value:g}")
 
+    @property
+    def facet_sets(self) -> tuple[str, ...]:
+        """Facet sets of the mesh that this basis looks at."""
+        return ()
+
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
         """Raises `InputError` for a limit of `reduce` that this basis does not take."""
         for name, value in (("max_frequency", max_frequency), ("modes", modes)):
@@ -265,6 +270,11 @@ class TrialVectorDerivatives(_Modal):
             raise InputError(f"{label}: first and second are both {self.first!r}; name the two faces of the joint")
         for name in ("normal", "tangential"):
             object.__setattr__(self, name, require_count(getattr(self, name), f"{label}: {name}", 0))
+
+    @property
+    def facet_sets(self) -> tuple[str, ...]:
+        """The two faces."""
+        return self.first, self.second
 
 
 BASES: dict[str, type[Basis]] = {

@@ -164,6 +164,7 @@ class Ground(_Posed):
     contact."""
 
     index = GROUND_INDEX
+    mode_count = 0
 
     def __init__(self) -> None:
         super().__init__("ground", np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
@@ -286,3 +287,20 @@ def as_port(value: Any, name: str) -> Port:
     if isinstance(value, Body):
         raise InputError(f"{name}: say where on body {value.name!r}: body['interface'], or .at((x, y, z)) if rigid")
     raise InputError(f"{name}: a port is needed (body['interface'], body.at(point) or scene.ground), got {value!r}")
+
+
+def require_relative_motion(a: Port, b: Port, label: str) -> None:
+    """Raise `InputError` naming `label` where nothing can move between two ports: both on the ground or on one rigid
+    body, at one interface, or on a body without modes. Two interfaces of a flexible body move apart by its modes."""
+    if a.body is not b.body:
+        return
+    if a.body.mode_count == 0:
+        what = "does not deform" if a.body.reduced is None else "was reduced without modes"
+        raise InputError(
+            f"{label}: both ports are on {a.body.name!r}, which {what}: nothing moves between them; take a port of "
+            "another body, or two interfaces of one flexible body"
+        )
+    if a.interface_name == b.interface_name:
+        raise InputError(
+            f"{label}: both ports are {a.label}; take two interfaces of the body, or a port of another one"
+        )

@@ -15,7 +15,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.damping import damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
 from warpffrf.model.films import Film
-from warpffrf.model.forces import JointSpringDamper
+from warpffrf.model.forces import JointSpringDamper, Pretension
 from warpffrf.model.gap import closing_distance
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.laps import Lap
@@ -154,7 +154,7 @@ class Scene:
         for port in thing.ports:
             if port.body is not self.ground and not any(port.body is b for b in self.bodies):
                 raise InputError(f"{thing.kind} {thing.name!r}: body {port.body.name!r} belongs to another scene")
-        if isinstance(thing, (Drive, JointSpringDamper, JointReaction)):
+        if isinstance(thing, (Drive, JointSpringDamper, Pretension, JointReaction)):
             self._check_driven_joint(thing)
         if isinstance(thing, Lap):
             refuse_double_laps(thing, self.laps)
@@ -257,13 +257,17 @@ class Scene:
         if name in taken or name == "ground":
             raise InputError(f"{kind} {name!r}: the name is taken, choose another")
 
-    def _check_driven_joint(self, item: Drive | JointSpringDamper | JointReaction) -> None:
+    def _check_driven_joint(self, item: Drive | JointSpringDamper | Pretension | JointReaction) -> None:
         if not any(item.joint is joint for joint in self.joints):
             raise InputError(f"{item.kind}: add its joint {item.joint.name!r} to the scene first")
-        if isinstance(item, Drive):
-            for drive in self.drives:
-                if drive.joint is item.joint and drive.coordinate == item.coordinate:
-                    raise InputError(f"drive: the {item.coordinate} of joint {item.joint.name!r} is driven already")
+        if isinstance(item, (Drive, Pretension)):
+            for other in (*self.drives, *(f for f in self.forces if isinstance(f, Pretension))):
+                if other.joint is item.joint and other.coordinate == item.coordinate:
+                    what = f"the {item.coordinate} of joint {item.joint.name!r}"
+                    if isinstance(item, Drive) and isinstance(other, Drive):
+                        raise InputError(f"drive: {what} is driven already")
+                    held = {True: "driven", False: "under pretension"}[isinstance(other, Drive)]
+                    raise InputError(f"{item.kind}: {what} is {held} already, by {other.name!r}; remove one of them")
 
 
 def _named(members: list, name: str, kind: str) -> Any:

@@ -16,6 +16,7 @@ from warpffrf.model.bodies import GROUND_INDEX, Body
 from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
+from warpffrf.model.forces import JointSpringDamper, Pretension
 from warpffrf.model.gap import facing_gap
 from warpffrf.model.lumped_contact import allowed_overlap
 from warpffrf.model.overlap import excessive_overlap
@@ -41,6 +42,7 @@ class SceneCheck:
     redundant: dict[str, int]
     gaps: dict[str, float]
     unsupported: tuple[str, ...]
+    loose_preloads: dict[str, str] = field(default_factory=dict)  # forces whose tension has no path back, and the cure
     redundant_rows: tuple[str, ...] = ()  # 'joint': what its redundant row would hold, axes of the joint
     refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
     velocity_defects: tuple[str, ...] = ()  # joints and drives that the initial velocities contradict, and by how much
@@ -86,6 +88,7 @@ class SceneCheck:
         lines += self.out_of_reach
         if self.velocity_defects:
             lines.append(f"initial velocities pull apart: {', '.join(self.velocity_defects)}")
+        lines += self.loose_preloads.values()
         if self.unsupported:
             lines.append(f"no joint, spring, contact or film leads to the ground from: {', '.join(self.unsupported)}")
         return "\n".join(lines)
@@ -113,6 +116,7 @@ def check_scene(scene: Scene) -> SceneCheck:
         redundant=found.counts(),
         gaps={**{name: gap[0] if gap else inf for name, gap in found_gaps.items()}, **lumped_gaps},
         unsupported=_unsupported(scene),
+        loose_preloads=_loose_preloads(scene),
         redundant_rows=tuple(row.label for row in found.dropped),
         refused_drives=tuple(str(row.drive.name) for row in found.dropped if row.drive is not None),
         velocity_defects=tuple(str(defect) for defect in velocity_defects(scene)),
@@ -157,11 +161,40 @@ def _local_modes(body: Body) -> int:
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
     """Names of bodies that no chain of joints, springs, contacts, films and laps connects with the ground."""
-    links = [item.ports for item in _connecting(scene) if len(item.ports) == 2]
-    reached = {GROUND_INDEX}
+    reached = _reached(GROUND_INDEX, _connecting(scene))
+    return tuple(body.name for body in scene.bodies if body.index not in reached)
+
+
+def _reached(index: int, items: list[Any]) -> set[int]:
+    """Bodies, and the ground, that chains of `items` connect with the body `index`."""
+    links = [item.ports for item in items if len(item.ports) == 2]
+    reached = {index}
     while True:
         new = {p.body.index for link in links for p in link if any(q.body.index in reached for q in link)} - reached
         if not new:
-            break
+            return reached
         reached |= new
-    return tuple(body.name for body in scene.bodies if body.index not in reached)
+
+
+def _loose_preloads(scene: Scene) -> dict[str, str]:
+    """Pretensions, and joint springs with a preload, between two bodies that nothing else connects: what they pull
+    together presses on nothing. By name, with the cure.
+
+    A spring with a preload is a suspension as well, whose load is the weight; so this is said, and not refused.
+    """
+    told = {}
+    for force in scene.forces:
+        if not isinstance(force, (Pretension, JointSpringDamper)):
+            continue
+        if isinstance(force, JointSpringDamper) and force.preload == 0.0:
+            continue
+        a, b = force.ports
+        others = [item for item in _connecting(scene) if item is not force and item is not force.joint]
+        others = [item for item in others if getattr(item, "joint", None) is not force.joint]
+        if b.body.index not in _reached(a.body.index, others):
+            told[str(force.name)] = (
+                f"{force.kind} {force.name!r}: its tension has no path back, nothing but joint {force.joint.name!r} "
+                f"connects {a.body.name!r} and {b.body.name!r}; add the contact or joint between them that it presses "
+                "together, or take two interfaces of one body"
+            )
+    return told

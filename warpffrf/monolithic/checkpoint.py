@@ -18,11 +18,11 @@ from warpffrf.monolithic.core.state import State
 from warpffrf.monolithic.newton import System
 
 MARK = "monolithic_"  # in front of every name: a checkpoint of the separated solver is none of these
-COUNTS = MARK + "counts"  # steps, iterations, factorisations
+COUNTS = MARK + "counts"  # steps, iterations, factorisations, whether the last step locked a length
 BEGIN, REACH, FACTOR = MARK + "begin", MARK + "reach", MARK + "factor_"
 FACTOR_PARTS = ("scale", "factor", "pivots")
-# fields that files of before the law at nodes of true shapes, and oil films, lack
-YOUNGER = ("nodes", "lost", "film_nodes", "film_points", "film_step")
+# fields that files of before the law at nodes of true shapes, pretensions, and oil films, lack
+YOUNGER = ("nodes", "lost", "locked", "film_nodes", "film_points", "film_step")
 
 
 def to_arrays(state: State) -> dict[str, np.ndarray]:
@@ -68,10 +68,11 @@ def from_arrays(checkpoint: Mapping[str, np.ndarray]) -> State:
 
 @dataclass
 class Progressed:
-    """Where a run stands: the time [s] it began at, and the steps done since."""
+    """Where a run stands: the time [s] it began at, the steps done since, and whether the last one locked a length."""
 
     begin: float
     steps: int = 0
+    locked: bool = False
 
 
 def under_way(system: System, state: State, done: Progressed) -> dict[str, np.ndarray]:
@@ -79,7 +80,7 @@ def under_way(system: System, state: State, done: Progressed) -> dict[str, np.nd
     spent = system.counters
     found = to_arrays(state)
     found[BEGIN] = np.array(done.begin)
-    found[COUNTS] = np.array([done.steps, spent.iterations, spent.factorisations])
+    found[COUNTS] = np.array([done.steps, spent.iterations, spent.factorisations, int(done.locked)])
     found[REACH] = np.array([pair.half for pair in system.pairs if not system.nodal], dtype=int)
     if system.variant == "modified" and isinstance(system.kept, Dense):
         found |= {FACTOR + part: getattr(system.kept, part).copy() for part in FACTOR_PARTS}
@@ -92,10 +93,10 @@ def goes_on(system: System, state: State, kept_for: tuple, checkpoint: Mapping[s
     for name, value in vars(from_arrays(checkpoint)).items():
         setattr(state, name, value)
     steps, spent = (int(checkpoint[COUNTS][0]), system.counters)
-    spent.steps, spent.iterations, spent.factorisations = (int(value) for value in checkpoint[COUNTS])
+    spent.steps, spent.iterations, spent.factorisations = (int(value) for value in checkpoint[COUNTS][:3])
     if not system.nodal:
         for pair, half in zip(system.pairs, checkpoint[REACH], strict=True):
             pair.half = int(half)
     if FACTOR + "factor" in checkpoint:
         system.kept, system.kept_for = Dense.of(*(checkpoint[FACTOR + part] for part in FACTOR_PARTS)), kept_for
-    return Progressed(float(checkpoint[BEGIN]), steps)
+    return Progressed(float(checkpoint[BEGIN]), steps, bool(np.any(checkpoint[COUNTS][3:])))

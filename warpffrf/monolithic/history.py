@@ -69,7 +69,8 @@ class MonolithicHistory:
     """A monolithic run. `energy` has "kinetic", "strain", "contact", "potential" [J], and with the law at nodes of true
     shapes "friction" (cumulative work, not positive) and "layer" (cumulative loss of layers). `spring_rows` (T,
     coordinates, 7): value, force and torque on the second body of every coordinate of every spring law, in the order of
-    the forces. `dropped`: rows of joints that were left out as redundant."""
+    the forces. `tensions`: name -> (T, 7), the same of every pretension. `dropped`: rows of joints that were left out
+    as redundant."""
 
     scene: object
     time: np.ndarray
@@ -87,4 +88,5 @@ class MonolithicHistory:
     final: State | None = None  # to continue from
     spring_rows: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 7)))
     dropped: list = field(default_factory=list)
+    tensions: dict[str, np.ndarray] = field(default_factory=dict)
     films: dict[str, FilmForces] = field(default_factory=dict)

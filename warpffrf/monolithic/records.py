@@ -34,6 +34,7 @@ class _Saved:
     energy: list[float]
     reactions: np.ndarray
     springs: np.ndarray
+    lengths: np.ndarray
     contacts: list[ContactRow]
     friction: list[FrictionRow | None]
     films: list[FilmRow]
@@ -66,6 +67,7 @@ class Records:
             _Saved(
                 state.copy(), (step, solution.iterations, solution.factorisations),
                 [energy[line] for line in _lines(self.system)], reactions, evaluation.balance.springs,
+                evaluation.balance.locked[:, 1],
                 [row for row, _ in found], [rub for _, rub in found], films,
             )
         )  # fmt: skip
@@ -103,6 +105,10 @@ def history_of(
     for joint in scene.joints:
         total = rows["reactions"][:, owner == str(joint.name)].sum(axis=1) if len(owner) else np.zeros((T, 6))
         reactions[str(joint.name)] = (total[:, :3], total[:, 3:])
+    tensions = {
+        data.name: np.hstack([rows["lengths"][:, n, None], rows["reactions"][:, data.row]])
+        for n, data in enumerate(system.data.tensions)
+    }
     contacts = {}
     for n, data in enumerate(system.pairs):
         sides = (data.a, data.b)
@@ -144,7 +150,7 @@ def history_of(
         {line: rows["energy"][:, i].copy() for i, line in enumerate(_lines(system))},
         rows["iterations"], rows["factorisations"], status, message, final=None if final is None else final.copy(),
         spring_rows=rows["springs"], dropped=system.data.dropped,
-        films=films,
+        films=films, tensions=tensions,
     )  # fmt: skip
 
 
@@ -169,6 +175,7 @@ def _rows(system: System, saved: list[_Saved]) -> Rows:
     rows |= {"iterations": numbers[:, 1].astype(int), "factorisations": numbers[:, 2].astype(int)}
     rows["energy"] = np.array([s.energy for s in saved], dtype=float).reshape(T, len(_lines(system)))
     rows["reactions"] = np.array([s.reactions for s in saved]).reshape(T, layout.rows, 6)
+    rows["lengths"] = np.array([s.lengths for s in saved]).reshape(T, len(system.data.tensions))
     rows["springs"] = np.array([s.springs for s in saved]).reshape(T, springs, 7)
     for n, data in enumerate(system.films):
         own = [s.films[n] for s in saved]

@@ -29,6 +29,11 @@ def refuse_contacts(scene: Any, full: bool) -> None:
             f"{lumped.label}: method 'monolithic' has no lumped contacts; use method 'separated', or make a body "
             "flexible and use Contact(...)"
         )
+    for lap in scene.laps:
+        raise InputError(
+            f"{lap.label}: method 'monolithic' has no laps; use method 'separated', which solves them exactly too, or "
+            "Contact(...) between contact surfaces"
+        )
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
         if contact.grid == "patch":

@@ -17,9 +17,10 @@ from warpffrf.model.progress import Progress
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import Progressed, goes_on, under_way
 from warpffrf.monolithic.core.description import describe_scene
-from warpffrf.monolithic.core.integrator import BEGIN, REST, Formula, coefficients_of
+from warpffrf.monolithic.core.integrator import BEGIN, FORGET, REST, Formula, coefficients_of
 from warpffrf.monolithic.core.local_coordinates import TREATMENTS
 from warpffrf.monolithic.core.state import State, initial_state, layout_of
+from warpffrf.monolithic.core.tension import tensions_of
 from warpffrf.monolithic.films.film import TURNS, FilmData, Memory, begin_films
 from warpffrf.monolithic.history import MonolithicHistory
 from warpffrf.monolithic.line_of_centres.pair import pair_data
@@ -36,7 +37,7 @@ log = logging.getLogger("warpffrf")
 REST_FIRST, REST_LAST, REST_GROWTH, REST_STEPS = 1e-3, 1.0, 10.0, 60  # s: proximal steps towards the static state
 REST_TOLERANCE = 1e-12  # m, movement of the last of them
 REST_SHRINK, REST_SHORTEST = 0.1, 1e-9  # with films: times a step that failed; s
-SIZED = ("q", "r", "nodes", "film_nodes", "film_points")  # of a state, by which that of another scene is told
+SIZED = ("q", "r", "locked", "nodes", "film_nodes", "film_points")  # of a state, by which that of another scene is told
 VOIDS_STAY = 1e-9  # of the clearance: what voids may change by in the last step
 MESSAGES = {
     "not_converged": "the Newton iteration did not converge; reduce step",
@@ -239,12 +240,17 @@ def _loop(
     try:
         with deferred_interrupts() as asked:
             for n in range(before, steps):
-                solution = solve_step(system, state, formula, done.begin + (n + 1) * step)
+                end = done.begin + (n + 1) * step
+                tensions = tensions_of(system.data, state, formula, end)
+                locks = bool(np.any(tensions.holds & (state.locked[:, 0] == 0.0)))
+                now = _forgetful(state, step) if locks or done.locked else formula
+                solution = solve_step(system, state, now, end)
                 system.counters.iterations += solution.iterations
                 system.counters.factorisations += solution.factorisations
                 if solution.failure or solution.evaluation is None:
-                    return solution.failure, f"at {done.begin + (n + 1) * step:g} s: " + MESSAGES[solution.failure]
-                _accept(system, state, formula, solution)
+                    return solution.failure, f"at {end:g} s: " + MESSAGES[solution.failure]
+                _accept(system, state, now, solution)
+                done.locked = locks
                 system.counters.steps += 1
                 done.steps = n + 1
                 if (n + 1) % save_every == 0 or n + 1 == steps:
@@ -260,6 +266,13 @@ def _loop(
         system.counters.seconds["loop"] = clock.perf_counter() - entered
         bar.close()
     return "completed", ""
+
+
+def _forgetful(state: State, step: float) -> Formula:
+    """The formula of a step that remembers no accelerations, of which `state` is relieved."""
+    for name in ("v_alg", "w_alg", "q_alg"):
+        setattr(state, name, np.zeros_like(getattr(state, name)))
+    return Formula(FORGET, step)
 
 
 def _accept(system: System, state: State, formula: Formula, solution: Solution) -> None:
@@ -311,7 +324,7 @@ def _keep_rest(system: System, state: State, solution: Solution) -> None:
     if evaluation is None:
         return
     state.lam = solution.increment.lam.copy()
-    state.stretch = evaluation.balance.stretch
+    state.stretch, state.locked = evaluation.balance.stretch, evaluation.balance.locked
     if system.nodal:
         state.nodes = state.nodes.copy()  # the evaluation still looks at what was before
         for pair in evaluation.pairs:

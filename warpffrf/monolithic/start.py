@@ -8,7 +8,8 @@ their size, so accelerations are then found from the equations of motion and the
 
 M0 the mass matrix of the undeformed bodies, M that with all inertia terms (R is linear in a, so M is what its tangent
 loses when ACC goes from 1 to 0), R_0 the residual without accelerations and multipliers, H the derivative of the row's
-gradient by the coordinates (`rows`). Local coordinates with mass follow their own equations.
+gradient by the coordinates (`rows`). Pretensions that pull are forces, no rows of C. Local coordinates with mass follow
+their own equations.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ from warpffrf.monolithic.core.equations import Balance, Increment, Trial, balanc
 from warpffrf.monolithic.core.integrator import BEGIN, PROJECT, Formula
 from warpffrf.monolithic.core.rotation import tangent_inverse
 from warpffrf.monolithic.core.state import State
+from warpffrf.monolithic.core.tension import tensions_of
 from warpffrf.monolithic.newton import Evaluation, Solution, System, solve_step
 from warpffrf.monolithic.nodal.newton import node_pair_state
 
@@ -60,7 +62,7 @@ def begin(system: System, state: State) -> Solution:
     for name, rate in (("v", trial.v_rate), ("w", trial.w_rate), ("qd", trial.qdd)):
         setattr(state, name, getattr(state, name) - START_STEP * rate)
     state.lam = solution.increment.lam.copy()
-    state.stretch = evaluation.balance.stretch
+    state.stretch, state.locked = evaluation.balance.stretch, evaluation.balance.locked
     found = _refined(system, state, given, evaluation)
     if found is not None:
         solution.increment.lam[:] = state.lam
@@ -100,9 +102,13 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
         trial = _at_rest(state, rates)
         return balance(data, layout, system.local, state, _Slopes(BEGIN, acc), zero, trial)
 
-    none = np.zeros(layout.rows)
-    first = at(0.0, none)
-    C = first.outer[:o, o:].T.copy()  # gradients of the rows as they pull
+    tensions = tensions_of(data, state, _Slopes(BEGIN, 0.0), state.time)
+    pulls = tensions.rows[~tensions.holds]
+    lam = np.zeros(layout.rows)
+    lam[pulls] = tensions.force[~tensions.holds]
+    held = np.delete(np.arange(layout.rows), pulls)
+    first = at(0.0, lam)
+    C = first.outer[:o, o + held].T.copy()  # gradients of the rows as they pull
     M0 = np.zeros((o, o))
     for b, body in enumerate(data.bodies):
         M0[6 * b : 6 * b + 3, 6 * b : 6 * b + 3] = body.mass * np.eye(3)
@@ -110,7 +116,7 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
     modes = np.arange(6 * B, o)
     M0[modes, modes] = 1.0
     rate, rate2 = (
-        np.array([_derivative(item.signal, state.time, order) for item in data.constraints]) for order in (1, 2)
+        np.array([_derivative(data.constraints[n].signal, state.time, order) for n in held]) for order in (1, 2)
     )
     V = np.concatenate([np.hstack([given.v, given.w]).ravel(), given.qd[: layout.modes]])
     solved = _constrained(M0, C, np.zeros(o), C @ V - rate)
@@ -121,16 +127,16 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
     state.v, state.w = rigid[:, :3].copy(), rigid[:, 3:].copy()
     state.qd = given.qd.copy()
     state.qd[: layout.modes] = V[6 * B :]
-    moving = at(0.0, none)
-    M = at(1.0, none).outer[:o, :o] - moving.outer[:o, :o]
+    moving = at(0.0, lam)
+    M = at(1.0, lam).outer[:o, :o] - moving.outer[:o, :o]
     force = -moving.residual[:c]
     for unknowns, load in evaluation.loads(system.nodal):
         force[unknowns] += load
-    gamma = row_curvature(data, layout, _at_rest(state, False), V)
+    gamma = row_curvature(data, layout, _at_rest(state, False), V)[held]
     solved = _constrained(M, C, force[:o], rate2 - gamma)
     if solved is None:
         return None
-    a, lam = solved
+    a, lam[held] = solved
     rigid = a[: 6 * B].reshape(-1, 6)
     state.v_rate, state.w_rate = rigid[:, :3].copy(), rigid[:, 3:].copy()
     mass = system.local.mass

@@ -146,6 +146,8 @@ class Settings:
 
     def check_against(self, mesh: Mesh) -> None:
         """Raises `InputError` for what the mesh does not have or cannot be combined."""
+        for name in self.basis.facet_sets:
+            mesh.facets(name)
         for name, kind in self.interfaces.items():
             mesh.facets(name)
             if kind not in INTERFACE_KINDS:

@@ -173,6 +173,11 @@ class Engine:
             words = self.state.clk.numpy()
         return words[name].copy()
 
+    def locked_rows(self, world: int) -> list[int]:
+        """Rows of the pretensions that hold their length."""
+        rows = self.compiled.tensions.rows.values()
+        return [row for row, held in zip(rows, self.state.locked.numpy()[world], strict=False) if held]
+
     def replay(self, attempts: int) -> float:
         """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
         begin = time.perf_counter()
@@ -202,7 +207,8 @@ class Engine:
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Copies of all that the next step needs to go on bit for bit: the state and, with cells that travel with the
-        patch, what is kept of them from step to step."""
+        patch, what is kept of them from step to step. Tableaus of laps are not among them: they are made anew of the
+        forces of the state, and a run goes on to round-off of their solve."""
         return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -222,8 +228,8 @@ class Engine:
             self.start_notes.append(NOT_KEPT)
 
     def put_back(self, values: Mapping[str, np.ndarray]) -> None:
-        """Overwrite the state of this engine. Tableaus of laps belong to what was evaluated last: they are made anew of
-        the forces of the state."""
+        """Overwrite the state of this engine. Tableaus of laps belong to what was evaluated last: they are made anew
+        of the forces of the state."""
         self.state.assign(values)
         self.scratch.lap_words.zero_()
 

@@ -28,6 +28,7 @@ from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.integrators import HHT, Coefficients
+from warpffrf.model.laps import Lap
 from warpffrf.model.local_modes import DynamicModes, dynamic_modes
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
@@ -117,9 +118,23 @@ class LocalPlan:
                 note = f"contact surface {port.label}: the inertia of its local modes is neglected"
                 if note not in plan.notes:  # one of several pairs on it has said so
                     plan.notes.append(note)
+        for lap in scene.laps:
+            plan._look_at_lap(lap)
         if any(plan.count(body) for body in plan.modes):
             plan.notes.append("pictures and stresses show dynamic local modes as if at rest under the pressure")
         return plan
+
+    def _look_at_lap(self, lap: Lap) -> None:
+        """Say that its cells have no inertia; raises `InputError` where local modes of its bodies do, which move no
+        lap."""
+        for port in lap.ports:
+            if self.count(port.body.index):
+                raise InputError(
+                    f"{lap.label}: local {self.options.treatment!r} gives inertia to local modes of body "
+                    f"{port.body.name!r}, which do not move its laps; take local='quasi_static' and reduce it with "
+                    "more global modes (max_frequency=)"
+                )
+        self.notes.append(f"{lap.label}: its cells yield without inertia, beyond the global modes of its bodies")
 
     def _add(self, port: SurfacePort) -> None:
         own = self.modes.setdefault(port.body.index, {})

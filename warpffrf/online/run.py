@@ -12,6 +12,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
+from warpffrf.model.forces import Pretension
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.integrators import (
     CHECK_INTEGRATORS,
@@ -41,6 +42,7 @@ from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_ch
 from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
+from warpffrf.online.diagnosis.load_notes import is_static, load_notes
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
 from warpffrf.online.diagnosis.steep_falls import steep_notes
 from warpffrf.online.engine import Engine
@@ -332,7 +334,7 @@ def finish(
         "impulsive_steps": int(engine.word("impulses")[0]),
         "outer_columns": engine.compiled.model.outer.count + engine.compiled.model.modes.count,
     }
-    if engine.compiled.slips.laws:
+    if engine.compiled.slips.laws or engine.compiled.tensions.laws:
         history.counters["forgetful_steps"] = int(engine.word("forgotten")[0])
     if engine.graph.pattern is not None:
         factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of the pressures, and of the tractions
@@ -371,7 +373,10 @@ def finish(
     history.cell_checks = check_cells(engine, history)
     contact += cell_check_notes(engine, history.cell_checks)
     contact = [note for note in contact if note not in notes]
-    energy = energy_notes(history.energy, round_off_energy(engine))
+    if is_static(engine):
+        energy = load_notes(engine, history.energy)
+    else:
+        energy = energy_notes(history.energy, round_off_energy(engine))
     history.notes = [*notes, *inertia, *contact, *energy, *history.notes]
     history.checkpoint = left
     return history
@@ -414,8 +419,8 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 
 
 def check_load_paths(scene: Scene) -> list[str]:
-    """Refuse bodies that nothing leads to the ground from, and laps that push bodies away; notes on pairs that wedge
-    deeply, or will hardly touch."""
+    """Refuse bodies that nothing leads to the ground from, laps that push bodies away, and pretensions that press on
+    nothing; notes on pairs that wedge deeply, or will hardly touch."""
     check = scene.check()
     if unsupported := check.unsupported:
         raise InputError(
@@ -423,6 +428,9 @@ def check_load_paths(scene: Scene) -> list[str]:
             f"{', '.join(repr(name) for name in unsupported)}; add one, or start from 'initial'"
         )
     refuse_pushed_apart(scene)
+    for force in scene.forces:
+        if isinstance(force, Pretension) and force.name in check.loose_preloads:
+            raise InputError(f"equilibrium: {check.loose_preloads[str(force.name)]}")
     wedged = "" if check.wedge is None else excessive_wedge(check.wedge)
     return [note for note in (wedged, *check.out_of_reach) if note]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
+from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
 from warpffrf.output.result import Result
 
 UNDAMPED = 1e-6  # ratio: what the linearisation of an undamped machine about the end of a run leaves, some 1e-7
@@ -78,6 +80,27 @@ class Modes:
         """Share of each body in the kinetic energy of mode i."""
         i = self._index(i)
         return {name: float(share[i]) for name, share in self.found.shares.items()}
+
+    def equivalent_damping(
+        self,
+        i: int,
+        amplitude: float | Sequence[float] | np.ndarray,
+        *,
+        at: Any = None,
+        cycles: int = 3,
+        steps: int = 48,
+    ) -> EquivalentDamping:
+        """What the laps of the scene take from a vibration in mode i, and how soft they make it, at given amplitudes.
+
+        amplitude: one or several, the displacement [m] of the port `at` by the mode, `body["interface"]` or
+        `body.at((x, y, z))`; without `at` that of the mode's coordinate [m kg^(1/2)], whose modal mass is 1. The laps
+        go through `cycles` (3 or more) quasi-static cycles of `steps` steps, from the state that the modes are about,
+        and the last counts; bodies, springs and contacts are linear, and give way as the slip asks for. More steps find
+        frequency and loss better. Raises InputError for scenes without laps, states in motion, modes that are no
+        standing vibration, ports that do not move, and amplitudes at which nothing holds the mode. How it
+        is done: `warpffrf.online.vibrations.rubbing`.
+        """
+        return equivalent_damping(self.found, self._index(i), amplitude, at=at, cycles=cycles, steps=steps)
 
     def report(self) -> str:
         """Table of the modes, frequencies, damping, the bodies that move most, and notes: plain text."""

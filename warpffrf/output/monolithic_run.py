@@ -36,6 +36,7 @@ from warpffrf.online.history.history import (
     BodyHistory,
     ContactHistory,
     FilmHistory,
+    ForceHistory,
     FrictionHistory,
     History,
     JointHistory,
@@ -189,6 +190,8 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
     rows = found.spring_rows
     stretches = {name: rows[:, own, 0] for name, own in springs.rows.items()}
     forces = force_histories(scene, springs, time, rows[:, :, 0], rows[:, :, 1:], bodies)
+    for name, row in found.tensions.items():
+        forces[name] = ForceHistory(row[:, 1:4], row[:, 4:], row[:, :1])
     contacts = {
         name: ContactHistory(
             **{field: getattr(c, field) for field in CONTACT_FIELDS},

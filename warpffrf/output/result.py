@@ -126,7 +126,10 @@ class Result:
 
     @cached_property
     def _laps(self) -> dict[str, LapResult]:
-        return {name: LapResult(lap, self.view.laps[name], self.time) for name, lap in self.history.laps.items()}
+        return {
+            name: LapResult(lap, self.view.laps[name], self.time, self.history.bodies)
+            for name, lap in self.history.laps.items()
+        }
 
     def hysteresis(self, force: Any, against: Any) -> Hysteresis:
         """A force against a displacement over the run: loops with their losses and equivalent damping

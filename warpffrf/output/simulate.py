@@ -83,9 +83,10 @@ def simulate(
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
     Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
-    the tolerance of the iteration with method="monolithic"). Saved are every `save_every`th step and the last.
-    project_start: change initial velocities that do not agree with the joints as little as possible, with a note,
-    instead of refusing them; a drive changes them in any case, it says what the velocity is. stages: see
+    the tolerance of the iteration with method="monolithic", to round-off with laps, some 1e-9). Saved are every
+    `save_every`th step and the last. project_start: change initial velocities that do not agree with the joints as
+    little as possible, with a note, instead of refusing them; a drive changes them in any case, it says what the
+    velocity is. stages: see
     `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
     reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands
     of times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
@@ -108,8 +109,8 @@ def simulate(
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of
     wall time, by a thread beside it (less often where a checkpoint takes more than 2 % of that). resume: go on from
-    there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped, by every method
-    and integrator; a finished run is read, and one that never began is begun.
+    there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped (with laps to
+    round-off), by every method and integrator; a finished run is read, and one that never began is begun.
 
     kind: "dynamic", or "static" for equilibria at the end of every step, under the forces and prescribed motions of
     that time, friction with its history (`warpffrf.online.load_steps`); of stages each has its own.

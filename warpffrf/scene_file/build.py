@@ -44,6 +44,7 @@ class Builder:
         self.source = source
         self.fixed, self.items, self.values = fixed_forms(), item_kinds(), value_kinds()
         self.made: dict[str, dict[str, Any]] = {}  # section -> name -> object
+        self.making: set[tuple[str, str]] = set()  # section and name of what is made of others, while it is made
         self.files: dict[Path, FilePath] = {}  # input files, where they are
         self.scene: Any = None
         self._check()
@@ -277,6 +278,9 @@ class Builder:
         """The material, mesh, reduced body or signal of a name, made when first asked for."""
         if name in self.made.get(section, {}):
             return self.made[section][name]
+        if (section, name) in self.making:
+            raise InputError(f"[{section}.{name}] is made of itself; name another one in its table")
+        self.making.add((section, name))
         path, table = (section, name), self.source.values[section][name]
         form = self._form(path, table)
         with self._blamed(path, table):

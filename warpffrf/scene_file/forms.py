@@ -3,8 +3,8 @@
 A `Form` is a call and its arguments. Types come from the annotations and are checked by pydantic: numbers, texts, lists
 and tables strictly, everything else when the call is made. An argument that names another thing of the scene has a
 role, found by its name (`a`, `b`, `port`, `joint`, ...) or its annotation (`Joint`). Joints, forces, sensors, drives,
-contact pairs and films are found as the classes with a `scene_list`, signals, surfaces, bases, damping and integrators
-in their modules: a new one in its module is a new `kind` here.
+contact pairs, films and laps are found as the classes with a `scene_list`, signals, surfaces, bases, damping and
+integrators in their modules: a new one in its module is a new `kind` here.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from warpffrf.scene_file.source import Path, Source
 PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are places on bodies
 NAMED = {"joint": "joints", "contact": "contacts", "body": "bodies", "sensor": "sensors"}  # role -> section
 PATHS = ("path", "M", "K")
-ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact", "films")  # of warpffrf.model
+ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact", "films", "laps")  # of warpffrf.model
 ABSTRACT = ("joint", "force", "sensor")  # kinds of the classes that others are made from
 WORDS = {
     "float_type": "must be a number", "int_type": "must be a whole number", "bool_type": "must be true or false",
@@ -198,13 +198,14 @@ def signal_kinds() -> dict[str, Form]:
 @cache
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
-    laws, characteristics of springs, oils, feeds and forms of films, integrators, treatments of local modes, the
-    monolithic method, stress points."""
+    laws, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators, treatments of local
+    modes, the monolithic method, stress points."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
     from warpffrf.model.friction import FRICTION_LAWS
+    from warpffrf.model.laps import LapCells
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.stress_field import StressPoints
@@ -212,7 +213,8 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.monolithic import Monolithic
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, Monolithic, DowsonHigginson, iso_vg, online.LocalDynamics, *online.INTEGRATORS.values()]
+    others = [StressPoints, LapCells, Monolithic, DowsonHigginson, iso_vg]
+    others += [online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
         **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
@@ -233,14 +235,14 @@ def shape_kinds() -> dict[str, Form]:
 
 @cache
 def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
-    """Section of contacts or films and argument -> kind -> form, of those that take the laws, oils or forms of one sort
+    """Section of contacts, films or laps and argument -> kind -> form, of those that take the laws, oils or forms of one sort
     only."""
     from warpffrf.model.films import FORMS, ROUGHNESSES
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.oils import OILS
 
-    contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS}
+    contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "laps": LAWS}
     of_films = {"law": LAWS, "oil": (*OILS, "iso_vg")}
     of_films |= dict.fromkeys(("form", "form_second"), FORMS)
     of_films |= dict.fromkeys(("roughness", "roughness_second"), ROUGHNESSES)
@@ -255,6 +257,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
     from warpffrf.model import mesh
     from warpffrf.model.material import Material
+    from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced_body import ReducedBody
     from warpffrf.model.scene import Scene
     from warpffrf.offline import reduce
@@ -270,6 +273,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "grid": form_of("grid", mesh.grid, {}),
             "read": form_of("mesh file", mesh.read, paths),
             "from_matrices": form_of("matrices", mesh.from_matrices, paths, ("name",)),
+            "cut": form_of("cut", cut, {"mesh": "meshes"}),
         },
         "reduced_bodies": {
             "reduce": form_of(

@@ -50,7 +50,7 @@ loads take to change. Friction does not act in the first equilibrium of a scene;
 
 import warp as wp
 
-from warpffrf_kernels.bodies.interfaces import compliance, marker_of
+from warpffrf_kernels.bodies.interfaces import compliance, marker_of, side_of
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
@@ -168,8 +168,19 @@ def row_compliance(
     C_modal: wp.array(dtype=real),
     receptance: wp.array(dtype=real),
 ) -> real:
-    """About what a unit of the row's force moves its coordinate by in a step, bodies taken as free."""
+    """About what a unit of the row's force moves its coordinate by in a step, bodies taken as free; modes that are
+    outer unknowns, whose receptance is 0, by their own inertia and stiffness."""
     total = compliance(model, w, row, row, C_modal, receptance)
+    for side in range(2):
+        b = side_of(model, row, side)
+        if b >= 0:
+            d = model.bodies.dense_start[b]
+            while d < model.bodies.dense_start[b] + model.bodies.dense_count[b]:
+                m = model.dense.mode[d]
+                c = C_modal[(w * model.rows.count + row) * model.modes.count + m]
+                damping = clk[w].outer.vel * model.modes.damping[m]
+                total += c * c / (clk[w].outer.acc + damping + model.modes.stiffness[m])
+                d += 1
     for side in range(2):
         b = model.markers.body[marker_of(model, row, side)]
         if b >= 0:
@@ -407,7 +418,7 @@ def keep_slips(
     """Lanes over joints with friction: what an accepted attempt has found."""
     w, lane = wp.tid()
     model = models[0]
-    if ctl[w].accept == 0 or not acts(ctl, clk, w):
+    if ctl[w].commit == 0 or not acts(ctl, clk, w):
         return
     e = lane
     while e < model.elements[0].joint_frictions.count:

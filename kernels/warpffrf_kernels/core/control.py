@@ -89,6 +89,7 @@ class Clock:
     move: real  # largest displacement of a static step [m]
     done_step: real  # size of the last accepted step
     tau: real  # longest proximal step of a load step, see `proximal`
+    force: real  # largest force of a load step
     left: real  # inertia of the proximal step over the largest force: what a load step has not balanced
     error: real  # local error of the attempt over the one allowed
     gained: real  # energy gained in impacts so far, each over the energy at hand, losses taken off

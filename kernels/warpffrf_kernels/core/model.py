@@ -151,6 +151,16 @@ class JointFrictions:
 
 
 @topic
+class Pretensions:
+    """Coordinates of joints that are pulled, and held later, see `pretension`."""
+
+    count: int
+    row: DeviceArray = integers("pretension")
+    signal: DeviceArray = integers("pretension", note="of the pull [N]")
+    lock_at: DeviceArray = reals("pretension", unit="s", note="infinite: never")
+
+
+@topic
 class Characteristics:
     """Forces of springs and dampers over c or cdot, piece by piece, see `characteristics`."""
 
@@ -674,6 +684,7 @@ class Elements:
     minutes: so these are read where they lie."""
 
     joint_frictions: JointFrictions
+    pretensions: Pretensions
     characteristics: Characteristics
     slip_speeds: SlipSpeeds
     layers: Layers

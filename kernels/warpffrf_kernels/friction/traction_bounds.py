@@ -78,8 +78,7 @@ def bound_cells(
     traction: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, pair), lanes over cells: the bounds [Pa] of the present pressures; with `clip` tractions beyond them
-    are cut. Friction acts in steps in time and load steps only: a first equilibrium or a start has no slip to speak
-    of."""
+    are cut. Friction acts in steps in time and load steps: a first equilibrium or a start has no slip to speak of."""
     w, pair, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or not rubs_on_grid(model, pair):

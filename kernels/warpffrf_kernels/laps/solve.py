@@ -38,6 +38,7 @@ from warpffrf_kernels.laps.tableau import (
     unknowns_of,
 )
 from warpffrf_kernels.laps.words import (
+    AHEAD,
     ALL_PASSES,
     CLOSES,
     COUNT,
@@ -66,6 +67,14 @@ NEARLY = wp.constant(wp.float64(1.0e-7))  # ... and in the second
 MOST_PASSES = wp.constant(150)
 SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
 REFRESHED = wp.constant(25)
+
+
+@wp.kernel
+def look_ahead(ctl: wp.array(dtype=Control), lap_words: inout(wp.array3d(dtype=int))):
+    """Per (world, group): the evaluation that follows is that of a prediction."""
+    w, group = wp.tid()
+    if ctl[w].run != 0:
+        lap_words[w, group, AHEAD] = 1
 
 
 @wp.kernel
@@ -129,10 +138,12 @@ def solve_laps(
     weights = (w * model.elements[0].laps[0].count + group) * MOST_RANK
     ready = lap_words[w, group, READY]
     since = lap_words[w, group, SINCE]
+    ahead = lap_words[w, group, AHEAD]
     sync()
     if lane == 0:
         look_at_motion(model, w, group, r1, axes, q1, lap_gradient, lap_z, lap_step)
         lap_words[w, group, KNOWN] = -1
+        lap_words[w, group, AHEAD] = 0
         c = int(0)
         while c < cells:
             lap_flips[w, first + c] = 0
@@ -199,10 +210,10 @@ def solve_laps(
             lap_words[w, group, SINCE] = 0
         sync()
     done = int(0)
-    if ctl[w].iteration == 0 and ready != 0:
+    if ahead != 0 and ready != 0:
         done = int(1)
     enough = SETTLED
-    if ctl[w].iteration == 1:
+    if ctl[w].iteration == 1:  # of an evaluation that no balance follows it is 0
         enough = ROUGHLY
     elif ctl[w].iteration == 2:
         enough = NEARLY

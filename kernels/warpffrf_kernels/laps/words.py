@@ -24,4 +24,5 @@ EXCHANGES = wp.constant(10)  # cells that changed their states so far
 ALL_PASSES = wp.constant(11)  # passes so far
 EVALUATIONS = wp.constant(12)  # so far
 HELD = wp.constant(13)  # 1 while its forces on the motion stay as they are, whatever moves
-WORDS = 14
+AHEAD = wp.constant(14)  # 1 before the first evaluation of an attempt, which keeps the states of cells
+WORDS = 15

@@ -28,6 +28,9 @@ CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: 
 CELLS = wp.constant(wp.float64(0.1))
 # of the force that moves a body by the scene's length in a step: below what round-off leaves where nothing acts
 NO_FORCE = wp.constant(wp.float64(1.0e-29))
+STILL = wp.constant(wp.float64(1.0e-11))  # of the increments of a load step, and ...
+ROUNDED = wp.constant(wp.float64(1.0e-15))  # ... of the coordinates: what moves less from round to round is at rest
+CLOSER = wp.constant(wp.float64(100.0))  # forces of laps are found that much closer, as other forces are in the end
 NONE = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite where bodies have next to no mass
 
 
@@ -54,24 +57,46 @@ def arm_of(model: Model, row: int) -> real:
 def inertia_left(
     model: Model,
     w: int,
+    acc: real,
+    extent: real,
     scale: real,
     modal_scale: real,
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    dq: wp.array2d(dtype=real),
     v1_rate: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
     qd1_rate: wp.array2d(dtype=real),
 ) -> real:
-    """Largest inertia force of bodies over `scale`, of modes over `modal_scale`."""
+    """Largest inertia force of a proximal step, of bodies over `scale`, of modes over `modal_scale`, but for what moves
+    no more than round-off: `STILL` of the increments of the load step, or `ROUNDED` of `extent` [m]."""
+    most = real(0.0)
+    b = int(0)
+    while b < model.bodies.count:
+        gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
+        most = wp.max(most, wp.length(dx[w, b]) + gyration * wp.length(psi[w, b]))
+        b += 1
+    still = acc * wp.max(STILL * most, ROUNDED * extent)
     left = real(0.0)
     b = int(0)
     while b < model.bodies.count:
         J = model.bodies.inertia[b]
         m = model.bodies.mass[b]
-        left = wp.max(left, m * wp.length(v1_rate[w, b]) / scale)
-        left = wp.max(left, wp.length(J * omega1_rate[w, b]) / (gyration_of(J, m) * scale))
+        gyration = gyration_of(J, m)
+        if wp.length(v1_rate[w, b]) > still:
+            left = wp.max(left, m * wp.length(v1_rate[w, b]) / scale)
+        if gyration * wp.length(omega1_rate[w, b]) > still:
+            left = wp.max(left, wp.length(J * omega1_rate[w, b]) / (gyration * scale))
         b += 1
+    most = real(0.0)
     n = int(0)
     while n < model.modes.count:
-        left = wp.max(left, wp.abs(qd1_rate[w, n]) / modal_scale)
+        most = wp.max(most, wp.abs(dq[w, n]))
+        n += 1
+    n = int(0)
+    while n < model.modes.count:
+        if wp.abs(qd1_rate[w, n]) > acc * STILL * most:
+            left = wp.max(left, wp.abs(qd1_rate[w, n]) / modal_scale)
         n += 1
     return left
 
@@ -212,7 +237,7 @@ def balance(
         lap += 1
     lap = int(0)
     while lap < model.elements[0].laps[0].count:
-        worst = wp.max(worst, lap_off[w, lap])
+        worst = wp.max(worst, CLOSER * lap_off[w, lap])
         sum += lap_off[w, lap]
         lap += 1
     row = int(0)
@@ -276,7 +301,10 @@ def balance(
         row += 1
     worst = wp.max(worst, open_load / modal_scale)
     if loading:
-        clk[w].left = inertia_left(model, w, scale, modal_scale, v1_rate, omega1_rate, qd1_rate)
+        clk[w].force = scale
+        clk[w].left = inertia_left(
+            model, w, clk[w].outer.acc, extent, scale, modal_scale, dx, psi, dq, v1_rate, omega1_rate, qd1_rate
+        )
     history[w, wp.min(ctl[w].iteration, history.shape[1] - 1)] = worst
     if not wp.isfinite(worst + sum):
         ctl[w].failure = ctl[w].failure | k.NOT_FINITE

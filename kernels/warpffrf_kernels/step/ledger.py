@@ -4,6 +4,7 @@ With E the energy of the state (kinetic, strain of the modes, contact of pairs a
 springs) every step books
 
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
+                      and of pretensions -(lambda_0 + lambda_1)/2 (c_1 - c_0), in static steps -lambda_1 (c_1 - c_0)
     damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
                       takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
                       is that too, in steps that forget G(v_1) (x_1 - x_0); what damped layers take
@@ -37,6 +38,11 @@ from warpffrf_kernels.normal.pair_forces import mean_of, pair_work
 
 wp.set_module_options(MODULE_OPTIONS)
 
+STILL = wp.constant(
+    wp.float64(1.0e-12)
+)  # of the largest force times the scene's length: what round-off of places works
+# of the inertia of a proximal step that goes through the whole scene: where nothing acts, round-off works less
+IDLE = wp.constant(wp.float64(1.0e-14))
 UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: what joints work that close to the tolerance of 1e-9
 
 
@@ -100,8 +106,10 @@ def balance_energy(
     drive_work = real(0.0)
     held_work = real(0.0)
     contact_work = real(0.0)
+    heaviest = real(0.0)
     b = int(0)
     while b < model.bodies.count:
+        heaviest = wp.max(heaviest, model.bodies.mass[b])
         kinetic += half * model.bodies.mass[b] * wp.dot(v1[w, b], v1[w, b])
         kinetic += half * wp.dot(omega1[w, b], model.bodies.inertia[b] * omega1[w, b]) + extra_energy[w, b]
         potential -= model.bodies.mass[b] * wp.dot(model.gravity, r1[w, b])
@@ -140,6 +148,14 @@ def balance_energy(
             s1 = evaluate_signal(model, model.rows.signal[row], clk[w].next_time, 0)
             drive_work -= half * (lam0[w, row] + lam[w, row]) * (s1 - s0)
         row += 1
+    e = int(0)
+    while e < model.elements[0].pretensions.count:
+        row = model.elements[0].pretensions.row[e]
+        pull = half * (lam0[w, row] + lam[w, row])
+        if ctl[w].mode == k.STATIC:  # the force has a potential there
+            pull = lam[w, row]
+        force_work -= pull * (coordinate[w, row] - stretch[w, row])
+        e += 1
     groups = group_energy(model, w, h, coordinate, stretch)
     potential += groups[0]
     damping += groups[1]
@@ -224,7 +240,11 @@ def balance_energy(
         largest = wp.max(largest, wp.abs(held_work))
         stored = strain + contact + potential - energy[w, 0, k.STRAIN] - energy[w, 0, k.CONTACT]
         stored -= energy[w, 0, k.POTENTIAL] + last_work + held_work
-        if stored > UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact)):
+        unseen = UNSEEN * (wp.abs(strain) + wp.abs(potential) + wp.abs(contact))
+        if ctl[w].mode == k.LOADING:
+            unseen = wp.max(unseen, STILL * clk[w].force * model.length)
+            unseen = wp.max(unseen, IDLE * heaviest * clk[w].outer.acc * model.length * model.length)
+        if stored > unseen:
             clk[w].rise = stored / largest
     if ctl[w].mode != k.DYNAMIC and ctl[w].mode != k.LOADING:  # a start or a static step opens the books
         force_work = real(0.0)

@@ -19,6 +19,9 @@ to a first equilibrium (mode STATIC), each of which is an accepted attempt of it
 what remembers a history keeps it where `commit` is 1, in phase `keep`, and forces are functions of that history and of
 the present state. `settle` commits once, when it has come to rest.
 
+**Free motions** that are held (`warpffrf_kernels.bodies.motion.hold_motions`) must not be driven: what holds one is
+next to nothing, `PULLED` of the largest force, or `TURNED` of it where a body turns, which grids leave of torques.
+
 **Failure.** A load step whose Newton's method fails, that goes uphill (`ledger`), or that does not come to rest in
 `MOST` rounds, is halved, its loads with it. One that cannot be halved again is taken with shorter proximal steps: the
 first is 100^-n tau, n = `careful`, and from round to round they grow by 10^(1/n) up to tau, to follow a structure that
@@ -37,6 +40,9 @@ wp.set_module_options(MODULE_OPTIONS)
 
 BALANCED = wp.constant(wp.float64(1.0e-2))  # of the residual tolerance
 MOST = wp.constant(60)  # rounds: what has omega tau = 0.7 then comes to 1e-11, a mechanism never
+PULLED = wp.constant(wp.float64(1.0e-8))  # see `warpffrf.online.start.free_motions`
+TURNED = wp.constant(wp.float64(1.0e-5))
+STANDS = wp.constant(wp.float64(1.0e-6))  # of a motion's square: what of it slides where a body turns
 GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
 
 
@@ -62,6 +68,59 @@ def open_rounds(
         m += wp.block_dim()
 
 
+@wp.func
+def along_of(
+    model: Model,
+    w: int,
+    h: int,
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    centre_dx: wp.array2d(dtype=vec3),
+    centre_psi: wp.array2d(dtype=vec3),
+    hold: wp.array3d(dtype=real),
+) -> real:
+    """Free motion h of a round."""
+    along = real(0.0)
+    b = int(0)
+    while b < model.bodies.count:
+        d = dx[w, b] - centre_dx[w, b]
+        turn = psi[w, b] - centre_psi[w, b]
+        for c in range(3):
+            along += hold[w, h, 6 * b + c] * d[c] + hold[w, h, 6 * b + 3 + c] * turn[c]
+        b += 1
+    return along
+
+
+@wp.func
+def held_back(
+    model: Model,
+    clk: wp.array(dtype=Clock),
+    w: int,
+    h: int,
+    along: real,
+    hold: wp.array3d(dtype=real),
+) -> real:
+    """The force that holds free motion h over the one allowed; `along`: the motion less that of the round before."""
+    force = real(0.0)
+    slides = real(0.0)
+    turns = real(0.0)
+    b = int(0)
+    while b < model.bodies.count:
+        m = model.bodies.mass[b]
+        J = wp.trace(model.bodies.inertia[b]) / real(3.0)
+        for c in range(3):
+            f = hold[w, h, 6 * b + c]
+            t = hold[w, h, 6 * b + 3 + c]
+            force += f * f + t * t * m / J
+            slides += f * f / m
+            turns += t * t / J
+        b += 1
+    allowed = TURNED
+    if slides > STANDS * (slides + turns):
+        allowed = PULLED
+    return wp.abs(along) * wp.sqrt(force) / (allowed * clk[w].force)
+
+
 @wp.kernel
 def end_round(
     models: wp.array(dtype=Model),
@@ -70,7 +129,6 @@ def end_round(
     dq: wp.array2d(dtype=real),
     v1_rate: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
-    qd1_rate: wp.array2d(dtype=real),
     hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
     ctl: inout(wp.array(dtype=Control)),
@@ -89,22 +147,24 @@ def end_round(
     if ctl[w].iteration == 0:
         return
     grows = clk[w].outer.acc * clk[w].tau * clk[w].tau > real(1.0) + real(1.0e-9)
-    if not grows and clk[w].left <= BALANCED * model.limits.residual_tolerance:
+    held = int(0)
+    if model.pairs.count > 0:
+        held = hold_count[w]
+    driven = real(0.0)
+    h = int(0)
+    while h < held:
+        along = along_of(model, w, h, dx, psi, centre_dx, centre_psi, hold)
+        driven = wp.max(driven, held_back(model, clk, w, h, along, hold))
+        h += 1
+    if not grows and driven <= real(1.0) and clk[w].left <= BALANCED * model.limits.residual_tolerance:
         return
     if ctl[w].round >= MOST:
         ctl[w].failure = ctl[w].failure | k.RESTLESS
         return
     # what the balance sees of the new centre, but for the inertia of deformed bodies, which the next iteration adds
     h = int(0)
-    while model.pairs.count > 0 and h < hold_count[w]:
-        along = real(0.0)
-        b = int(0)
-        while b < model.bodies.count:
-            d = dx[w, b] - centre_dx[w, b]
-            turn = psi[w, b] - centre_psi[w, b]
-            for c in range(3):
-                along += hold[w, h, 6 * b + c] * d[c] + hold[w, h, 6 * b + 3 + c] * turn[c]
-            b += 1
+    while h < held:
+        along = along_of(model, w, h, dx, psi, centre_dx, centre_psi, hold)
         i = int(0)
         while i < 6 * model.bodies.count:
             residual[w, i] = residual[w, i] - hold[w, h, i] * along
@@ -122,7 +182,7 @@ def end_round(
         b += 1
     m = int(0)
     while m < model.modes.count:
-        modal_residual[w, m] = modal_residual[w, m] - qd1_rate[w, m]
+        modal_residual[w, m] = modal_residual[w, m] - clk[w].outer.acc * (dq[w, m] - centre_dq[w, m])
         centre_dq[w, m] = dq[w, m]
         m += 1
     if grows:

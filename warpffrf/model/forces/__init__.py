@@ -1,8 +1,9 @@
 """Applied forces and compliant elements, one file each; `FORCES` is the registry by kind.
 
-An element says what it is in the terms of `laws`: springs give a `SpringLaw`, friction in joints a `SlipLaw`, loads a
-`PointLoad` or a `BodyLoad`. The simulation knows no more of it, so a new element is one new file and one line here.
-What a spring or damper does that is not in proportion to deformation or rate is a `characteristics`.
+An element says what it is in the terms of `laws`: springs give a `SpringLaw`, friction in joints a `SlipLaw`, a
+pretension a `TensionLaw`, loads a `PointLoad` or a `BodyLoad`. The simulation knows no more of it, so a new element is
+one new file and one line here. What a spring or damper does that is not in proportion to deformation or rate is a
+`characteristics`.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ from warpffrf.model.forces.bushing import Bushing
 from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic, ForcePolynomial, ForceTable, PowerLaw
 from warpffrf.model.forces.cylindrical_friction import CylindricalFriction
 from warpffrf.model.forces.joint_spring import JointSpringDamper, TorsionalSpringDamper
-from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw
+from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw, TensionLaw
 from warpffrf.model.forces.nodal_load import NodalLoad
 from warpffrf.model.forces.point import PointForce, PointTorque
+from warpffrf.model.forces.pretension import Pretension
 from warpffrf.model.forces.prismatic_friction import PrismaticFriction
 from warpffrf.model.forces.revolute_friction import RevoluteFriction
 from warpffrf.model.forces.spring import SpringDamper
@@ -28,6 +30,7 @@ FORCES = {
         SpringDamper,
         JointSpringDamper,
         TorsionalSpringDamper,
+        Pretension,
         Bushing,
         Bearing,
         SurfaceLoad,
@@ -55,11 +58,13 @@ __all__ = [
     "PointLoad",
     "PointTorque",
     "PowerLaw",
+    "Pretension",
     "PrismaticFriction",
     "RevoluteFriction",
     "SlipLaw",
     "SpringDamper",
     "SpringLaw",
     "SurfaceLoad",
+    "TensionLaw",
     "TorsionalSpringDamper",
 ]

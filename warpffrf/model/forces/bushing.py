@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bodies import Port, as_port
+from warpffrf.model.bodies import Port, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.characteristics import Characteristic
 from warpffrf.model.forces.laws import (
@@ -40,7 +40,8 @@ ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mi
 
 
 class TwoPorts:
-    """Two ports on different bodies that meet in a point, and marker axes there; base of bushing and bearing."""
+    """Two ports, of two bodies or two interfaces of one, that meet in a point, and marker axes there; base of bushing
+    and bearing."""
 
     scene_list = "forces"
     kind = ""
@@ -50,8 +51,7 @@ class TwoPorts:
         self.label = f"{self.kind} {name!r}" if name else self.kind
         self.a = as_port(a, f"{self.label}: first port")
         self.b = as_port(b, f"{self.label}: second port")
-        if self.a.body is self.b.body:
-            raise InputError(f"{self.label}: both ports are on {self.a.body.name!r}; it joins two bodies")
+        require_relative_motion(self.a, self.b, self.label)
         self.point = None if point is None else require_array(point, f"{self.label}: point", (3,))
 
     @property

@@ -29,7 +29,8 @@ class JointSpringDamper:
     [m or rad], preload [N or N m]. coordinate: the name of the joint's coordinate ("translation", "rotation", ...), or
     None where it has one only. Turns of an angle are counted, so a spiral spring winds up over any number of them.
     A characteristic (`characteristics`) in the place of stiffness or damping is the force over s - reference, or over
-    ds/dt.
+    ds/dt. Between interfaces under head and nut, a joint that leaves their axis free and a negative preload make a bolt
+    of it, whose tension is -preload where nothing has yielded yet.
     """
 
     scene_list = "forces"

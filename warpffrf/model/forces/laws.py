@@ -144,6 +144,21 @@ class SlipLaw:
 
 
 @dataclass(frozen=True, eq=False)
+class TensionLaw:
+    """A pull `force`(t) [N] on one coordinate of a `joint`, lambda in the words of the module, until the time `lock_at`
+    [s], infinite for ever; from then on the coordinate stays what it is (`pretension`)."""
+
+    joint: Any
+    coordinate: Coordinate
+    force: Any
+    lock_at: float
+
+    @property
+    def ports(self) -> tuple[Any, Any]:
+        return self.joint.ports
+
+
+@dataclass(frozen=True, eq=False)
 class PointLoad:
     """A force [N] (`what` "force") or torque [N m] ("torque") at a port, three signals, axes `frame`."""
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bodies import Port, as_port
+from warpffrf.model.bodies import Port, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics import Characteristic
 from warpffrf.model.forces.laws import (
@@ -49,8 +49,7 @@ class SpringDamper:
         for port in (self.a, self.b):
             if port.point is None:
                 raise InputError(f"{label}: a spring needs a point on the ground, use scene.ground.at((x, y, z))")
-        if self.a.body is self.b.body:
-            raise InputError(f"{label}: both ends are on {self.a.body.name!r}; a spring joins two bodies")
+        require_relative_motion(self.a, self.b, label)
         self.stiffness = require_stiffness(stiffness, f"{label}: stiffness")
         self.damping = require_damping(damping, f"{label}: damping")
         if free_length is not None:

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.bodies import Port, as_port
+from warpffrf.model.bodies import Port, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_array, require_direction, unknown_name
 from warpffrf.model.joints.rows import Row
 from warpffrf.model.surface_fit import reference_direction
@@ -55,7 +55,8 @@ class Marker:
 class Joint:
     """Two ports and an axis; see the subclasses.
 
-    a, b: ports (`body['interface']`, `body.at(point)`, `scene.ground`). axis: direction (3,), world, at the initial
+    a, b: ports (`body['interface']`, `body.at(point)`, `scene.ground`) of two bodies, or two interfaces of one flexible
+    body, which its modes move against each other. axis: direction (3,), world, at the initial
     pose. point: (3,) [m], world, at the initial pose; None takes the place of the ports, which must then meet.
     """
 
@@ -69,8 +70,7 @@ class Joint:
         self.name = name
         self.a = as_port(a, f"{label}: first port")
         self.b = as_port(b, f"{label}: second port")
-        if self.a.body is self.b.body:
-            raise InputError(f"{label}: both ports are on {self.a.body.name!r}; a joint needs two bodies")
+        require_relative_motion(self.a, self.b, label)
         self.axis = require_direction(axis, f"{label}: axis")
         self.point = None if point is None else require_array(point, f"{label}: point", (3,))
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.material import Material
+from warpffrf.model.mesh import cut as cutting
 from warpffrf.model.mesh import periodicity, pyvista_export
 from warpffrf.model.mesh import select as selection
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_used
@@ -197,6 +198,20 @@ class Mesh:
         """A new mesh with the facet set `name`: all one reaches from the facet nearest `seed` (3,) [m] without
         crossing an edge of more than `angle` [degrees]; `selection.feature`."""
         return selection.feature(self, name, seed=seed, angle=angle, from_set=from_set)
+
+    def cut(
+        self,
+        name: str,
+        *,
+        point: Any,
+        normal: Any,
+        cells: str | None = None,
+        radius: float | None = None,
+        tolerance: float | None = None,
+    ) -> Mesh:
+        """A new mesh that is cut along faces of cells on the plane through `point` (3,) [m], with the facet sets
+        NAME_low and NAME_high: a pretension section of a bolt; `cutting.cut`. Lengths in m."""
+        return cutting.cut(self, name, point=point, normal=normal, cells=cells, radius=radius, tolerance=tolerance)
 
     def find_periodicity(self) -> Cyclic | None:
         """Axis and largest number of equal sectors of the cells, or None; `periodicity`."""

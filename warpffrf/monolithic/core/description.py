@@ -39,7 +39,8 @@ class BodyData:
 
 @dataclass(frozen=True, eq=False)
 class ConstraintData:
-    """A rigid row: kind and axes, its two markers, the signal it follows (None: none) and the value it counts from."""
+    """A rigid row: kind and axes, its two markers, the signal it follows (None: none) and the value it counts from; of
+    a pretension, whose `joint` is empty, a row that is not always rigid."""
 
     joint: str
     kind: str
@@ -71,6 +72,16 @@ class SpringData:
 
 
 @dataclass(frozen=True, eq=False)
+class TensionData:
+    """A pretension: its number among the constraints, its pull [N] as a signal, and when it locks [s]."""
+
+    name: str
+    row: int
+    force: Any
+    lock_at: float
+
+
+@dataclass(frozen=True, eq=False)
 class LoadData:
     """A concentrated force or torque at a marker, three signals, in world or body axes."""
 
@@ -88,6 +99,7 @@ class SceneData:
     bodies: list[BodyData]
     markers: list[MarkerPlace] = field(default_factory=list)
     constraints: list[ConstraintData] = field(default_factory=list)
+    tensions: list[TensionData] = field(default_factory=list)
     springs: list[SpringData] = field(default_factory=list)
     loads: list[LoadData] = field(default_factory=list)
     body_loads: list[BodyLoad] = field(default_factory=list)
@@ -127,6 +139,12 @@ def describe_scene(scene: Any) -> SceneData:
     for item in scene.forces:
         if hasattr(item, "law"):
             data.springs.append(_spring(data, str(item.name), item.law(), joints))
+            continue
+        if hasattr(item, "tension"):
+            law = item.tension()
+            c, markers = law.coordinate, joints[str(law.joint.name)]
+            data.tensions.append(TensionData(str(item.name), len(data.constraints), law.force, law.lock_at))
+            data.constraints.append(ConstraintData("", c.kind, c.i, c.j, markers, None, 0.0))
             continue
         if hasattr(item, "slip"):
             raise InputError(f"{item.label}: method 'monolithic' has no friction in joints; use 'separated'")

@@ -5,7 +5,7 @@ Unknowns are the increments (dx, psi, dq) of the step (`integrator`) and the mul
     body      m vdot - m g + (C^T lam)_x - F,          inertia torque (`inertia_forces`) + (C^T lam)_theta - M,
     mode      qddot + c qdot + k q + inertia terms + (C^T lam)_q - f,
     local     mu xiddot + c xidot + kappa xi - f       (quasi-static: mu = c = 0),
-    row       c(x, t).
+    row       c(x, t); of a pretension that pulls, lam - F(t) (`tension`).
 
 A spring adds C^T (K (e - e_0) + D edot + preload) with edot = C ydot, ydot = (v, w, qdot); its tangent is
 `sum lam_i H_i + C^T (K slope + D (C V + ydot^T H))`, H the derivative of C^T, V = VEL (1, T^-1, 1). Characteristics
@@ -28,6 +28,7 @@ from warpffrf.monolithic.core.integrator import Formula
 from warpffrf.monolithic.core.rotation import cross, exponential, hat, multiply, tangent_inverse
 from warpffrf.monolithic.core.rows import Function, MarkerState, RowStates, marker_state, row_states
 from warpffrf.monolithic.core.state import Layout, State
+from warpffrf.monolithic.core.tension import Tensions, tensions_of
 
 TURN = 2.0 * np.pi
 ANGLES = ("angle", "second_angle", "twist")  # coordinates that are angles
@@ -83,7 +84,7 @@ class Balance:
     """`residual` (size,), `outer` (outer + rows, outer + rows) tangent of rigid coordinates, global modes and rows,
     `diagonal` (local,) that of local coordinates, the `wrenches` (rows, 6) of unit multipliers, the largest force [N]
     at work, new `stretch`, energies [J], and `springs` (coordinates, 7): value and wrench on the second body of every
-    coordinate of the spring laws."""
+    coordinate of the spring laws. `locked` (t, 2) of pretensions: whether they hold, and their length now, or held."""
 
     residual: np.ndarray
     outer: np.ndarray
@@ -93,6 +94,7 @@ class Balance:
     stretch: np.ndarray
     energy: dict[str, float]
     springs: np.ndarray
+    locked: np.ndarray
 
 
 def predicted(state: State, formula: Formula) -> Increment:
@@ -155,7 +157,9 @@ def balance(
         gyration = body.gyration
         work.force = max(work.force, body.mass * float(np.linalg.norm(data.gravity) + np.linalg.norm(trial.v_rate[b])))
         work.force = max(work.force, float(np.linalg.norm(forces.torque)) / gyration)
-    wrenches = work.add_constraints(x.lam)
+    tensions = tensions_of(data, state, formula, trial.time)
+    wrenches, values = work.add_constraints(x.lam, tensions)
+    locked = np.stack([tensions.holds, np.where(tensions.holds, tensions.length, values[tensions.rows])], axis=1)
     stretch, stored = work.add_springs(state.stretch)
     work.add_loads()
     xi, xid, xidd = trial.q[n_modes:], trial.qd[n_modes:], trial.qdd[n_modes:]
@@ -171,7 +175,7 @@ def balance(
         "contact": 0.5 * float(local.stiffness @ (xi * xi)),
         "potential": potential,
     }
-    return Balance(full, K, diagonal, wrenches, work.force, stretch, energy, work.springs)
+    return Balance(full, K, diagonal, wrenches, work.force, stretch, energy, work.springs, locked)
 
 
 def row_curvature(data: SceneData, layout: Layout, trial: Trial, V: np.ndarray) -> np.ndarray:
@@ -200,19 +204,19 @@ class _Work:
             q = trial.q[layout.body_modes(b)] if b >= 0 else np.zeros(0)
             self.markers.append(marker_state(place, trial.r[max(b, 0)], trial.A[max(b, 0)], q))
 
-    def columns(self, a: MarkerState, b: MarkerState) -> np.ndarray:
-        """Unknowns of the two bodies of a row."""
-        sides = (self.layout.of_body(m.place.body, m.place.modes is not None) for m in (a, b))
-        return np.concatenate(list(sides))
-
     def rows(self, functions: list[Function], markers: tuple[int, int]) -> tuple[RowStates, np.ndarray]:
-        """Rows of two markers, and the unknowns that they touch."""
-        a, b = self.markers[markers[0]], self.markers[markers[1]]
-        return row_states(functions, a, b), self.columns(a, b)
+        """Rows of two markers, and the unknowns that they touch, each once."""
+        a, b = (self.markers[m] for m in markers)
+        found = row_states(functions, a, b)
+        at_a, at_b = (self.layout.of_body(m.place.body, m.place.modes is not None) for m in (a, b))
+        if a.place.body == b.place.body >= 0:
+            return found.of_one_body(), at_a
+        return found, np.concatenate([at_a, at_b])
 
-    def add_constraints(self, lam: np.ndarray) -> np.ndarray:
-        """Rigid rows: their multipliers on the bodies, and their values."""
-        wrenches = np.zeros((len(lam), 6))
+    def add_constraints(self, lam: np.ndarray, tensions: Tensions) -> tuple[np.ndarray, np.ndarray]:
+        """Rigid rows and pretensions: their multipliers on the bodies, and what they ask for. Returns the wrenches of
+        unit multipliers and the values of all rows."""
+        wrenches, values = np.zeros((len(lam), 6)), np.zeros(len(lam))
         groups: dict[tuple[int, int], list[int]] = {}
         for n, item in enumerate(self.data.constraints):
             groups.setdefault(item.markers, []).append(n)
@@ -225,7 +229,7 @@ class _Work:
             self.tangent[lines[:, None], at] = rows.slope
             self.tangent[at[:, None], lines] = rows.force.T
             self.tangent[at[:, None], at] += np.tensordot(pull, rows.turning, 1)
-            wrenches[members] = rows.wrench
+            wrenches[members], values[members] = rows.wrench, rows.value
             for item, line, value, force in zip(items, lines, rows.value, pull, strict=True):
                 if item.signal is not None:
                     value -= float(item.signal(self.trial.time))
@@ -234,7 +238,14 @@ class _Work:
                 self.residual[line] = value - item.reference
                 if item.is_length:
                     self.force = max(self.force, abs(float(force)))
-        return wrenches
+        lines = self.layout.outer + tensions.rows
+        self.residual[lines] = values[tensions.rows] - tensions.length
+        pulls = ~tensions.holds
+        lines, scale = lines[pulls], tensions.scale[pulls]
+        self.residual[lines] = (lam[tensions.rows] - tensions.force)[pulls] / scale
+        self.tangent[lines] = 0.0
+        self.tangent[lines, lines] = 1.0 / scale
+        return wrenches, values
 
     def velocities(self, at: np.ndarray) -> np.ndarray:
         """ydot of the unknowns `at`."""

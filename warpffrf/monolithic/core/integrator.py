@@ -2,6 +2,7 @@
 
 `REST`: vdot_1 = d/h^2, a proximal step towards the static state. `PROJECT`: one tiny implicit Euler step, velocities
 consistent with the joints. `BEGIN`: one tiny step of constant acceleration, consistent accelerations and multipliers.
+`FORGET`: a step by the implicit Euler method, which remembers no accelerations.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ DEFAULT_INTEGRATOR = HHT(-0.3)  # the usual strongest dissipation of HHT
 REST = Coefficients(0.0, 0.0, 1.0, 0.0)
 PROJECT = Coefficients(0.0, 0.0, 1.0, 1.0)
 BEGIN = Coefficients(0.0, 0.0, 0.5, 1.0)
+FORGET = Coefficients(0.0, 0.0, 1.0, 1.0)  # with algorithmic accelerations of zero
 
 
 def coefficients_of(integrator: Any) -> Coefficients:

@@ -62,6 +62,7 @@ def dense_jacobian(
     K[:o, :o] = balance.outer[:o, :o]
     K[:o, c:] = balance.outer[:o, o:]
     K[c:, :o] = balance.outer[o:, :o]
+    K[c:, c:] = balance.outer[o:, o:]
     local = np.arange(o, c)
     K[local, local] = balance.diagonal
     for state, turning in turnings:

@@ -118,6 +118,15 @@ class RowStates:
     turning: np.ndarray
     wrench: np.ndarray
 
+    def of_one_body(self) -> RowStates:
+        """The rows where both markers stand on one body, and y is its coordinates (n/2,) once: by the chain rule what
+        belongs to either marker adds up, and what the body does as a rigid one cancels."""
+        n = self.slope.shape[1] // 2
+        first, second = slice(n), slice(n, 2 * n)
+        turning = sum(self.turning[:, i, j] for i in (first, second) for j in (first, second))
+        slope, force = (x[:, first] + x[:, second] for x in (self.slope, self.force))
+        return RowStates(self.value, slope, force, np.asarray(turning), self.wrench)
+
 
 Function = tuple[str, int, int, Any]  # kind, axis i of a, axis j of b, vector (6,) of a bushing coordinate
 

@@ -19,8 +19,9 @@ class State:
     w_alg (B, 3) body axes; q, qd, qdd, q_alg (n,): global modes of all bodies, then all local coordinates; lam (rows,):
     multipliers of the rigid rows; stretch: last values of all spring coordinates, which count turns; active (per pair):
     contact pressures by number of hat or node; nodes (all nodes of pairs of evaluation "full", k): what the law at
-    nodes remembers (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far; film_nodes (functions of
-    all films, 4), film_points (points, 2), film_step (1,) [s]: what oil films remember (`films.film`).
+    nodes remembers (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far; locked (t, 2): of each
+    pretension whether it holds its length, and the length [m]; film_nodes (functions of all films, 4), film_points
+    (points, 2), film_step (1,) [s]: what oil films remember (`films.film`).
     """
 
     time: float
@@ -41,6 +42,7 @@ class State:
     active: list[dict[int, float]] = field(default_factory=list)
     nodes: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     lost: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    locked: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     film_nodes: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
     film_points: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     film_step: np.ndarray = field(default_factory=lambda: np.zeros(1))
@@ -144,4 +146,5 @@ def initial_state(scene: Any, data: SceneData, layout: Layout, pairs: int) -> St
     return State(
         0.0, r, p, v, zero.copy(), zero.copy(), w, zero.copy(), zero.copy(),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(layout.rows), stretch, [{} for _ in range(pairs)],
+        locked=np.zeros((len(data.tensions), 2)),
     )  # fmt: skip

@@ -92,6 +92,8 @@ class Residuals(Arrays):
     slip_softness: DeviceArray = reals("world", "joint_friction", 2, unit="m/N", note="along the slip, across it")
     slip_bound: DeviceArray = reals("world", "joint_friction", unit="N")
     slip_loss: DeviceArray = reals("world", "joint_friction", unit="J", note="dissipated in a step", zero_without=True)
+    holds: DeviceArray = integers("world", "pretension", note="1 where the length is held in the attempt")
+    held_at: DeviceArray = reals("world", "pretension", unit="m", note="that length")
     residual_history: DeviceArray = reals("world", "residual", note="of an attempt, as fractions", carried=True)
     gap_defect: DeviceArray = reals(
         "world", 2, note="largest open gap under pressure, force left out", zero_without=True

@@ -53,6 +53,13 @@ class JointFrictionState(Arrays, carried=True):
     stuck_at: DeviceArray = reals("world", "joint_friction", 2, unit="m or rad", note="coordinates where it sticks")
 
 
+class PretensionState(Arrays, carried=True):
+    """Pretensions, see `warpffrf_kernels.constraints.pretension`."""
+
+    locked: DeviceArray = integers("world", "pretension", note="1 where the length is held")
+    locked_at: DeviceArray = reals("world", "pretension", unit="m", note="that length")
+
+
 class ContactState(Arrays, carried=True):
     """Pairs: the active set in the contact frame, and what the integrator remembers of their forces."""
 
@@ -180,8 +187,8 @@ class Books(Arrays, carried=True):
 
 
 class State(
-    MotionState, LoadState, JointFrictionState, ContactState, FrictionState, LayerState, LumpedState, FilmState,
-    LapState, Books,
+    MotionState, LoadState, JointFrictionState, PretensionState, ContactState, FrictionState, LayerState, LumpedState,
+    FilmState, LapState, Books,
 ):  # fmt: skip
     """Accepted state of every world."""
 

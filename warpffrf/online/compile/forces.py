@@ -58,7 +58,7 @@ def compile_forces(collector: Collector, joints: JointTable) -> ForceTable:
             table.laws[item.name] = law
             table.rows[item.name] = _spring(collector, joints, table, law)
             continue
-        if hasattr(item, "slip"):  # `compile_joint_friction`
+        if hasattr(item, "slip") or hasattr(item, "tension"):  # `compile_joint_friction`, `compile_pretensions`
             continue
         load = item.load()
         if isinstance(load, BodyLoad):

@@ -7,7 +7,8 @@ in a row the blocks of its two bodies; E couples rows that end on one flexible b
 are eliminated first, couple its two bodies and the rows on their interfaces. With a good order the factors are
 hardly larger: a chain or a tree of n bodies costs O(n).
 
-Unknowns are gathered in *nodes*, one for each body and one for all rows between the same two bodies. The order is found
+Unknowns are gathered in *nodes*, one for each body and one for all rows between the same two bodies; rows between two
+interfaces of one body are with those between it and the ground, as they end on it alone. The order is found
 here once, before the numbers are known, and no pivot is sought outside a node. Why the pivots exist: lay a spanning
 tree over the bodies, from the ground, with a row node as edge (the *tree node* of the body below). Eliminate
 

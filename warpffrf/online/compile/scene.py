@@ -34,6 +34,7 @@ from warpffrf.online.compile.pairs import fill_pairs
 from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.patch_sides import PatchSide
 from warpffrf.online.compile.patches import fill_patches
+from warpffrf.online.compile.pretension import TensionTable, compile_pretensions, fill_pretensions
 from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.rolling import fill_rolling
 from warpffrf.online.compile.room import CellRoom
@@ -56,6 +57,7 @@ class CompiledScene:
     joints: JointTable  # rows of each joint, drives included, and those left out
     forces: ForceTable  # rows of each spring
     slips: SlipTable  # friction in joints
+    tensions: TensionTable  # pretensions
     row_count: int
     modal_start: np.ndarray
     interface_modes: np.ndarray  # (interfaces, 6, modes)
@@ -80,6 +82,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     joints = compile_joints(collector)
     collector.notes.extend(joints.notes)
     slips = compile_joint_friction(collector, joints)
+    tensions = compile_pretensions(collector, joints)
     springs = compile_forces(collector, joints)
     bodies = scene.bodies
     _gather_surfaces(collector)
@@ -99,6 +102,7 @@ def _compiled(collector: Collector) -> CompiledScene:
     stiffened = fill_stiffening(collector, m)
     fill_forces(collector, springs, m)
     fill_joint_friction(collector, slips)
+    fill_pretensions(collector, tensions)
     _markers_rows_signals(collector, m)
     fill_pairs(collector, m)
     z_start = fill_surfaces(collector, m)
@@ -129,9 +133,9 @@ def _compiled(collector: Collector) -> CompiledScene:
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     return CompiledScene(
         scene, m, collector.elements, collector.films, collector.laps,
-        wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips,
-        len(collector.rows), modal_start, modes, stiffened, collector.local,
-        collector.inertia, collector.cell_room, collector.patches, collector.notes,
+        wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips, tensions,
+        len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia, collector.cell_room,
+        collector.patches, collector.notes,
     )  # fmt: skip
 
 

@@ -201,7 +201,7 @@ def check_free(scene: Scene, integrator: str, *, loads: bool) -> None:
     torques pass where `loads`."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
-    for item in [*scene.joints, *scene.drives, *scene.contacts, *scene.lumped_contacts, *scene.films]:
+    for item in [*scene.joints, *scene.drives, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps]:
         raise InputError(
             f"{integrator}: {item.kind} {item.name!r}: only scenes of free bodies can be integrated so; remove it, or "
             f"{CURE}"

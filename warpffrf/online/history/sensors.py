@@ -17,7 +17,7 @@ from collections.abc import Callable
 import numpy as np
 
 from warpffrf.model.bodies import Port
-from warpffrf.model.forces import BodyLoad, SlipLaw, SpringLaw
+from warpffrf.model.forces import BodyLoad, SlipLaw, SpringLaw, TensionLaw
 from warpffrf.model.joints import coincident_within
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.forces import ForceTable
@@ -60,12 +60,12 @@ def force_histories(
     wrench: np.ndarray,
     bodies: dict[str, BodyHistory],
 ) -> dict[str, ForceHistory]:
-    """Force and torque of every force element but friction in joints, from `value` (T, rows) and `wrench` (T, rows, 6)
-    of the rows in `table`."""
+    """Force and torque of every force element but friction in joints and pretensions, from `value` (T, rows) and
+    `wrench` (T, rows, 6) of the rows in `table`."""
     found: dict[str, ForceHistory] = {}
     T = len(time)
     for item in scene.forces:
-        if hasattr(item, "slip"):
+        if hasattr(item, "slip") or hasattr(item, "tension"):
             continue
         if item.name in table.rows:
             own = table.rows[item.name]
@@ -142,8 +142,10 @@ def _interface(sensor, scene, count, bodies, joints, forces) -> np.ndarray:
                 add(sign, history.force, history.torque, at)
     for item in scene.forces:
         history = forces[item.name]
-        if hasattr(item, "law") or hasattr(item, "slip"):
-            law: SpringLaw | SlipLaw = item.law() if hasattr(item, "law") else item.slip()
+        law: SpringLaw | SlipLaw | TensionLaw | None = next(
+            (getattr(item, term)() for term in ("law", "slip", "tension") if hasattr(item, term)), None
+        )
+        if law is not None:
             given = law.points if isinstance(law, SpringLaw) else None
             points = given or [marker.point for marker in law.joint.frames()]
             at = point_motion(law.ports[1], points[1], bodies, count)[0]

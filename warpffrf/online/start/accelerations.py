@@ -15,6 +15,7 @@ step of size h in positions divides by its square instead, which for h = 1e-7 s 
 The equations are linear in a and lam. They are solved with the mass matrix of the undeformed bodies, and corrected by R
 until nothing changes; inertia terms of the deformed body are small against it, so this contracts. Joints with friction
 that stick are rows like the others; the friction of those that slip follows from the multipliers (`joint_friction`).
+Pretensions that hold their length are rows like the others, too; the others pull with their force.
 """
 
 from __future__ import annotations
@@ -66,6 +67,7 @@ class _World:
         m = engine.compiled.model
         self.bodies, self.modes, self.rows = m.bodies.count, m.modes.count, m.rows.count
         self.rigid = m.rows.rigid.numpy()[: self.rows].astype(bool)
+        self.rigid[engine.locked_rows(w)] = True
         self.mass = m.bodies.mass.numpy()[: self.bodies]
         self.inertia = m.bodies.inertia.numpy()[: self.bodies]
 
@@ -143,13 +145,16 @@ class _World:
         return np.concatenate([rigid, modal])
 
     def _spring_forces(self) -> np.ndarray:
-        """Multipliers (rows,) that the laws of springs and dampers ask for at the last evaluation; 0 of joints."""
+        """Multipliers (rows,) that the laws of springs and dampers ask for at the last evaluation, and pretensions; 0
+        of joints."""
         scratch, forces = self.engine.scratch, self.engine.compiled.forces
         value = scratch.coordinate.numpy()[self.w]
         rate = self.engine.state.drive_rate.numpy()[self.w, 1]
         lam = np.zeros(self.rows)
         for name, rows in forces.rows.items():
             lam[rows] = forces.laws[name].force(value[rows], rate[rows])
+        for name, row in self.engine.compiled.tensions.rows.items():
+            lam[row] = self.engine.compiled.tensions.laws[name].force(self.time)
         return lam
 
     def _signals(self) -> tuple[np.ndarray, np.ndarray]:

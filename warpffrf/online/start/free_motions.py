@@ -195,6 +195,7 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     for name, own in engine.compiled.forces.rows.items():
         elastic, _ = engine.compiled.forces.laws[name].slopes(value[own], rate[own])
         holds[own] |= elastic != 0.0
+    holds[engine.locked_rows(world)] = True
     gaps = [_gap_gradients(engine, world, size), _lumped_gradients(engine, world, size)]
     lines = np.vstack([rows[holds], *gaps]) / weight
     length = np.linalg.norm(lines, axis=1, keepdims=True)

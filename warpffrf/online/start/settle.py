@@ -124,8 +124,8 @@ def _films_steady(engine: Engine) -> bool:
 
 def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:
     """True, with notes of what is free and what creeps; what remembers a history begins it here."""
-    engine.commit()
     engine.start_notes.extend(free.notes())
     if creeping:
         engine.start_notes.append(creeping_note(engine))
+    engine.commit()
     return True

@@ -14,6 +14,6 @@ JOINT_FRICTION = Participant(
     store=[threads(joint_friction.renew)],
     assemble=[blocks(joint_friction.couple_friction)],
     estimate=[threads(joint_friction.end_slips)],
-    keep=[blocks(joint_friction.keep_slips)],
+    commit=[blocks(joint_friction.keep_slips)],
     record=[blocks(joint_friction.record_slips)],
 )

@@ -10,6 +10,7 @@ from warpffrf.online.step.phases import Participant
 LAP = Participant(
     "laps",
     when="lap_group",
+    predict=[threads(solve.look_ahead, "lap_group")],
     load=[blocks(solve.solve_laps, "lap_group", lap_z_flat="lap_z"), threads(outer.push_laps)],
     assemble=[blocks(outer.stiffen_by_laps), threads(outer.turn_laps)],
     keep=[blocks(keeping.keep_laps, "lap_group")],

@@ -80,6 +80,11 @@ class SceneModes:
     rotation: dict[str, Array]  # quaternions (x, y, z, w)
     modal: dict[str, Array]
     shares: dict[str, Array]  # body -> (n,) part of the kinetic energy
+    linear: Linearisation
+    vectors: Array  # (y, n) shapes over the coordinates of `linear`
+    state: dict[str, Array]  # of the device, a checkpoint
+    device: str = "cpu"
+    settings: Settings | None = None
     notes: list[str] = field(default_factory=list)
 
 
@@ -121,21 +126,19 @@ def complex_modes(
     coordinate has no mass.
     """
     S = 1.0 / np.sqrt(np.abs(np.diag(M)))
-    N = S[:, None] * null_space(C * S)
-    if not N.shape[1]:
+    basis = free_basis(M, K, C)
+    if not basis.shape[1]:
         return np.zeros(0, complex), np.zeros((len(M), 0), complex)
-    m, d, k = (N.T @ X @ N for X in (M, D, K))
-    V = _graded_basis(m, k)
-    m, d, k = (V.T @ X @ V for X in (m, d, k))
+    m, d, k = (basis.T @ X @ basis for X in (M, D, K))
     if oiled is not None:
-        lam, phi = film_modes(m, d, k, oiled.T @ N @ V, oiled.U @ N @ V, oiled.films)
-        Y = N @ V @ phi
+        lam, phi = film_modes(m, d, k, oiled.T @ basis, oiled.U @ basis, oiled.films)
+        Y = basis @ phi
     else:
         n = len(m)
         A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(m, k), -np.linalg.solve(m, d)]])
         balanced, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
         lam, phi = np.linalg.eig(balanced)
-        Y = N @ V @ (scale[:, None] * phi)[:n]
+        Y = basis @ (scale[:, None] * phi)[:n]
     still = np.abs(lam) < zero
     Y_still = (
         _independent(np.concatenate([np.real(Y[:, still]), np.imag(Y[:, still])], axis=1) / S[:, None]) * S[:, None]
@@ -147,6 +150,16 @@ def complex_modes(
     Y = np.concatenate([Y_still, Y[:, kept]], axis=1)
     order = np.lexsort((np.real(lam), np.abs(lam)))
     return lam[order], _scaled(Y[:, order], M)
+
+
+def free_basis(M: Array, K: Array, C: Array) -> Array:
+    """Basis (n, free) of the y that the rigid rows C leave: eigenvectors of M y'' + K y, M-orthonormal, stiffest first.
+
+    Raises InputError where a free coordinate has no mass.
+    """
+    S = 1.0 / np.sqrt(np.abs(np.diag(M)))
+    N = S[:, None] * null_space(C * S)
+    return N @ _graded_basis(N.T @ M @ N, N.T @ K @ N) if N.shape[1] else N
 
 
 def null_space(C: Array) -> Array:
@@ -292,7 +305,7 @@ def _wrapped(
 ) -> SceneModes:
     """Shapes by body, at the user origins, world axes; kinetic energy is that of the velocities y' seen in y's axes."""
     energy = np.real(vectors.conj() * (linear.M @ vectors))
-    vectors = linear.T @ vectors
+    own_vectors, vectors = vectors, linear.T @ vectors
     shapes: dict[str, list[BodyShape]] = {}
     position, rotation, modal, shares = {}, {}, {}, {}
     start, B = engine.compiled.modal_start, engine.compiled.model.bodies.count
@@ -312,4 +325,7 @@ def _wrapped(
             q = vectors[6 * B + own.start : 6 * B + own.stop, i]
             shapes[b.name].append(BodyShape(rows[:3, i] - np.cross(turn, arm), turn, q))
     time = float(engine.word("time")[0])
-    return SceneModes(engine.scene, name, time, values, shapes, position, rotation, modal, shares, notes)
+    return SceneModes(
+        engine.scene, name, time, values, shapes, position, rotation, modal, shares, linear, own_vectors,
+        engine.checkpoint(), engine.compiled.device, engine.settings, notes,
+    )  # fmt: skip

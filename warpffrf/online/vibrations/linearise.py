@@ -40,6 +40,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from warpffrf_kernels.core import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.online.arrays.scratch import Scratch
@@ -114,6 +115,7 @@ class _Probe:
         for word, value in (("run", 1), ("moved", 1), ("reassemble", 1), ("refresh", 1), ("recenter", 0),
                             ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0)):  # fmt: skip
             ctl[word] = value
+        ctl["mode"][ctl["mode"] == int(k.LOADING)] = int(k.STATIC)  # load steps have no accelerations of the motion
         self.rates = (
             self._joined("v_rate", "omega_rate", "qd_rate"),
             self._joined("v", "omega", "qd"),
@@ -155,9 +157,10 @@ class _Probe:
         return np.concatenate([rigid.ravel(), self.base[modal][0, : self.modes]])
 
     def _springs(self) -> list[int]:
-        """Rows that are springs."""
+        """Rows that are springs, and those of pretensions that pull; one that holds its length is a joint's."""
         rigid = self.model.rows.rigid.numpy()
-        return [i for i in range(self.rows) if not rigid[i]]
+        locked = self.engine.locked_rows(0)
+        return [i for i in range(self.rows) if not rigid[i] and i not in locked]
 
     def _put(self, array: Any, value: Array, like: Array) -> None:
         full = np.zeros_like(like)
@@ -230,8 +233,8 @@ class _Probe:
             F = x.flexibility.numpy()[36 * g : 36 * (g + 1)].reshape(6, 6)[:size, :size]
             stiffness[start : start + size] = np.linalg.solve(F, defect[start : start + size])
         value, rate = x.coordinate.numpy()[0], self.state.drive_rate.numpy()[0, 1]
-        for row, (k, d) in self.tangents.items():
-            stiffness[row] = k * value[row] + d * rate[row] - lam[row]
+        for row, (c, d) in self.tangents.items():
+            stiffness[row] = c * value[row] + d * rate[row] - lam[row]
         return (lam + stiffness)[self.spring]
 
     def steps(self) -> Array:

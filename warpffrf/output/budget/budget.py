@@ -23,6 +23,7 @@ from warpffrf.output.budget.contacts import (
 )
 from warpffrf.output.budget.energy import energy_lines
 from warpffrf.output.budget.films import film_lines
+from warpffrf.output.budget.time_step import SOURCE as TIME_STEP
 from warpffrf.output.budget.time_step import time_step_lines
 
 FLOOR, SMALL = 1e-3, "< 0.1 %"
@@ -33,11 +34,22 @@ def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     history = result.history
     engine = history.marks.engine()
     return [
-        *time_step_lines(history, engine, progress=progress), *energy_lines(result),
+        *_of_steps(history, engine, progress), *energy_lines(result),
         *grid_lines(result, engine), *gap_lines(result, engine), *friction_lines(result), *point_lines(result),
         *film_lines(history), *mesh_lines(result),
         *inertia_lines(result, engine), *local_lines(result, engine), *tolerance_lines(result, engine),
     ]  # fmt: skip
+
+
+def _of_steps(history: Any, engine: Any, progress: bool) -> list[BudgetLine]:
+    """Of the step of a run in time; a load step of a static run ends in an equilibrium whatever its length."""
+    if not history.marks.static:
+        return time_step_lines(history, engine, progress=progress)
+    basis = (
+        "each load step ends in an equilibrium; its length matters to the path of friction, and to works, by what the "
+        "ledger leaves open"
+    )
+    return [BudgetLine(TIME_STEP, "all results", np.nan, basis, "run it once more with smaller load steps, to see")]
 
 
 def why_not(result: Any) -> str:
@@ -45,8 +57,6 @@ def why_not(result: Any) -> str:
     history = result.history
     if history.marks is None:
         return "it takes the run itself, by the separated method and in the process that made it"
-    if history.marks.static:
-        return "load steps have no error of time; what friction depends on their length, a run with twice as many shows"
     if len(history.time) < 2:
         return "no step was saved"
     return ""

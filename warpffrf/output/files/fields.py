@@ -173,6 +173,7 @@ LAP_CELLS = (
     Field("lap_point", "points", "m", f"{FIRST_USER}, middles of the cells", ("lap_cell", "axis"), stacked=False),
     Field("lap_frame", "frames", "1", f"{FIRST_USER}, rows n, t_1, t_2", ("lap_cell", "frame_axis", "axis"), False),
     Field("lap_area", "area", "m2", "none", LAP_CELL, stacked=False),
+    Field("lap_partner", "partners", "m", "user frame of the second body, likewise", ("lap_cell", "axis"), False),
 )
 
 # Of the pairs that were run with friction: their own owners, `friction_pair`.

@@ -72,7 +72,8 @@ class LapView:
     """One lap: its bodies (of two faces of one body twice that body), the name of the first body's lap or face, that of
     the second face ("" of a pair), coefficient of friction [-], and its c cells at the initial pose: `cell` (c,) their
     numbers on the first face, `points` (c, 3) [m] and `frames` (c, 3, 3) with rows n, t_1, t_2 in user axes of the
-    first body, `area` (c,) [m2] that faces the second face."""
+    first body, `area` (c,) [m2] that faces the second face, and `partners` (c, 3) [m] the same places in the user frame
+    of the second body."""
 
     name: str
     first_body: BodyView
@@ -84,6 +85,7 @@ class LapView:
     points: np.ndarray
     frames: np.ndarray
     area: np.ndarray
+    partners: np.ndarray
 
     @property
     def first(self) -> Any:
@@ -142,10 +144,11 @@ def scene_view(scene: Any) -> SceneView:
 
 def _lap(lap: Any, known: dict[str, BodyView]) -> LapView:
     cells = lap.cells()
-    second = known[lap.a.body.name if lap.b is None else lap.b.body.name], "" if lap.b is None else lap.b.name
+    other = lap.a if lap.b is None else lap.b
     return LapView(
-        lap.name, known[lap.a.body.name], lap.a.name, *second, lap.coefficient,
-        cells.cell, cells.points, cells.frames, cells.area,
+        lap.name, known[lap.a.body.name], lap.a.name, known[other.body.name], "" if lap.b is None else lap.b.name,
+        lap.coefficient, cells.cell, cells.points, cells.frames, cells.area,
+        other.body.to_user(lap.a.body.to_world(cells.points)),
     )  # fmt: skip
 
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 
 import numpy as np
 
-from warpffrf.online.history.history import LapHistory
+from warpffrf.online.history.history import BodyHistory, LapHistory
 from warpffrf.output.geometry.scene_view import LapView
-from warpffrf.output.laps.sliding import rigid_sliding
+from warpffrf.output.laps.sliding import of_user_frames, rigid_sliding
 from warpffrf.output.laps.slip_zone import ACROSS, SlipZone, slip_zone
 from warpffrf.output.loops.cycles import cycle_times, value_at
 
@@ -25,11 +25,12 @@ class LapResult:
     face; frames and places are in the user frame of the first body, and move with it.
     """
 
-    def __init__(self, history: LapHistory, view: LapView, time: np.ndarray) -> None:
+    def __init__(self, history: LapHistory, view: LapView, time: np.ndarray, bodies: Mapping[str, BodyHistory]) -> None:
         self.history = history
         self.view = view
         self.name = view.name
         self.time = time  # (T,) s
+        self._bodies = bodies
         self.friction = view.friction  # the coefficient, -
         self.force = history.force  # (T, 3) N, on the second face
         self.torque = history.torque  # (T, 3) N m
@@ -68,9 +69,15 @@ class LapResult:
         return np.linalg.norm(self.traction, axis=2)
 
     @cached_property
-    def slip_distance(self) -> np.ndarray:
-        """(T, c) m, length of `slip`: how far the faces are from where they were, not the way there."""
-        return np.linalg.norm(self.slip, axis=2)
+    def shift(self) -> np.ndarray:
+        """(T, c, 2) m, how far the second face is from its place on the first, along t_1 and t_2: `slip`, and without
+        friction, where slips are not followed, what the user frames of the bodies have moved."""
+        return self.slip if self.friction > 0.0 else of_user_frames(self.view, self._bodies)
+
+    @cached_property
+    def shift_distance(self) -> np.ndarray:
+        """(T, c) m, length of `shift`: how far partners are apart, not the way there."""
+        return np.linalg.norm(self.shift, axis=2)
 
     @cached_property
     def loss_density(self) -> np.ndarray:
@@ -106,12 +113,12 @@ class LapResult:
 
     @cached_property
     def _sliding(self) -> tuple[np.ndarray, np.ndarray]:
-        return rigid_sliding(self.points, self.frames, self.area, self.slip)
+        return rigid_sliding(self.points, self.frames, self.area, self.shift)
 
     @property
     def sliding(self) -> np.ndarray:
         """(T, 3) m, by how much the second face as a whole has slid on the first, in user axes of the first body, at
-        the middle of the cells: the rigid motion nearest to `slip` (`sliding.py`)."""
+        the middle of the cells: the rigid motion nearest to `shift` (`sliding.py`)."""
         return self._sliding[0]
 
     @property
@@ -138,11 +145,14 @@ class LapResult:
         return np.diff(value_at(self.time, self.loss, cycle_times(self.time, cycles, label), label))
 
     def slip_zone(self, begin: float | None = None, end: float | None = None) -> SlipZone:
-        """Cells that lost energy between two times [s], the whole run if None: which, their area, and how many there
-        are across (`slip_zone.py`). Raises `InputError` for times outside of the run."""
+        """Cells that lost energy between two times [s]: which, their area, and how many there are across
+        (`slip_zone.py`). Without a begin what they lost before the first saved step counts, too, as in the equilibrium
+        that a run starts from. Raises `InputError` for times outside of the run."""
         times = np.array([self.time[0] if begin is None else begin, self.time[-1] if end is None else end])
         first, last = value_at(self.time, self.cell_loss, times, f"lap '{self.name}'")
         rows = (self.time >= times[0]) & (self.time <= times[1])
+        if begin is None:
+            first = np.zeros_like(last)
         pressed = np.any(self.state[rows] != OPEN, axis=0) if np.any(rows) else self.state[-1] != OPEN
         return slip_zone(self.points, self.area, last - first, pressed)
 
@@ -150,11 +160,11 @@ class LapResult:
         """What makes results of this lap uncertain: faces that slid far beside their cells, whose partners are fixed,
         and slip zones of few cells."""
         found = []
-        ratio = self.slip_distance / self.size
+        ratio = self.shift_distance / self.size
         if np.any(ratio > SLIDES):
             row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
             found.append(
-                f"cell {cell} slid by {self.slip_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its size "
+                f"cell {cell} slid by {self.shift_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its size "
                 f"{self.size[cell] * 1e3:.4g} mm, and partners of cells are fixed: beyond {SLIDES:g} of a cell forces "
                 "act at other places than they would; model such motion as a contact"
             )

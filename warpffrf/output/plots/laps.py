@@ -18,7 +18,8 @@ HEADROOM = 1.08  # of the largest value of a plot
 SHRINK = 0.8  # of colour bars
 ROOM = 0.03  # of a map's extent, beside it
 PAGE_TIMES = 3  # rows of maps on a page where no times are given
-PAGE_SIZE = (5.0, 3.4)  # inches a map
+PAGE_WIDTH, PAGE_HEIGHTS = 5.0, (1.9, 5.0)  # inches a map
+TITLES, DRAWN = 1.1, 0.7  # inches above and below a map, and part of its width that cells take
 FORCE, AREA = "#1b6ca8", "#d1495b"
 
 
@@ -77,7 +78,9 @@ def lap_figure(result: Any, name: str | None, times: Sequence[float] | np.ndarra
         at = np.atleast_1d(np.asarray(times, dtype=float))
         found = value_at(lap.time, np.arange(len(lap.time), dtype=float), at, label)
         rows = np.unique(found.round().astype(int))
-    figure = Figure(figsize=(PAGE_SIZE[0] * 3, PAGE_SIZE[1] * len(rows)), layout="constrained")
+    wide, high = np.ptp(lap_chart(lap.view).triangles.reshape(-1, 2), axis=0)
+    height = float(np.clip(TITLES + DRAWN * PAGE_WIDTH * high / wide, *PAGE_HEIGHTS))
+    figure = Figure(figsize=(PAGE_WIDTH * 3, height * len(rows) + 0.3), layout="constrained")
     FigureCanvasAgg(figure)
     for line, row in enumerate(rows):
         for n, draw in enumerate((pressure, state, loss)):

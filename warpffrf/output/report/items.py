@@ -70,20 +70,21 @@ def _lap(lap: Any) -> list[str]:
     line = f"lap '{lap.name}': normal force {force[-1]:.5g} N (largest {np.max(force):.5g})"
     line += f"; peak pressure {peak[-1]:.5g} MPa (largest {np.max(peak):.5g})"
     line += f"; of {lap.cells} cells {count[0]} open, {count[1]} stick, {count[2]} slip"
-    if lap.friction == 0.0:
-        return [line]
-    ratio = lap.slip_distance / lap.size
+    ratio = lap.shift_distance / lap.size
     row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
     slid, turned = (np.linalg.norm(values[-1]) for values in (lap.sliding, lap.turning))
     zone = lap.slip_zone()
     slips = (
-        f"  slip            largest {lap.slip_distance[row, cell] * 1e6:.5g} um, {ratio[row, cell]:.2g} of the cell; "
+        f"  slid            largest {lap.shift_distance[row, cell] * 1e6:.5g} um, {ratio[row, cell]:.2g} of the cell"
     )
-    slips += f"as a whole {slid * 1e6:.5g} um and {turned:.3g} rad; slipping area {area[-1]:.5g} mm2 "
-    slips += f"(largest {np.max(area):.5g})"
+    slips += f"; as a whole {slid * 1e6:.5g} um and {turned:.3g} rad at the end"
+    warnings = [f"  warning         {warning}" for warning in lap.warnings()]
+    if lap.friction == 0.0:
+        return [line, slips, *warnings]
+    slips += f"; slipping area {area[-1]:.5g} mm2 (largest {np.max(area):.5g})"
     across = f", {zone.across:.2g} across" if np.isfinite(zone.across) else ""
     loss = f"  loss            {lap.loss[-1]:.5g} J by friction, in {zone.cells} cells{across}"
-    return [line, slips, loss, *(f"  warning         {warning}" for warning in lap.warnings())]
+    return [line, slips, loss, *warnings]
 
 
 def _mean(values: Any, time: Any) -> float:

@@ -1,0 +1,254 @@
+r"""What laps take from a vibration in a mode of a given amplitude: quasi-static cycles in the shape that it has.
+
+About a state at rest all but the laps is linear (`linearise`), with K_0 its stiffness without what sticking laps add,
+and the laps answer with the forces f on the motion z = P y that they see, history included. Inertia forces of a
+vibration in the mode phi, phi^T M phi = 1, are proportional to M phi; so with the mode's coordinate a given,
+
+    K_0 y - P^T (f(z) - f_0) + C^T dlambda = alpha M phi,     C y = 0,     phi^T M y = q(t) = a sin(2 pi t),
+
+whose unknowns are y and the load alpha. All other coordinates give way as the slip asks for: what a step finds does not
+depend on which part of a body's flexibility its modes have, and which its cells. Of small amplitudes y = q phi and
+alpha = omega^2 q. Cycles of `steps` steps are taken until the last, each step a history of the cells as in a static
+run. With D the loss of the last cycle, and the first harmonic of alpha,
+
+    omega_a^2 = 2/(a steps) sum alpha sin(2 pi t),      U = omega_a^2 a^2/2,      zeta = D/(4 pi U):
+
+the linear oscillator with this stiffness that loses as much in a cycle. A free vibration loses D in one;
+the amplitude itself falls by another ratio, as the frequency goes with it.
+
+The equations are solved on the host by Newton's method, in the coordinates of the modes of the stuck state, with the
+kernels' forces and their tangent T_zz (`warpffrf_kernels.laps.outer`); a step that fails is halved.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.laps.forms import STICK
+from warpffrf_kernels.laps.tableau import MOST_RANK
+from warpffrf_kernels.laps.words import RANK
+
+from warpffrf.model.errors import InputError
+from warpffrf.online.compile.laps import lap_order
+from warpffrf.online.engine import Engine
+from warpffrf.online.step import phases
+from warpffrf.online.step.lap import LAP
+from warpffrf.online.turn import TURN
+from warpffrf.online.vibrations.eigenmodes import SceneModes, free_basis
+from warpffrf.online.vibrations.linearise import Linearisation
+
+Array = np.ndarray
+BALANCED = 1e-9  # of the forces of a step on the modes: those of the cells are known to 1e-11 of the largest
+AT_REST = 1e-10  # of the forces that the laps begin with: round-off of what is small beside them
+MOST_ITERATIONS = 40
+MOST_HALVINGS = 6
+REMEMBERED = 5  # iterations
+RIDGE = 1e-8  # of the largest of their differences
+STANDING = 0.02  # of the kinetic energy: what is out of phase with the rest of a mode
+SLACK = 1e-13  # of the largest stiffness: nothing holds a motion with less, which stays where it is
+
+
+@dataclass(frozen=True, eq=False)
+class Cycle:
+    """The last of the cycles of one amplitude, `steps` + 1 rows from q = 0 upwards."""
+
+    coordinate: Array  # (rows,) m kg^(1/2), of the mode
+    load: Array  # (rows,) alpha, N kg^(-1/2)
+    loss: dict[str, float]  # J, of each lap
+    slipping: dict[str, float]  # share of the cells of each lap that slip or are open at some time
+    before: float  # J, the loss of the cycle before: the same where cycles repeat themselves
+
+
+class LapForces:
+    """The laps of world 0 of an engine about its accepted state: forces on z for displacements x (n,) of the bodies."""
+
+    def __init__(self, engine: Engine) -> None:
+        self.engine, self.laps = engine, engine.compiled.laps
+        self.shape = engine.state.v.shape[1]
+        bodies = engine.compiled.model.bodies.count
+        self.rigid, self.bodies = 6 * bodies, bodies
+
+    def at(self, x: Array) -> Array | None:
+        """f (z,); None where the cells find no states."""
+        engine, s = self.engine, self.engine.scratch
+        rigid = np.zeros((engine.worlds, self.shape, 6))
+        rigid[0, : self.bodies] = x[: self.rigid].reshape(-1, 6)
+        s.dx.assign(np.ascontiguousarray(rigid[:, :, :3]))
+        s.psi.assign(np.ascontiguousarray(rigid[:, :, 3:]))
+        modal = np.zeros(s.dq.shape)
+        modal[0, : len(x) - self.rigid] = x[self.rigid :]
+        s.dq.assign(modal)
+        engine.control(run=1, moved=1, iteration=0, failure=0)
+        engine.graph.program.run(("move",))
+        self._launch("load")
+        failed = bool(engine.word("failure")[0])
+        return None if failed else s.lap_push.numpy()[0, : int(self.laps.column_start.numpy()[-1])].copy()
+
+    def tangent(self) -> Array:
+        """-T_zz (z, z), what f changes by, at the last evaluation."""
+        s, columns = self.engine.scratch, self.laps.column_start.numpy()
+        S = np.zeros((columns[-1], columns[-1]))
+        lines, tables = self.laps.line_start.numpy(), self.laps.table_start.numpy()
+        for group in range(self.laps.count):
+            own = slice(columns[group], columns[group + 1])
+            n, z = int(lines[group + 1] - lines[group]), int(own.stop - own.start)
+            table = s.lap_table.numpy()[tables[group] :][: n * n].reshape(n, n)[n - z :, n - z :].T
+            rank = int(s.lap_words.numpy()[0, group, int(RANK)])
+            at = MOST_RANK * int(lines[group])
+            left, right = (a.numpy()[at:][: rank * n].reshape(rank, n)[:, n - z :] for a in (s.lap_left, s.lap_right))
+            S[own, own] = -(table + left.T @ right)
+        return S
+
+    def accept(self) -> None:
+        """Make history of the last evaluation."""
+        self.engine.control(accept=1, commit=1, mode=int(k.LOADING))
+        self._launch("keep")
+        self._launch("commit")
+        self.engine.control(accept=0, commit=0)
+
+    def _launch(self, phase: str) -> None:
+        program = self.engine.graph.program
+        parts = LAP.phases[phase][:1]  # the cells; what they do to residuals is not asked for
+        phases.record([((), part) for part in parts], program.arrays, program.sizes, program.device)
+
+
+class RubbingMode:
+    """A real mode phi (n,) over y, of angular frequency omega [rad/s], whose amplitude is given."""
+
+    def __init__(self, engine: Engine, linear: Linearisation, basis: Array, phi: Array, omega: float) -> None:
+        """`basis` (n, free): M-orthonormal, of all y that the rigid rows leave."""
+        self.laps, self.engine = LapForces(engine), engine
+        self.state = engine.state.to_numpy()
+        self.T, self.basis = linear.T, basis
+        self.seen = linear.laps @ basis
+        stiffness = basis.T @ (linear.K - linear.K_laps) @ basis
+        self.K_0 = 0.5 * (stiffness + stiffness.T)
+        self.shape = basis.T @ (linear.M @ phi)
+        self.omega = omega
+
+    @TURN
+    def cycle(self, amplitude: float, cycles: int, steps: int) -> Cycle:
+        """The last of `cycles` cycles, at least two, of `amplitude`, of `steps` steps each. Raises `InputError` where
+        one fails."""
+        self.engine.put_back(self.state)
+        f_0 = self.laps.at(np.zeros(len(self.T)))
+        if f_0 is None:
+            raise InputError("equivalent_damping: the laps find no states about the state of the modes; load it anew")
+        self.f_0, self.eta, self.alpha, self.q = f_0, np.zeros(len(self.shape)), 0.0, 0.0
+        self.laps.accept()
+        lost, rows, slipping = [self._lost()], [(0.0, 0.0)], np.zeros(len(self._lost()), bool)
+        for step in range(1, cycles * steps + 1):
+            if step % steps == 1:
+                rows, slipping[:] = rows[-1:], False
+            self._go_to(amplitude * np.sin(2.0 * np.pi * step / steps), MOST_HALVINGS)
+            rows.append((self.q, self.alpha))
+            slipping |= self.engine.state.lap_state.numpy()[0] != int(STICK)
+            if step % steps == 0:
+                lost.append(self._lost())
+        q, alpha = np.array(rows).T
+        before, loss = np.diff(np.array(lost), axis=0)[-2:]
+        cells = self._cells()
+        return Cycle(
+            q, alpha, {name: float(loss[own].sum()) for name, own in cells.items()},
+            {name: float(slipping[own].mean()) for name, own in cells.items()}, float(before.sum()),
+        )  # fmt: skip
+
+    def _lost(self) -> Array:
+        return self.engine.state.lap_lost.numpy()[0].copy()
+
+    def _cells(self) -> dict[str, slice]:
+        found, start = {}, 0
+        for number in lap_order(self.engine.scene.laps):
+            lap = self.engine.scene.laps[number]
+            count = len(lap.cells().cell)
+            found[lap.name] = slice(start, start + count)
+            start += count
+        return found
+
+    def _go_to(self, q: float, halvings: int) -> None:
+        """One accepted step to the coordinate q, in two halves where it fails."""
+        if self._step(q):
+            self.laps.accept()
+            self.q = q
+            return
+        if not halvings:
+            raise InputError(
+                f"equivalent_damping: no equilibrium of the laps was found at {q:.3g} m kg^(1/2) of the mode's "
+                "coordinate; take more steps, or a smaller amplitude"
+            )
+        self._go_to(0.5 * (self.q + q), halvings - 1)
+        self._go_to(q, halvings - 1)
+
+    def _step(self, q: float) -> bool:
+        """Newton's method for eta and alpha at the coordinate q; False where it does not converge. Tangents leave out
+        how directions of slip turn: what the last iterations say of that is taken from their differences."""
+        n, c, unit = len(self.shape), self.shape, self.omega**2
+        x = np.append(self.eta + (q - self.q) * c, self.alpha / unit)
+        rest = AT_REST * np.linalg.norm(self.seen.T @ self.f_0)
+        met: list[tuple[Array, Array]] = []
+        for _ in range(MOST_ITERATIONS):
+            f = self.laps.at(self.T @ (self.basis @ x[:n]))
+            if f is None:
+                return False
+            pushed, held = self.seen.T @ (f - self.f_0), self.K_0 @ x[:n]
+            left = np.append(held - pushed - unit * x[n] * c, unit * (c @ x[:n] - q))
+            scale = np.linalg.norm(pushed) + np.linalg.norm(held)
+            if np.linalg.norm(left) <= BALANCED * scale + rest:
+                self.eta, self.alpha = x[:n], unit * x[n]
+                return True
+            A = np.zeros((n + 1, n + 1))
+            A[:n, :n] = self.K_0 + self.seen.T @ self.laps.tangent() @ self.seen
+            A[:n, n], A[n, :n] = -unit * c, unit * c
+            met = [*met, (x, left)][-REMEMBERED:]
+            x, left = _mixed(met)
+            x = x - np.linalg.lstsq(A, left, rcond=SLACK)[0]
+        return False
+
+
+def _mixed(met: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    """Of points and their residuals, the last less that combination of differences that leaves the smallest one."""
+    x, left = met[-1]
+    if len(met) == 1:
+        return x, left
+    points, residuals = (np.array(values, dtype=float) for values in zip(*met, strict=True))
+    dx, dleft = (points[1:] - points[:-1]).T, (residuals[1:] - residuals[:-1]).T
+    weight = np.linalg.lstsq(dleft, left, rcond=RIDGE)[0]
+    return x - dx @ weight, left - dleft @ weight
+
+
+@TURN
+def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
+    """Mode i of `modes`. Raises `InputError` for scenes without laps, and for modes that are no standing vibration."""
+    label, linear, value = "equivalent_damping", modes.linear, modes.eigenvalues[i]
+    if not modes.scene.laps:
+        raise InputError(f"{label}: the scene has no lap; damping_ratios has all that is linear")
+    if linear.turning:
+        raise InputError(
+            f"{label}: {', '.join(map(repr, linear.turning))} turns; take modes about an equilibrium, or the end of a "
+            "static run"
+        )
+    if modes.about == "last state of a run":
+        raise InputError(f"{label}: the modes are about a state in motion; take an equilibrium or a static run")
+    phi = np.real(modes.vectors[:, i])
+    mass = float(phi @ linear.M @ phi)
+    if value.imag <= 0.0 or 1.0 - mass > STANDING:
+        raise InputError(
+            f"{label}: mode {i} is no standing vibration (eigenvalue {value:.3g} 1/s): strong dampers, or nothing that "
+            "pulls it back; choose another"
+        )
+    engine = Engine(modes.scene, device=modes.device, settings=modes.settings)
+    engine.resume(modes.state)
+    return RubbingMode(engine, linear, free_basis(linear.M, linear.K, linear.C), phi / np.sqrt(mass), abs(value))
+
+
+def equivalent(cycle: Cycle, amplitude: float) -> tuple[float, float, float, float]:
+    """D [J], U [J], zeta and omega_a [rad/s] of a cycle with `amplitude` of the mode's coordinate."""
+    steps = len(cycle.load) - 1
+    phase = np.sin(2.0 * np.pi * np.arange(steps) / steps)
+    square = 2.0 / (amplitude * steps) * float(cycle.load[:-1] @ phase)
+    if square <= 0.0:
+        raise InputError("equivalent_damping: nothing pulls the mode back at this amplitude; take a smaller one")
+    loss, energy = sum(cycle.loss.values()), 0.5 * square * amplitude**2
+    return loss, energy, loss / (4.0 * np.pi * energy), float(np.sqrt(square))

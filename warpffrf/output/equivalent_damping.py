@@ -1,0 +1,149 @@
+"""What laps take from a vibration in a mode, by its amplitude: damping ratio, frequency, loops, a table and a plot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Port
+from warpffrf.model.errors import InputError, require_array, require_count, require_number
+from warpffrf.online.vibrations.eigenmodes import SceneModes
+from warpffrf.online.vibrations.rubbing import Cycle, equivalent, rubbing_mode
+
+UNSETTLED = 0.02  # of the loss of a cycle: change from one to the next
+FEWEST_CYCLES = 3  # the first begins at rest, the second is what the third is held against
+FEWEST_STEPS = 8
+STILL = 1e-6  # of the largest displacement of a body: a node of the mode
+SIZE = (6.4, 4.2)  # inches
+
+
+@dataclass(frozen=True, eq=False)
+class EquivalentDamping:
+    """A mode of laps that rub, at k amplitudes; made by `Modes.equivalent_damping`.
+
+    The linear oscillator with `frequency` and `damping_ratio` has the same stiffness and the same loss in a cycle. The
+    ratio is that of the laps alone: what the mode has of `Modes.damping_ratios` comes on top.
+    """
+
+    mode: int
+    linear_frequency: float  # Hz, all cells stuck
+    place: str  # where `amplitude` is measured
+    unit: str  # of it: m, or m kg^(1/2) of the mode's coordinate
+    amplitude: np.ndarray  # (k,) at `place`
+    coordinate: np.ndarray  # (k,) m kg^(1/2), of the mode, whose modal mass is 1
+    damping_ratio: np.ndarray  # (k,) zeta = D/(4 pi U)
+    frequency: np.ndarray  # (k,) Hz, of the secant stiffness
+    loss: np.ndarray  # (k,) J, D of a cycle
+    energy: np.ndarray  # (k,) J, U of the amplitude
+    lap_loss: dict[str, np.ndarray]  # lap -> (k,) J, its part of D
+    slipping: dict[str, np.ndarray]  # lap -> (k,) share of its cells that slip or open in the cycle
+    loops: list[Cycle]  # (k,) the last cycle of each: `coordinate` and `load` of the mode
+    notes: list[str] = field(default_factory=list)
+
+    def report(self) -> str:
+        """Table over the amplitudes, and notes: plain text."""
+        lines = [
+            f"mode {self.mode}, {self.linear_frequency:.6g} Hz with all cells stuck; amplitude at {self.place}", "",
+            f"{'amplitude ' + self.unit:>20}  {'damping %':>10}  {'frequency Hz':>12}  {'loss J':>10}  slipping",
+        ]  # fmt: skip
+        for i, a in enumerate(self.amplitude):
+            slips = ", ".join(f"{name} {100.0 * share[i]:.0f} %" for name, share in self.slipping.items())
+            lines.append(
+                f"{a:>20.4g}  {100.0 * self.damping_ratio[i]:>10.4g}  {self.frequency[i]:>12.6g}  "
+                f"{self.loss[i]:>10.4g}  {slips}"
+            )
+        if self.notes:
+            lines += ["", *(f"note: {note}" for note in self.notes)]
+        return "\n".join(lines)
+
+    __str__ = report
+
+    def plot(self, ax: Any = None) -> Any:
+        """Draw the damping ratio over the amplitude, both logarithmic, on the matplotlib axes `ax` (new ones when
+        None); returns them."""
+        if ax is None:
+            from matplotlib.backends.backend_agg import FigureCanvasAgg
+            from matplotlib.figure import Figure
+
+            figure = Figure(figsize=SIZE, layout="constrained")
+            FigureCanvasAgg(figure)
+            ax = figure.add_subplot()
+        order = np.argsort(self.amplitude)
+        rubs = order[self.damping_ratio[order] > 0.0]
+        ax.loglog(self.amplitude[rubs], 100.0 * self.damping_ratio[rubs], marker="o")
+        ax.set(
+            xlabel=f"amplitude at {self.place}, {self.unit}", ylabel="damping ratio of the laps, %",
+            title=f"Mode {self.mode}, {self.linear_frequency:.5g} Hz",
+        )  # fmt: skip
+        ax.grid(visible=True, which="both", alpha=0.3)
+        return ax
+
+
+def equivalent_damping(
+    modes: SceneModes,
+    i: int,
+    amplitude: float | Sequence[float] | np.ndarray,
+    *,
+    at: Port | None,
+    cycles: int,
+    steps: int,
+) -> EquivalentDamping:
+    """See `Modes.equivalent_damping`."""
+    label = "equivalent_damping"
+    cycles = require_count(cycles, f"{label}: cycles", FEWEST_CYCLES)
+    steps = require_count(steps, f"{label}: steps", FEWEST_STEPS)
+    if steps % 4:
+        raise InputError(
+            f"{label}: steps must be a multiple of four, so that both ends of a cycle are met, got {steps}"
+        )
+    given = require_array(amplitude if np.ndim(amplitude) else [amplitude], f"{label}: amplitude", (None,))
+    if not len(given):
+        raise InputError(f"{label}: give one amplitude at least")
+    for a in given:
+        require_number(float(a), f"{label}: amplitude", positive=True)
+    mode = rubbing_mode(modes, i)
+    unit = 1.0 if at is None else _displacement(modes, i, at)
+    loops = [mode.cycle(a / unit, cycles, steps) for a in given]
+    numbers = np.array([equivalent(loop, a / unit) for loop, a in zip(loops, given, strict=True)])
+    notes = []
+    for a, loop, loss in zip(given, loops, numbers[:, 0], strict=True):
+        change = abs(loss - loop.before)
+        if change > UNSETTLED * loss and change > 0.0:
+            notes.append(
+                f"amplitude {a:.4g}: the loss still changes from cycle to cycle ({loop.before:.4g} J, then {loss:.4g} "
+                "J); take more cycles"
+            )
+    if not np.all(numbers[:, 0] > 0.0):
+        notes.append("where nothing slips the loss is zero; of micro-slip smaller than a cell, smaller cells see more")
+    names = [lap.name for lap in modes.scene.laps]
+    return EquivalentDamping(
+        mode=i, linear_frequency=mode.omega / (2.0 * np.pi), place="the mode's coordinate" if at is None else at.label,
+        unit="m kg^(1/2)" if at is None else "m", amplitude=given, coordinate=given / unit, loss=numbers[:, 0],
+        energy=numbers[:, 1], damping_ratio=numbers[:, 2], frequency=numbers[:, 3] / (2.0 * np.pi),
+        lap_loss={name: np.array([loop.loss[name] for loop in loops]) for name in names},
+        slipping={name: np.array([loop.slipping[name] for loop in loops]) for name in names}, loops=loops, notes=notes,
+    )  # fmt: skip
+
+
+def _displacement(modes: SceneModes, i: int, port: Any) -> float:
+    """Length [m] of the displacement of a port in mode i."""
+    if not isinstance(port, Port) or port.point is None or port.body.name not in modes.shapes:
+        raise InputError(
+            "equivalent_damping: at must be a place on a body that moves, body['interface'] or body.at((x, y, z)), "
+            f"got {getattr(port, 'label', None) or repr(port)}"
+        )
+    name = port.body.name
+    shape, A = modes.shapes[name][i], rot.matrix(modes.rotation[name])
+    place, own = port.point, np.zeros(3)
+    if port.interface_name is not None and len(shape.modal):
+        traces = port.body.reduced.interfaces[port.interface_name].modes[:, :3]
+        place, own = place + modes.modal[name] @ traces, np.real(shape.modal) @ traces
+    moved = np.real(shape.translation) + np.cross(np.real(shape.rotation), A @ place) + A @ own
+    size = float(np.linalg.norm(moved))
+    if size <= STILL * max(float(np.linalg.norm(np.real(s[i].translation))) for s in modes.shapes.values()):
+        raise InputError(f"equivalent_damping: {port.label} does not move in mode {i}; measure the amplitude elsewhere")
+    return size
