@@ -278,8 +278,9 @@ def judge_cells(
     lap_table: wp.array(dtype=real),
     lap_left: wp.array(dtype=real),
     lap_right: wp.array(dtype=real),
+    least: real,
 ):
-    """Which cells are to change their state, and to which; by one lane."""
+    """Which cells are to change their state, and to which; by one lane. Forces below `least` [N] are none."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     all = lines_of(model, group)
@@ -288,7 +289,7 @@ def judge_cells(
     rank = lap_words[w, group, RANK]
     first = model.elements[0].laps[0].cell_start[group]
     yields = model.elements[0].laps[0].yields[group]
-    none = NO_PRESSURE * largest_force(model, w, group, lines, lap_mode, lap_v)
+    none = wp.max(NO_PRESSURE * largest_force(model, w, group, lines, lap_mode, lap_v), least)
     normal = int(0)
     tangential = int(0)
     c = int(0)

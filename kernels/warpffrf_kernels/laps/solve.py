@@ -10,8 +10,10 @@ Cells have states (`forms`) in which this is linear, but for slipping ones, whos
 passes, mixed by Anderson's rule. A pass takes them to where they should be, looks at all cells, and lets those change
 whose sign is wrong: of the gaps first, then stick and slip, all three of them in every third pass. A gap that closes
 has the force that its own block of the tableau gives it: whether it then sticks or slips decides its state; where it
-comes back time and again, the other one is tried. Tableau and states stay from one evaluation to the next, few cells
-change in a step. What round-off makes of the numbers that follow is put right every REFRESHED steps, from G itself.
+comes back time and again, the other one is tried. Cells that lie on each other to begin with are taken as pressed, so
+that the first step of Newton's method does not drive the faces through each other. Tableau and states stay from one
+evaluation to the next, few cells change in a step. What round-off makes of the numbers that follow is put right every
+REFRESHED steps, from G itself.
 """
 
 import warp as wp
@@ -63,6 +65,7 @@ SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and what it 
 ROUGHLY = wp.constant(wp.float64(1.0e-4))  # in the first iteration whose balance counts, ...
 NEARLY = wp.constant(wp.float64(1.0e-7))  # ... and in the second
 MOST_PASSES = wp.constant(150)
+SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
 REFRESHED = wp.constant(25)
 
 
@@ -111,6 +114,7 @@ def solve_laps(
     lap_moved: out(wp.array(dtype=real)),
     lap_gradient: out(wp.array4d(dtype=real)),
     lap_push: out(wp.array2d(dtype=real)),
+    lap_sum: out(wp.array2d(dtype=real)),
     lap_stored: out(wp.array2d(dtype=real)),
     lap_taken: out(wp.array3d(dtype=real)),
     lap_off: out(wp.array2d(dtype=real)),
@@ -166,7 +170,7 @@ def solve_laps(
         while c < cells:
             cell = first + c
             mu = model.elements[0].laps[0].friction[cell]
-            if lap_state[w, cell] != OPEN:
+            if lap_state[w, cell] != OPEN or model.elements[0].laps[0].gap[cell] == real(0.0):
                 before = form_of(w, cell, mu, lap_mode, lap_aim)
                 form = Form()
                 form.mu = mu
@@ -213,6 +217,9 @@ def solve_laps(
         enough = ROUGHLY
     elif ctl[w].iteration == 2:
         enough = NEARLY
+    least = real(0.0)
+    if ready == 0 and ctl[w].iteration == 0:
+        least = SAME_PLACE * model.length / model.elements[0].laps[0].yields[group]
     passes = int(0)
     off = real(0.0)
     while done == 0:
@@ -231,7 +238,7 @@ def solve_laps(
         if lane == 0:
             judge_cells(
                 model, w, group, lap_mode, lap_words, lap_wish, lap_next, lap_flips, lap_u, lap_v, lap_table,
-                lap_left, lap_right,
+                lap_left, lap_right, least,
             )  # fmt: skip
             changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
             lap_words[w, group, DONE] = 0
@@ -298,6 +305,13 @@ def solve_laps(
         lap_push[w, first_column + c] = dot(
             n, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group] + c * n, lap_trial, lines
         )  # fmt: skip
+        sum = real(0.0)
+        at = model.elements[0].laps[0].motion_start[group] + c * n
+        i = int(0)
+        while i < n:
+            sum += wp.abs(model.elements[0].laps[0].motion[at + i] * lap_trial[lines + i])
+            i += 1
+        lap_sum[w, first_column + c] = sum
         c += wp.block_dim()
     displaced(model, w, group, lane, 0, lap_trial, lap_z_flat, lap_list, lap_given, lap_words, lap_strip)
     if lane == 0:

@@ -24,6 +24,8 @@ SHORT = wp.constant(wp.float64(1.0e-5))
 # of accelerations, times the residual tolerance: a few digits above machine precision
 ROUND_OFF = wp.constant(wp.float64(1.0e-6))
 CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: round-off of its sums over the tolerance
+# of the forces of cells on a body or a mode, which may cancel: cells are stiff, and round-off of places shows
+CELLS = wp.constant(wp.float64(0.1))
 # of the force that moves a body by the scene's length in a step: below what round-off leaves where nothing acts
 NO_FORCE = wp.constant(wp.float64(1.0e-29))
 STILL = wp.constant(wp.float64(1.0e-11))  # of the increments of a load step, and ...
@@ -124,6 +126,7 @@ def balance(
     film_off: wp.array2d(dtype=real),
     film_changed: wp.array2d(dtype=int),
     lap_push: wp.array2d(dtype=real),
+    lap_sum: wp.array2d(dtype=real),
     lap_off: wp.array2d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
@@ -229,6 +232,8 @@ def balance(
         c = model.elements[0].laps[0].rigid_column[lap]
         if c >= 0:
             scale = wp.max(scale, wp.length(vec3(lap_push[w, c], lap_push[w, c + 1], lap_push[w, c + 2])))
+            for i in range(3):
+                scale = wp.max(scale, CELLS * lap_sum[w, c + i])
         lap += 1
     lap = int(0)
     while lap < model.elements[0].laps[0].count:
@@ -282,7 +287,7 @@ def balance(
     n = int(0)
     while n < model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]:
         if model.elements[0].laps[0].column_mode[n] >= 0:
-            modal_scale = wp.max(modal_scale, wp.abs(lap_push[w, n]))
+            modal_scale = wp.max(modal_scale, wp.max(wp.abs(lap_push[w, n]), CELLS * lap_sum[w, n]))
         n += 1
     row = int(0)
     while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off

@@ -538,6 +538,7 @@ class Laps(Arrays):
     lap_moved: DeviceArray = reals("world", "lap_line", unit="m", note="gaps and slips of the step", run=True)
     lap_gradient: DeviceArray = reals("world", "lap", 6, 12, note="of d, theta by the motion of its bodies")
     lap_push: DeviceArray = reals("world", "lap_column", note="forces on the coordinates", zero_without=True)
+    lap_sum: DeviceArray = reals("world", "lap_column", note="sizes of their parts", zero_without=True)
     lap_stored: DeviceArray = reals("world", "lap_group", unit="J")
     lap_taken: DeviceArray = reals("world", "lap_group", 2, unit="J", note="by friction, rest", zero_without=True)
     lap_off: DeviceArray = reals("world", "lap_group", note="what forces have not settled", zero_without=True)

@@ -24,6 +24,7 @@ from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import Lap
 from warpffrf.model.laps.lap import LapCellsOf
+from warpffrf.model.laps.preload import lap_notes
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.inertia import outer_modes
 
@@ -254,8 +255,7 @@ def _notes(laps: list[Lap], cells: list[LapCellsOf], lines: int) -> list[str]:
     """What the report of a run is to say of a group."""
     notes = []
     for lap, own in zip(laps, cells, strict=True):
-        if min(own.shares) < 1e-3:
-            notes.append(f"{lap.label}: {own.shares[0]:.2%} and {own.shares[1]:.2%} of its faces overlap")
+        notes.extend(lap_notes(lap, own))
     count = sum(len(own.cell) for own in cells)
     if count > MANY:
         notes.append(
