@@ -64,6 +64,8 @@ wp.set_module_options(MODULE_OPTIONS)
 SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and what it yields
 ROUGHLY = wp.constant(wp.float64(1.0e-4))  # in the first iteration whose balance counts, ...
 NEARLY = wp.constant(wp.float64(1.0e-7))  # ... and in the second
+EARLY = wp.constant(3)  # iterations in which states change once, and the motion follows
+UNSETTLED = wp.constant(wp.float64(0.01))  # what is told of forces whose cells have just changed
 MOST_PASSES = wp.constant(150)
 SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
 REFRESHED = wp.constant(25)
@@ -220,6 +222,8 @@ def solve_laps(
     least = real(0.0)
     if ready == 0 and ctl[w].iteration == 0:
         least = SAME_PLACE * model.length / model.elements[0].laps[0].yields[group]
+    early = ctl[w].iteration >= 1 and ctl[w].iteration <= EARLY
+    changed_states = int(0)
     passes = int(0)
     off = real(0.0)
     while done == 0:
@@ -243,6 +247,9 @@ def solve_laps(
             changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
             lap_words[w, group, DONE] = 0
             off = change
+            if changed_states != 0:
+                off = UNSETTLED
+                lap_words[w, group, DONE] = 1
             if changing == 0 and change <= enough:
                 lap_words[w, group, DONE] = 1
             elif passes >= MOST_PASSES or not wp.isfinite(change):
@@ -278,12 +285,13 @@ def solve_laps(
                     set_form(w, cell, form, lap_mode, lap_aim)
                 sync()
             c += 1
+            if goes and early and wish != TURNS:
+                changed_states = int(1)
         if lane == 0:
             lap_words[w, group, RANK] = rank
         sync()
     if lane == 0:
         lap_words[w, group, PASSES] = passes
-
         lap_words[w, group, ALL_PASSES] = lap_words[w, group, ALL_PASSES] + passes
         lap_words[w, group, EVALUATIONS] = lap_words[w, group, EVALUATIONS] + 1
         if done == 2:
