@@ -11,7 +11,8 @@ A load step that the engine halves is two steps of friction: the full model foll
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -24,11 +25,11 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online import History
-from warpffrf.output.simulate import simulate
+from warpffrf.online import History, Settings
+from warpffrf.online.load_steps import run_static
 from warpffrf.verification.laps.cells import Cells, facet_cells, node_cells, together
 from warpffrf.verification.laps.full_model import FullModel, Part
-from warpffrf.verification.laps.quasi_static import Followed, StaticLap
+from warpffrf.verification.laps.quasi_static import StaticLap
 from warpffrf.verification.laps.sheets import ROOT, one_body, stack
 
 Array = np.ndarray
@@ -43,11 +44,12 @@ KINDS = {"nodes": node_cells, "facets": facet_cells}
 @dataclass(frozen=True, eq=False)
 class Sheets:
     """`layers` sheets that make a stack of `SIZE`, of `counts` (3,) of hex27 each; `second`: elements along the upper
-    sheet of two where they are two bodies, None: one body with a common root."""
+    sheet of two where they are two bodies, None: as below; `width` [m]: across, loads below are for that of `SIZE`."""
 
     counts: tuple[int, int, int]
     layers: int = 2
     second: int | None = None
+    width: float = SIZE[1]
 
     @property
     def height(self) -> float:
@@ -57,7 +59,7 @@ class Sheets:
     @cached_property
     def parts(self) -> list[Mesh]:
         """Sheets with the facet sets `head0` and `head1` on the outer faces."""
-        size = (SIZE[0], SIZE[1], self.height)
+        size = (SIZE[0], self.width, self.height)
         sheets = stack(size, self.counts, self.layers)
         if self.second is not None:
             sheets[-1] = stack(size, (self.second, *self.counts[1:]), self.layers)[-1]
@@ -147,11 +149,13 @@ class Sheets:
         scene.add(sensors.Position(end, name="tip"))
         return scene
 
-    def followed(self, bodies: list[ReducedBody], path: Array, friction: float = FRICTION) -> Engine:
+    def followed(
+        self, bodies: list[ReducedBody], path: Array, *, friction: float = FRICTION, settings: Settings | None = None
+    ) -> Engine:
         """The engine's static history through a path (n, 2), a row a second, from an equilibrium under the first."""
         times = np.arange(float(len(path)))
         scene = self.scene(bodies, *(signals.Table(times, path[:, i]) for i in range(2)), friction)
-        found = simulate(scene, times[-1], step=1.0, kind="static", progress=False).history
+        found = run_static(scene, times[-1], step=1.0, progress=False, settings=settings)
         if found.status != "completed":
             raise RuntimeError(f"sheets: {found.status}: {found.message}")
         return Engine(found, SIZE[2] - 0.5 * self.height)
@@ -249,15 +253,12 @@ class Difference:
     cut: int
 
 
-def full_history(lap: StaticLap, loads: Array, cycle: Cycle, parts: Array | None = None) -> tuple[Followed, Array]:
-    """The full model's history, and the rows in it that the cycle's are."""
-    path, at = with_halves(cycle.path, np.ones(cycle.last + 1, int) if parts is None else parts)
-    return lap.follow(loads, path, loads[:, 1:]), at
-
-
 def difference(engine: Engine, lap: StaticLap, loads: Array, cycle: Cycle) -> Difference:
-    """Cells in the same order."""
-    full, at = full_history(lap, loads, cycle, engine.parts)
+    """Cells in the same order; the full model takes the engine's gaps, round-off of places of 1e-18 m."""
+    path, at = with_halves(cycle.path, engine.parts)
+    same = copy(lap)
+    same.cells = replace(lap.cells, gap=np.concatenate([one.cells().gap for one in engine.history.scene.laps]))
+    full = same.follow(loads, path, loads[:, 1:])
     top = full.pressure.max()
     tip = full.observed[at[cycle.first :], 0]
     lost = full.loss(at[cycle.first], at[cycle.last])
