@@ -1,8 +1,8 @@
 """The engine's solve of cells against a dense reference of its own, on small irregular joints.
 
-Two sheets in one body on grid lines of no order, held at their root, pressed by uneven loads and dragged about by forces
-at the tip that turn: cells open and close, stick, slip, and slip in other directions from step to step. The flexibility
-of the cells is that of full finite elements. Loads are of some micronewton, so that nothing turns.
+Two sheets in one body on grid lines of no order, held at their root, pressed by uneven loads and dragged about by a
+force at the tip that turns: cells open and close, stick, slip, and slip in other directions from step to step. The
+flexibility of the cells is that of full finite elements. Loads are of some micronewton, so that nothing turns.
 """
 
 from __future__ import annotations

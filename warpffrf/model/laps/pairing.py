@@ -4,8 +4,9 @@ Triangles of the first face are cut by those of the second, seen along the norma
 the first face that is covered is a cell of the lap; its force acts on the cells of the second face in proportion to the
 areas that they share, and what it sees of the second face is the mean of their displacements with the same weights, so
 that the two are conjugate. Cells of the second face have a mean displacement each and no slope, so that shared areas
-alone would put the force beside the cell where cells do not nest, and of two cells on one of the second face both would
-see the same. So weights w are changed by as little as makes them exact for displacements that are linear along the face,
+alone would put the force beside the cell where cells do not nest, and two cells on one of the second face would see the
+same, which locks them. So weights w are changed by as little as makes them exact for displacements that are linear
+along the face,
 
     sum w = 1,        sum w x = x of the cell,
 
