@@ -154,7 +154,8 @@ class Sheets:
     ) -> Engine:
         """The engine's static history through a path (n, 2), a row a second, from an equilibrium under the first."""
         times = np.arange(float(len(path)))
-        scene = self.scene(bodies, *(signals.Table(times, path[:, i]) for i in range(2)), friction)
+        preload, tip = (signals.Table(times, path[:, i]) for i in range(2))
+        scene = self.scene(bodies, preload, tip, friction)
         found = run_static(scene, float(times[-1]), step=1.0, progress=False, settings=settings)
         if found.status != "completed":
             raise RuntimeError(f"sheets: {found.status}: {found.message}")
