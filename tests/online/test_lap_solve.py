@@ -28,7 +28,7 @@ SAME = 1e-8  # of the largest force: Newton's method ends at 1e-9 of it
 LOAD = 1e-5  # N
 
 
-@pytest.mark.parametrize(("seed", "friction"), [(1, 0.0), (2, 0.15), (3, 0.3), (7, 0.6)])
+@pytest.mark.parametrize(("seed", "friction"), [(1, 0.0), (2, 0.15), (3, 0.3), (5, 0.6)])
 def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     rng = np.random.default_rng(seed)
     x = np.concatenate([[0.0], np.cumsum(rng.uniform(0.5, 1.5, 6))]) * 5e-3
