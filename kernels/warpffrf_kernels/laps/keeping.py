@@ -40,8 +40,8 @@ def keep_laps(
     lap_energy: out(wp.array2d(dtype=real)),
 ):
     """Per (world, group), lanes over cells: the trial forces become the accepted ones. After a rejected attempt the
-    next one begins with its own tableau, cells under pressure sticking: a load that turns back makes slipping cells stick,
-    which Newton's method misses where it begins with what is soft and goes too far."""
+    next one begins with its own tableau, cells under pressure sticking: a load that turns back makes slipping cells
+    stick, which Newton's method misses where it begins with what is soft and goes too far."""
     w, group, lane = wp.tid()
     model = models[0]
     if lane == 0 and ctl[w].attempt != 0 and ctl[w].accept == 0:
