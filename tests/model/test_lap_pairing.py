@@ -24,14 +24,29 @@ def plate(counts: tuple[int, int], up: bool, shift=(0.0, 0.0, 0.0)):
     return np.array(triangles) + np.array(shift), np.array(cell), normals
 
 
-def test_weights_are_shared_areas() -> None:
-    """Halves on thirds along x: the first half lies to 2/3 on the first third and to 1/3 on the second."""
+def test_weights_are_shared_areas_where_cells_nest() -> None:
+    """Halves on quarters along x."""
     first, cell, normals = plate((2, 1), True)
-    second, other, _ = plate((3, 1), False, (0.0, 0.0, 0.01))
+    second, other, _ = plate((4, 1), False, (0.0, 0.0, 0.01))
     found = pair_faces("lap 'l'", first, cell, normals, second, other)
-    assert found.weights.toarray() == pytest.approx(np.array([[2, 1, 0], [0, 1, 2]]) / 3.0, abs=1e-14)
+    assert found.weights.toarray() == pytest.approx(np.array([[1, 1, 0, 0], [0, 0, 1, 1]]) / 2.0, abs=1e-14)
     assert found.gap == pytest.approx([0.01, 0.01]) and found.distance == pytest.approx((0.01, 0.01))
     assert found.covered == pytest.approx([1.0, 1.0]) and found.shares == pytest.approx((1.0, 1.0))
+
+
+@pytest.mark.parametrize("counts", [((2, 1), (3, 1)), ((6, 4), (3, 2)), ((5, 3), (7, 4)), ((7, 4), (4, 3))])
+def test_weights_are_exact_for_linear_displacements(counts) -> None:
+    """Forces act where their cells are, and faces that turn together do not part, whatever the cells: shared areas
+    alone would put the force of half a face 1/12 of its cell beside it, on thirds."""
+    first, cell, normals = plate(counts[0], True)
+    second, other, _ = plate(counts[1], False, (0.0, 0.0, 0.01))
+    W = pair_faces("lap 'l'", first, cell, normals, second, other).weights
+    middles = [
+        np.array([t[c == i].mean(axis=(0, 1)) for i in range(c.max() + 1)]) for t, c in ((first, cell), (second, other))
+    ]
+    assert W.sum(axis=1) == pytest.approx(1.0, abs=1e-14)
+    assert (W @ middles[1])[:, :2] == pytest.approx(middles[0][:, :2], abs=1e-14)
+    assert np.abs(W.toarray()).max() < 1.5
 
 
 def test_a_tilted_face_has_its_mean_distance() -> None:

@@ -12,6 +12,7 @@ from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, roller
+from warpffrf.model.mesh import box as mesh_box
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
@@ -189,6 +190,24 @@ def test_run_from_equilibrium_stays_there() -> None:
     history = run_checked(scene, 0.1, 1e-3, start="equilibrium")
     assert np.abs(history.bodies["body"].position - history.bodies["body"].position[0]).max() < 1e-10
     assert history.energy["kinetic"].max() < 1e-12
+
+
+@pytest.mark.parametrize("size", [1e-3, 4e3])
+def test_forces_that_cancel_on_a_body_leave_it_at_rest(size: float) -> None:
+    """As those of a bolt: what round-off leaves of them is no load that nothing carries."""
+    strip = mesh_box((0.2, 0.01, 0.008), (8, 1, 1), center=(0.1, 0.0, 0.004))
+    for side in ("z_min", "z_max"):
+        strip = strip.select(f"head {side}", side, lambda c: np.abs(c[:, 0] - 0.1) < 0.03)
+    interfaces = {"x_min": "rigid", "head z_min": "average", "head z_max": "average"}
+    reduced = reduce(strip, STEEL, interfaces=interfaces, modes=2, cache=False, progress=False)
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    body = scene.add_body(reduced, name="strip")
+    scene.add(joints.Fixed(scene.ground, body["x_min"]))
+    for name, sign in (("head z_min", 1.0), ("head z_max", -1.0)):
+        scene.add(forces.PointForce(body[name], (size, (0.0, 0.0, sign))))
+    rest = find_equilibrium(scene)
+    assert rest.status == "completed", rest.message
+    assert np.abs(rest.joints["fixed_1"].force[-1]).max() < 1e-9 * size
 
 
 def test_spiral_spring_counts_its_turns() -> None:

@@ -1,7 +1,8 @@
 """Is a state balanced? Residuals as fractions of the forces and lengths at hand, which end the Newton loop.
 
 A torque counts as the force that it is at the body's radius of gyration. What round-off leaves of sums of large terms
-that cancel (accelerations from increments, forces of joints on the modes) is no reason to go on.
+that cancel (accelerations from increments, point forces as of a bolt, forces of joints on the modes) is no reason to go
+on.
 """
 
 import warp as wp
@@ -23,7 +24,8 @@ SLOW = wp.constant(wp.float64(0.1))  # of the residual before: a matrix that has
 SHORT = wp.constant(wp.float64(1.0e-5))
 # of accelerations, times the residual tolerance: a few digits above machine precision
 ROUND_OFF = wp.constant(wp.float64(1.0e-6))
-CANCELLED = wp.constant(wp.float64(1.0e-5))  # of a joint's force on the modes: round-off of its sums over the tolerance
+# of point forces, and of a joint's force on the modes: round-off of their sums over the tolerance
+CANCELLED = wp.constant(wp.float64(1.0e-5))
 # of the forces of cells on a body or a mode, which may cancel: cells are stiff, and round-off of places shows
 CELLS = wp.constant(wp.float64(0.1))
 # of the force that moves a body by the scene's length in a step: below what round-off leaves where nothing acts
@@ -116,6 +118,7 @@ def balance(
     softness: wp.array2d(dtype=real),
     row_wrench: wp.array3d(dtype=real),
     row_pull: wp.array3d(dtype=real),
+    applied: wp.array3d(dtype=vec3),
     load: wp.array3d(dtype=real),
     load_on_modes: wp.array3d(dtype=real),
     pair_wrench: wp.array3d(dtype=real),
@@ -176,6 +179,17 @@ def balance(
                 scale = wp.max(scale, wp.abs(load[w, 0, 6 * b + c]))
                 scale = wp.max(scale, wp.abs(load[w, 0, 6 * b + 3 + c]) / gyration)
         b += 1
+    i = int(0)
+    while i < model.forces.count:  # forces that cancel each other on a body, as those of a bolt, leave round-off
+        force = wp.length(applied[w, 1, i])
+        scale = wp.max(scale, CANCELLED * force)
+        interface = model.forces.interface[i]
+        if interface >= 0:
+            pull = real(0.0)
+            for c in range(3):
+                pull += force * model.interfaces.reach[interface, c]
+            modal_scale = wp.max(modal_scale, CANCELLED * pull)
+        i += 1
     extent = model.length
     b = int(0)
     while b < model.bodies.count:
