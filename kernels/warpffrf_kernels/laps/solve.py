@@ -12,8 +12,8 @@ whose sign is wrong: of the gaps first, then stick and slip, all three of them i
 has the force that its own block of the tableau gives it: whether it then sticks or slips decides its state; where it
 comes back time and again, the other one is tried. Cells that lie on each other to begin with are taken as pressed, so
 that the first step of Newton's method does not drive the faces through each other. Tableau and states stay from one
-evaluation to the next, few cells change in a step. What round-off makes of the numbers that follow is put right every
-REFRESHED steps, from G itself.
+evaluation to the next, few cells change in a step. What round-off makes of the numbers that follow is put right from
+G itself where cells have changed their states, and every REFRESHED steps.
 """
 
 import warp as wp
@@ -26,7 +26,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync
 from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
 from warpffrf_kernels.laps.evaluation import begin_table, displaced, look_at_motion, put_right
 from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, second_of, to_form
-from warpffrf_kernels.laps.passes import aim_cells, go_ahead, judge_cells, pressed_state, wished
+from warpffrf_kernels.laps.passes import aim_cells, go_ahead, judge_cells, largest_force, pressed_state, wished
 from warpffrf_kernels.laps.tableau import (
     MOST_RANK,
     cells_of,
@@ -72,7 +72,7 @@ REFRESHED = wp.constant(25)
 
 
 @wp.kernel
-def look_ahead(ctl: wp.array(dtype=Control), lap_words: inout(wp.array3d(dtype=int))):
+def look_ahead(ctl: wp.array(dtype=Control), lap_words: out(wp.array3d(dtype=int))):
     """Per (world, group): the evaluation that follows is that of a prediction."""
     w, group = wp.tid()
     if ctl[w].run != 0:
@@ -120,6 +120,7 @@ def solve_laps(
     lap_stored: out(wp.array2d(dtype=real)),
     lap_taken: out(wp.array3d(dtype=real)),
     lap_off: out(wp.array2d(dtype=real)),
+    lap_depth: out(wp.array2d(dtype=real)),
 ):
     """Per (world, group): forces of all cells at the trial state, what they do to the motion, their energy."""
     w, group, lane = wp.tid()
@@ -127,6 +128,7 @@ def solve_laps(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     components = model.elements[0].laps[0].components[group]
+    yields = model.elements[0].laps[0].yields[group]
     n = unknowns_of(model, group)
     all = lines_of(model, group)
     cells = cells_of(model, group)
@@ -221,7 +223,7 @@ def solve_laps(
         enough = NEARLY
     least = real(0.0)
     if ready == 0 and ctl[w].iteration == 0:
-        least = SAME_PLACE * model.length / model.elements[0].laps[0].yields[group]
+        least = SAME_PLACE * model.length / yields
     early = ctl[w].iteration >= 1 and ctl[w].iteration <= EARLY
     changed_states = int(0)
     passes = int(0)
@@ -278,6 +280,7 @@ def solve_laps(
                 )  # fmt: skip
                 if lane == 0:
                     lap_words[w, group, EXCHANGES] = lap_words[w, group, EXCHANGES] + 1
+                    lap_words[w, group, SINCE] = REFRESHED
                     u = triple(lap_u, lines + components * c, components)
                     v = triple(lap_v, lines + components * c, components)
                     put_triple(lap_u, lines + components * c, components, first_of(map, u, v))
@@ -345,3 +348,4 @@ def solve_laps(
         lap_taken[w, group, 0] = rubbed
         lap_taken[w, group, 1] = rest
         lap_off[w, group] = off
+        lap_depth[w, group] = yields * largest_force(model, w, group, lines, lap_mode, lap_v)

@@ -131,6 +131,7 @@ def balance(
     lap_push: wp.array2d(dtype=real),
     lap_sum: wp.array2d(dtype=real),
     lap_off: wp.array2d(dtype=real),
+    lap_depth: wp.array2d(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
@@ -198,6 +199,11 @@ def balance(
     length = model.length
     if gap_defect[w, 1] > real(0.0):
         length = wp.min(length, wp.max(gap_defect[w, 1], SHORT * extent))
+    lap = int(0)
+    while lap < model.elements[0].laps[0].count:
+        if lap_depth[w, lap] > real(0.0):
+            length = wp.min(length, wp.max(lap_depth[w, lap], SHORT * extent))
+        lap += 1
     worst = real(0.0)
     sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
     row = int(0)

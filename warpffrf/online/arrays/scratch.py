@@ -542,6 +542,9 @@ class Laps(Arrays):
     lap_stored: DeviceArray = reals("world", "lap_group", unit="J")
     lap_taken: DeviceArray = reals("world", "lap_group", 2, unit="J", note="by friction, rest", zero_without=True)
     lap_off: DeviceArray = reals("world", "lap_group", note="what forces have not settled", zero_without=True)
+    lap_depth: DeviceArray = reals(
+        "world", "lap_group", unit="m", note="that the largest force yields", zero_without=True
+    )
     lap_stiffness: DeviceArray = reals("world", "lap_square", note="T_zz", run=True)
     lap_followed: DeviceArray = reals("world", "lap_followed", note="T_zz B", run=True)
 
