@@ -7,6 +7,7 @@ end in "_entry" are those of tables that stand one behind the other.
 import warp as wp
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
+from warpffrf_kernels.core.laps import Laps
 from warpffrf_kernels.core.scalars import real, vec3
 
 # --- families of pairs, values of `Pairs.family`: where gaps are taken, and how
@@ -536,42 +537,6 @@ class Films:
     factor: DeviceArray = reals("film_factor_entry", 13, note="see `films.roughness`")
     rest_v: DeviceArray = vectors("film_body", unit="m/s", note="with which surfaces slide in static steps")
     rest_omega: DeviceArray = vectors("film_body", unit="rad/s", note="likewise, body axes")
-
-
-@topic
-class Laps:
-    """Joints that slide a little, see the kernels of `laps`. Laps that meet on a body make a group, which is solved as
-    one; cells, coordinates of motion and outer columns stand one group behind the other. Frames of the motion are those
-    of the first body."""
-
-    count: int  # groups
-    laps: int
-    components: DeviceArray = integers("lap_group", note="forces of a cell: 3, or 1 without friction")
-    yields: DeviceArray = reals("lap_group", unit="m/N", note="what gaps and forces are compared by")
-    lap_start: DeviceArray = integers("lap_group+1")
-    cell_start: DeviceArray = integers("lap_group+1")
-    column_start: DeviceArray = integers("lap_group+1", note="into the coordinates of motion")
-    line_start: DeviceArray = integers("lap_group+1", note="into what each line of a tableau has one of")
-    table_start: DeviceArray = integers("lap_group+1", note="into lap_table: (column, line)")
-    square_start: DeviceArray = integers("lap_group+1", note="into lap_stiffness: (column, column)")
-    outer_start: DeviceArray = integers("lap_group+1", note="into the outer columns of its bodies")
-    followed_start: DeviceArray = integers("lap_group+1", note="into lap_followed: (outer column, coordinate)")
-    compliance_start: DeviceArray = integers("lap_group", note="into compliance: (column, line)")
-    motion_start: DeviceArray = integers("lap_group", note="into motion: (coordinate, line)")
-    first: DeviceArray = integers("lap", note="body, -1 the ground")
-    second: DeviceArray = integers("lap", note="body, -1 the ground")
-    rigid_column: DeviceArray = integers("lap", note="its first coordinate d, theta; -1 within a body")
-    first_point: DeviceArray = vectors("lap", unit="m", note="rho_A")
-    second_point: DeviceArray = vectors("lap", unit="m", note="rho_B, axes of the second body")
-    turn: DeviceArray = matrices("lap", note="R_0")
-    friction: DeviceArray = reals("lap_cell", note="coefficient mu")
-    gap: DeviceArray = reals("lap_cell", unit="m", note="where the scene begins, less the interference")
-    own: DeviceArray = reals("lap_cell", unit="m/N", note="compliance along the face")
-    column_mode: DeviceArray = integers("lap_column", note="mode that a coordinate is, -1 of a rigid one")
-    outer: DeviceArray = integers("lap_outer", note="outer unknown")
-    outer_column: DeviceArray = integers("lap_outer", note="coordinate that it is within the group, -1 of a rigid one")
-    compliance: DeviceArray = reals("lap_compliance_entry", unit="m/N", note="G")
-    motion: DeviceArray = reals("lap_motion_entry", note="J")
 
 
 @topic

@@ -10,13 +10,12 @@ from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, q
 from warpffrf_kernels.films.sampling import HAT_LINE, PULL
 from warpffrf_kernels.films.sampling import LINE as FILM_LINE
 from warpffrf_kernels.kinematics.contact_wrench import Held
-from warpffrf_kernels.laps.tableau import MOST_RANK
-from warpffrf_kernels.laps.words import WORDS as LAP_WORDS
 from warpffrf_kernels.lumped.forces import Load
 from warpffrf_kernels.patch.cells import Row
 
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.arrays.lap_scratch import Laps
 from warpffrf.online.arrays.state import State
 from warpffrf.online.compile.scene import CompiledScene
 
@@ -508,45 +507,6 @@ class Films(Arrays):
     film_ahead: DeviceArray = reals("world", "film_point", unit="m", note="change of the gap")
     film_part: DeviceArray = reals("world", note="of the increments that is taken")
     film_taken: DeviceArray = reals("world", "film", 2, unit="J", note="by flow, by sliding", zero_without=True)
-
-
-class Laps(Arrays):
-    """Laps, see the kernels of `laps`."""
-
-    lap_words: DeviceArray = integers("world", "lap_group", LAP_WORDS, note="see `laps.words`", carried=True)
-    lap_z: DeviceArray = reals("world", "lap_column", note="coordinates of the motion that laps see", carried=True)
-    lap_step: DeviceArray = reals("world", "lap_column", note="their change since the evaluation before")
-    lap_mode: DeviceArray = integers("world", "lap_cell", note="state, see `laps.forms`", carried=True)
-    lap_aim: DeviceArray = reals("world", "lap_cell", 3, note="direction of the traction, kappa", carried=True)
-    lap_wish: DeviceArray = integers("world", "lap_cell", note="what it is to become, see `laps.words`")
-    lap_next: DeviceArray = reals("world", "lap_cell", 3, note="direction and kappa that it is to have")
-    lap_flips: DeviceArray = integers("world", "lap_cell", note="times that it has closed in an evaluation")
-    lap_u: DeviceArray = reals("world", "lap_line", note="independent numbers", run=True, carried=True)
-    lap_v: DeviceArray = reals("world", "lap_line", note="dependent numbers", run=True, carried=True)
-    lap_target: DeviceArray = reals("world", "lap_line", note="where u should be", run=True)
-    lap_guess: DeviceArray = reals("world", "4*lap_line", note="u of earlier passes", run=True)
-    lap_rest: DeviceArray = reals("world", "4*lap_line", note="their steps", run=True)
-    lap_list: DeviceArray = integers("world", "lap_line", note="columns to be added")
-    lap_given: DeviceArray = reals("world", "lap_line", note="by how much", run=True)
-    lap_table: DeviceArray = reals("world", "lap_number", note="tableau, by columns", run=True, carried=True)
-    lap_left: DeviceArray = reals("world", MOST_RANK, "lap_line", note="changes of it", run=True, carried=True)
-    lap_right: DeviceArray = reals("world", MOST_RANK, "lap_line", note="likewise", run=True, carried=True)
-    lap_weight: DeviceArray = reals("world", "lap_group", MOST_RANK, note="of these changes", run=True)
-    lap_strip: DeviceArray = reals("world", "3*lap_line", note="columns of a cell", run=True)
-    lap_row: DeviceArray = reals("world", "3*lap_line", note="lines of a cell", run=True)
-    lap_trial: DeviceArray = reals("world", "lap_line", unit="N", note="forces", run=True, carried=True)
-    lap_moved: DeviceArray = reals("world", "lap_line", unit="m", note="gaps and slips of the step", run=True)
-    lap_gradient: DeviceArray = reals("world", "lap", 6, 12, note="of d, theta by the motion of its bodies")
-    lap_push: DeviceArray = reals("world", "lap_column", note="forces on the coordinates", zero_without=True)
-    lap_sum: DeviceArray = reals("world", "lap_column", note="sizes of their parts", zero_without=True)
-    lap_stored: DeviceArray = reals("world", "lap_group", unit="J")
-    lap_taken: DeviceArray = reals("world", "lap_group", 2, unit="J", note="by friction, rest", zero_without=True)
-    lap_off: DeviceArray = reals("world", "lap_group", note="what forces have not settled", zero_without=True)
-    lap_depth: DeviceArray = reals(
-        "world", "lap_group", unit="m", note="that the largest force yields", zero_without=True
-    )
-    lap_stiffness: DeviceArray = reals("world", "lap_square", note="T_zz", run=True)
-    lap_followed: DeviceArray = reals("world", "lap_followed", note="T_zz B", run=True)
 
 
 class SlipSpeedSolve(Arrays):

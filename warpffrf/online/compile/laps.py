@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.linalg import lapack
+from scipy.linalg import get_lapack_funcs
 from warpffrf_kernels.core.model import Laps
 from warpffrf_kernels.laps import motion
 
@@ -207,7 +207,8 @@ def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
     label = ", ".join(lap.label for lap in laps)
     part = np.array(G[kept, kept], order="F")
     mean = float(np.trace(part)) / len(part)
-    _, _, rank, _ = lapack.dpstrf(part / mean, tol=DEPENDENT)
+    (pivoted_cholesky,) = get_lapack_funcs(("pstrf",), (part,))
+    _, _, rank, _ = pivoted_cholesky(part / mean, tol=DEPENDENT)
     missing = len(part) - rank
     if not missing:
         return []
