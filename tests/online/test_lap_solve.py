@@ -24,7 +24,7 @@ from warpffrf.verification.laps.sheets import ROOT, graded_stack, one_body
 
 STEEL = Material(210e9, 0.3, 7850.0)
 STEPS = 14
-SAME = 1e-7  # of the largest force: Newton's method ends at 1e-9 of the loads, of which cells see a multiple
+SAME = 1e-8  # of the largest force, and of motions: Newton's method ends at 1e-9 of it
 LOAD = 1e-5  # N
 
 
@@ -65,6 +65,7 @@ def test_forces_are_those_of_the_reference(seed: int, friction: float) -> None:
     found = np.concatenate([seen.pressure[:, :, None], seen.traction], axis=2) * area[None, :, None]
     moved = lap.cells.loads.T @ model.solve(F)
     gap = scene.laps[0].cells().gap
+    gap = np.where(np.abs(gap) < 1e-14, 0.0, gap)  # m: round-off of places, which the engine takes for none
     states, worst, compared = set(), 0.0, 0
     for i in range(1, STEPS):
         b = (moved @ path[i]).reshape(-1, 3)

@@ -55,6 +55,8 @@ def aim_of(form: Form, u: vec3, v: vec3, largest: real, own: real) -> Aim:
         return out
     across = u[2] - form.kappa * v[2]
     size = wp.sqrt(along * along + across * across)
+    if not (size > real(0.0)):  # squares below what numbers reach
+        return out
     kappa = size / bound
     apart = wp.abs(v[2]) > NEAR * bound
     if wp.abs(kappa - form.kappa) > NEAR * (own + form.kappa) and wp.abs(v[2]) > TINY * bound:

@@ -322,7 +322,7 @@ def judge_cells(
             lap_wish[w, cell] = OPENS
         elif state == STICK and components == 3:
             size = wp.sqrt(v[1] * v[1] + v[2] * v[2])
-            if size > mu * v[0] + none:
+            if size > mu * v[0] + none and size > real(0.0):
                 tangential += 1
                 lap_wish[w, cell] = RUBS
                 lap_next[w, cell, 0] = v[1] / size
