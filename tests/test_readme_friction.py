@@ -25,7 +25,11 @@ NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 @pytest.fixture(scope="module")
 def code() -> str:
-    found = [code for code in re.findall(r"```py\n(.*?)```", README, flags=re.DOTALL) if "friction=" in code and "Contact(" in code]
+    found = [
+        code
+        for code in re.findall(r"```py\n(.*?)```", README, flags=re.DOTALL)
+        if "friction=" in code and "Contact(" in code
+    ]
     assert len(found) == 1
     return found[0]
 
