@@ -255,7 +255,7 @@ class Difference:
 
 
 def difference(engine: Engine, lap: StaticLap, loads: Array, cycle: Cycle) -> Difference:
-    """Cells in the same order; the full model takes the engine's gaps, round-off of places of 1e-18 m."""
+    """Cells in the same order; the full model takes the engine's gaps, in which round-off of places is none."""
     path, at = with_halves(cycle.path, engine.parts)
     same = copy(lap)
     same.cells = replace(lap.cells, gap=np.concatenate([one.cells().gap for one in engine.history.scene.laps]))

@@ -21,6 +21,7 @@ from warpffrf.model.laps.pairing import Pairing, pair_faces
 from warpffrf.model.laws import Unilateral, as_law
 
 UNILATERAL = Unilateral()
+ROUND_OFF = 1e-12  # of the extent of a face: gaps that are none
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,7 +138,8 @@ class Lap:
         if self.b is None:
             every = np.arange(surface.cells)
             return LapCellsOf(
-                every, surface.points, surface.frames, surface.area, surface.gap - self.interference, None,
+                every, surface.points, surface.frames, surface.area,
+                self._from_touch(surface.gap), None,
                 surface.covered,
             )  # fmt: skip
         if self.b.rigid:
@@ -146,8 +148,14 @@ class Lap:
         cell = found.cell
         return LapCellsOf(
             cell, surface.points[cell], surface.frames[cell], surface.area[cell] * found.covered,
-            found.gap - self.interference, found.weights, found.shares,
+            self._from_touch(found.gap), found.weights, found.shares,
         )  # fmt: skip
+
+    def _from_touch(self, distance: np.ndarray) -> np.ndarray:
+        """Gaps (c,) [m] of faces so far apart, less the interference; zero where they are round-off of places."""
+        gap = distance - self.interference
+        extent = float(np.linalg.norm(np.ptp(self.a.surface.triangles.reshape(-1, 3), axis=0)))
+        return np.where(np.abs(gap) < ROUND_OFF * extent, 0.0, gap)
 
     def _pairing(self) -> Pairing:
         first, second = self.a.surface, self.b.surface
@@ -171,7 +179,7 @@ class Lap:
             )
         return LapCellsOf(
             np.arange(surface.cells), surface.points, surface.frames, surface.area,
-            np.asarray(distance) - self.interference, None, (1.0, 1.0),
+            self._from_touch(np.asarray(distance)), None, (1.0, 1.0),
         )  # fmt: skip
 
     def describe(self) -> dict[str, Any]:

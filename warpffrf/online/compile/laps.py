@@ -34,7 +34,6 @@ MANY = 1500  # cells of a group
 DEPENDENT = 1e-10  # of the mean compliance of a force: what is left of it beside the others
 THIN = 1e-6  # of that mean: layer that is added then
 STIFF = 1e4  # times the stiffness of cells on their own: no deformation is left
-ROUND_OFF = 1e-12  # of the extent of a face: gaps that are none
 
 
 def groups_of(laps: list[Lap]) -> list[list[int]]:
@@ -109,7 +108,7 @@ def fill_laps(collector: Collector) -> None:
         )  # fmt: skip
         part(
             compliance=G[kept, kept].T.ravel(), motion=J[kept].T.ravel(), friction=friction,
-            gap=np.concatenate([_gaps(lap, c) for lap, c in zip(members, cells, strict=True)]),
+            gap=np.concatenate([c.gap for c in cells]),
             own=diagonal[:, 1:].mean(axis=1),
             column_mode=np.concatenate(mode), outer=np.concatenate([rigid, *dense]),
             outer_column=np.concatenate([np.full(len(rigid), -1), within + np.arange(columns - within)]),
@@ -225,12 +224,6 @@ def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
         f"cells than nodes; a layer that yields {THIN:g} of what a cell does on the average tells them apart, "
         "LapCells(size=) gathers cells"
     ]
-
-
-def _gaps(lap: Lap, cells: LapCellsOf) -> Array:
-    """Initial gaps (c,) [m], zero where they are round-off."""
-    extent = float(np.linalg.norm(np.ptp(lap.a.surface.points, axis=0))) + float(np.sqrt(cells.area.max()))
-    return np.where(np.abs(cells.gap) < ROUND_OFF * extent, 0.0, cells.gap)
 
 
 def _motion(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Array:
