@@ -91,6 +91,25 @@ def go_ahead(
 
 
 @wp.func
+def product(n: int, start: int, r: int, c: int, scale: real, lap_rest: wp.array(dtype=real)) -> real:
+    """Of differences r and c of the steps that are kept, or of r and the newest step where c is -1: lines along the
+    face, `scale` makes lengths forces."""
+    sum = real(0.0)
+    i = int(1)
+    while i < n:
+        if i % 3 != 0:
+            weight = real(1.0)
+            if i % 3 == 2:
+                weight = scale * scale
+            other = lap_rest[start + i]
+            if c >= 0:
+                other = lap_rest[start + c * n + i] - lap_rest[start + (c + 1) * n + i]
+            sum += weight * (lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]) * other
+        i += 1
+    return sum
+
+
+@wp.func
 def mix(
     n: int,
     lines: int,
@@ -127,29 +146,8 @@ def mix(
         if r < used:
             for c in range(MIXED):
                 if c < used:
-                    sum = real(0.0)
-                    i = int(1)
-                    while i < n:
-                        weight = real(1.0)
-                        if i % 3 == 2:
-                            weight = scale * scale
-                        if i % 3 != 0:
-                            one = lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]
-                            other = lap_rest[start + c * n + i] - lap_rest[start + (c + 1) * n + i]
-                            sum += weight * one * other
-                        i += 1
-                    A[r, c] = sum
-            sum = real(0.0)
-            i = int(1)
-            while i < n:
-                weight = real(1.0)
-                if i % 3 == 2:
-                    weight = scale * scale
-                if i % 3 != 0:
-                    one = lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]
-                    sum += weight * one * lap_rest[start + i]
-                i += 1
-            b[r] = sum
+                    A[r, c] = product(n, start, r, c, scale, lap_rest)
+            b[r] = product(n, start, r, -1, scale, lap_rest)
     ridge = RIDGE * wp.trace(A)
     for r in range(MIXED):
         A[r, r] = A[r, r] + ridge

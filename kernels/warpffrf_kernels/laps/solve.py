@@ -39,17 +39,13 @@ from warpffrf_kernels.laps.tableau import (
 )
 from warpffrf_kernels.laps.words import (
     AHEAD,
-    ALL_PASSES,
     CLOSES,
     COUNT,
     DONE,
-    EVALUATIONS,
-    EXCHANGES,
     HELD,
     KNOWN,
     NORMAL,
     OPENS,
-    PASSES,
     RANK,
     READY,
     RUBS,
@@ -279,7 +275,6 @@ def solve_laps(
                     lap_weight, weights, lap_strip, lap_row,
                 )  # fmt: skip
                 if lane == 0:
-                    lap_words[w, group, EXCHANGES] = lap_words[w, group, EXCHANGES] + 1
                     lap_words[w, group, SINCE] = REFRESHED
                     u = triple(lap_u, lines + components * c, components)
                     v = triple(lap_v, lines + components * c, components)
@@ -294,9 +289,6 @@ def solve_laps(
             lap_words[w, group, RANK] = rank
         sync()
     if lane == 0:
-        lap_words[w, group, PASSES] = passes
-        lap_words[w, group, ALL_PASSES] = lap_words[w, group, ALL_PASSES] + passes
-        lap_words[w, group, EVALUATIONS] = lap_words[w, group, EVALUATIONS] + 1
         if done == 2:
             ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
             lap_words[w, group, READY] = 0

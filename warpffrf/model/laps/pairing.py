@@ -38,17 +38,13 @@ SHORT = 1e-6  # of how far the cells at hand lie apart: directions in which they
 class Pairing:
     """Cells of the lap, c of them: `cell` (c,) on the first face, `covered` (c,) the covered share of its area, `gap`
     (c,) [m], `weights` (c, cells of the second face) csr, rows that add up to 1; `shares` of both faces' areas that
-    face each other, `distance` [m] mean and largest gap."""
+    face each other."""
 
     cell: Array
     covered: Array
     gap: Array
     weights: sp.csr_matrix
     shares: tuple[float, float]
-
-    @property
-    def distance(self) -> tuple[float, float]:
-        return float(self.gap.mean()), float(self.gap.max())
 
 
 def pair_faces(label: str, first: Array, cell: Array, normals: Array, second: Array, other: Array) -> Pairing:

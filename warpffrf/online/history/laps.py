@@ -6,6 +6,7 @@ import numpy as np
 from warpffrf_kernels.laps import keeping
 
 from warpffrf.model.laps import Lap
+from warpffrf.model.laps.lap import LapCellsOf
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.compile.scene import CompiledScene
@@ -19,15 +20,15 @@ def lap_histories(compiled: CompiledScene, rows: SavedRows, bodies: dict[str, Bo
     found, start = {}, 0
     for number in lap_order(laps):
         lap = laps[number]
-        count = len(lap.cells().cell)
-        found[lap.name] = _history(lap, rows["saved_lap"][:, start : start + count], bodies)
+        cells = lap.cells()
+        count = len(cells.cell)
+        found[lap.name] = _history(lap, cells, rows["saved_lap"][:, start : start + count], bodies)
         start += count
     return {lap.name: found[lap.name] for lap in laps}
 
 
-def _history(lap: Lap, saved: np.ndarray, bodies: dict[str, BodyHistory]) -> LapHistory:
+def _history(lap: Lap, cells: LapCellsOf, saved: np.ndarray, bodies: dict[str, BodyHistory]) -> LapHistory:
     """Of the numbers (T, c, `keeping.NUMBERS`) of its cells."""
-    cells = lap.cells()
     force = np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
     arm = cells.points - lap.a.surface.points.mean(axis=0)
     rotation = bodies[lap.a.body.name].rotation
