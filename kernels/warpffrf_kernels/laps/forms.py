@@ -117,3 +117,23 @@ def first_of(map: Four, x: vec3, y: vec3) -> vec3:
 @wp.func
 def second_of(map: Four, x: vec3, y: vec3) -> vec3:
     return map.c * x + map.d * y
+
+
+@wp.func
+def forces_of(form: Form, u: vec3, v: vec3) -> vec3:
+    """s of (u, v)."""
+    if form.state == OPEN:
+        return u
+    if form.state == STICK:
+        return v
+    return first_of(from_form(form), u, v)
+
+
+@wp.func
+def moved_of(form: Form, u: vec3, v: vec3) -> vec3:
+    """y of (u, v)."""
+    if form.state == OPEN:
+        return v
+    if form.state == STICK:
+        return u
+    return second_of(from_form(form), u, v)

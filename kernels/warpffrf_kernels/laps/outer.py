@@ -12,17 +12,7 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 from warpffrf_kernels.laps.motion import RIGID, WRENCH, axis_of, relative_motion, unit
-from warpffrf_kernels.laps.tableau import (
-    MOST_RANK,
-    add_lines,
-    columns_of,
-    line_at,
-    lines_of,
-    table_at,
-    take,
-    unknowns_of,
-)
-from warpffrf_kernels.laps.words import RANK
+from warpffrf_kernels.laps.tableau import column_of, columns_of, unknowns_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -89,8 +79,13 @@ def stiffen_by_laps(
     lap_words: wp.array3d(dtype=int),
     lap_gradient: wp.array4d(dtype=real),
     lap_table: wp.array(dtype=real),
-    lap_left: wp.array(dtype=real),
-    lap_right: wp.array(dtype=real),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
     lap_weight: inout(wp.array(dtype=real)),
     lap_stiffness: inout(wp.array(dtype=real)),
     lap_followed: inout(wp.array(dtype=real)),
@@ -104,25 +99,18 @@ def stiffen_by_laps(
     group = int(0)
     while group < model.elements[0].laps[0].count:
         n = unknowns_of(model, group)
-        all = lines_of(model, group)
         columns = columns_of(model, group)
-        lines = line_at(model, w, group)
-        base = table_at(model, w, group)
-        updates = MOST_RANK * lines
-        weights = (w * model.elements[0].laps[0].count + group) * MOST_RANK
-        rank = lap_words[w, group, RANK]
         square = w * model.elements[0].laps[0].square_start[model.elements[0].laps[0].count]
         square += model.elements[0].laps[0].square_start[group]
-        c = int(0)
-        while c < columns:
-            take(columns, lap_table, base + (n + c) * all + n, 1, lap_stiffness, square + c * columns)
-            take(rank, lap_right, updates + n + c, all, lap_weight, weights)
-            sync()
-            add_lines(
-                columns, rank, lap_weight, weights, lap_left, updates + n, all, lap_stiffness, square + c * columns
-            )
-            sync()
-            c += 1
+        if lane == 0:
+            c = int(0)
+            while c < columns:
+                column_of(
+                    model, w, group, n + c, n, columns, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows,
+                    lap_maps, lap_factor, lap_pivot, lap_weight, lap_stiffness, square + c * columns,
+                )  # fmt: skip
+                c += 1
+        sync()
         first_lap = model.elements[0].laps[0].lap_start[group]
         last_lap = model.elements[0].laps[0].lap_start[group + 1]
         first_column = model.elements[0].laps[0].column_start[group]
