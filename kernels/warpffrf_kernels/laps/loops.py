@@ -43,8 +43,18 @@ def add_columns(
 ): ...
 
 
-# sum[at + c] += sum_i |lines[c][i] x[i]|, `count` lines from `start` on, `n` apart; lanes over lines. Four sums at a
-# time, so that none waits for the one before.
+# y[at : at + n] = x[start : start + n].
+@wp.func_native("""
+    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
+    const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
+    const double* p = x.data + start; double* __restrict q = y.data + at;
+    for (int i = from; i < to; ++i) q[i] = p[i];
+""")
+def take(n: int, x: wp.array(dtype=real), start: int, y: wp.array(dtype=real), at: int): ...
+
+
+# sum[at + c] = sum_i lines[c][i] x[i] and the sum of their sizes, `count` lines from `start` on, `n` apart; lanes over
+# lines. Eight sums at a time, so that none waits for the one before.
 @wp.func_native("""
     const double* s = x.data + at_x;
     for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) {
@@ -74,8 +84,8 @@ def weigh_lines(
 ): ...
 
 
-# weight[r] -= by sum_c b[r][c] t[first line of the cell of active[r] + c], t the column of the table from `column` on; by
-# one lane.
+# weight[r] -= by sum_c b[r][c] t[first line of the cell of active[r] + c], t the column of the table from `column` on;
+# by one lane.
 @wp.func_native("""
     const double* t = table.data + column; const double* b = rows.data + 3 * (size_t)slots;
     for (int r = 0; r < rank; ++r) {

@@ -11,8 +11,10 @@ from warpffrf_kernels.core.access import changed, inout
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.laps.loops import add_columns, take
 from warpffrf_kernels.laps.motion import RIGID, WRENCH, axis_of, relative_motion, unit
-from warpffrf_kernels.laps.tableau import column_of, columns_of, unknowns_of
+from warpffrf_kernels.laps.tableau import columns_of, lines_of, respond, slots_at, table_at, unknowns_of
+from warpffrf_kernels.laps.words import RANK
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -99,18 +101,27 @@ def stiffen_by_laps(
     group = int(0)
     while group < model.elements[0].laps[0].count:
         n = unknowns_of(model, group)
+        all = lines_of(model, group)
         columns = columns_of(model, group)
         square = w * model.elements[0].laps[0].square_start[model.elements[0].laps[0].count]
         square += model.elements[0].laps[0].square_start[group]
-        if lane == 0:
-            c = int(0)
-            while c < columns:
-                column_of(
-                    model, w, group, n + c, n, columns, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows,
-                    lap_maps, lap_factor, lap_pivot, lap_weight, lap_stiffness, square + c * columns,
+        base = table_at(model, w, group) + n
+        slots = slots_at(model, w, group)
+        c = int(0)
+        while c < columns:
+            if lane == 0:
+                respond(
+                    model, w, group, n + c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
+                    lap_factor, lap_pivot, lap_weight,
                 )  # fmt: skip
-                c += 1
-        sync()
+            take(columns, lap_table, base + (n + c) * all, lap_stiffness, square + c * columns)
+            sync()
+            add_columns(
+                columns, lap_words[w, group, RANK], lap_active, slots, lap_weight, slots, lap_table, base, all,
+                lap_stiffness, square + c * columns,
+            )  # fmt: skip
+            sync()
+            c += 1
         first_lap = model.elements[0].laps[0].lap_start[group]
         last_lap = model.elements[0].laps[0].lap_start[group + 1]
         first_column = model.elements[0].laps[0].column_start[group]

@@ -224,7 +224,6 @@ def judge_cells(
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
     lap_weight: wp.array(dtype=real),
-    lap_before: wp.array(dtype=real),
 ):
     """Which cells are to change their state, and to which; by one lane. Forces below `least` [N] are none."""
     components = model.elements[0].laps[0].components[group]
@@ -250,7 +249,7 @@ def judge_cells(
                 if components == 3 and mu > real(0.0):
                     own = own_block(
                         model, w, group, c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
-                        lap_factor, lap_pivot, lap_weight, lap_before,
+                        lap_factor, lap_pivot, lap_weight,
                     )  # fmt: skip
                     f = -(wp.inverse(own) * v)  # brings it to rest, all others as they are
                     size = wp.sqrt(f[1] * f[1] + f[2] * f[2])

@@ -35,6 +35,7 @@ from warpffrf_kernels.laps.tableau import (
     go_ahead,
     line_at,
     make_room,
+    renew,
     unknowns_of,
 )
 from warpffrf_kernels.laps.words import (
@@ -180,6 +181,15 @@ def solve_laps(
                 s = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
                 put_triple(lap_trial, lines + components * c, components, s)
             c += 1
+        if ready == NONE:
+            factorise(
+                model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
+                lap_place, lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot,
+            )  # fmt: skip
+            renew(
+                model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_place,
+                lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+            )  # fmt: skip
         if lane == 0:
             lap_words[w, group, READY] = STANDS
         sync()
@@ -247,7 +257,7 @@ def solve_laps(
         if lane == 0:
             judge_cells(
                 model, w, group, lap_mode, lap_words, lap_wish, lap_next, lap_flips, lap_u, lap_v, least, lap_table,
-                lap_slot, lap_place, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before,
+                lap_slot, lap_place, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_weight,
             )  # fmt: skip
             changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
             lap_words[w, group, DONE] = 0

@@ -204,8 +204,8 @@ def factorise(
     sync()
     rank = lap_words[w, group, RANK]
     mapped_lines(
-        components, rank, rank, lap_active, slots, lap_table, table_at(model, w, group), all, lap_active, slots, lap_rows,
-        lap_factor, factor, 1, MOST,
+        components, rank, rank, lap_active, slots, lap_table, table_at(model, w, group), all, lap_active, slots,
+        lap_rows, lap_factor, factor, 1, MOST,
     )  # fmt: skip
     sync()
     if lane == 0:
@@ -385,13 +385,11 @@ def go_ahead(
 
 
 @wp.func
-def column_of(
+def respond(
     model: Model,
     w: int,
     group: int,
     line: int,
-    first: int,
-    most: int,
     lap_table: wp.array(dtype=real),
     lap_words: wp.array3d(dtype=int),
     lap_slot: wp.array2d(dtype=int),
@@ -402,13 +400,8 @@ def column_of(
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
     lap_weight: wp.array(dtype=real),
-    lap_column: wp.array(dtype=real),
-    start: int,
 ):
-    """Lines `first` to `first + most` of v for one of u' of `line`, into `lap_column` from `start` on, u_A in
-    `lap_weight`; by one lane."""
-    all = lines_of(model, group)
-    base = table_at(model, w, group)
+    """u_A (`lap_weight`) for one of u' of `line`; by one lane."""
     slots = slots_at(model, w, group)
     rank = lap_words[w, group, RANK]
     r = int(0)
@@ -420,17 +413,6 @@ def column_of(
         lap_weight,
     )  # fmt: skip
     substitute(rank, MOST, lap_factor, slots * MOST, lap_pivot, lap_weight, slots)
-    i = int(0)
-    while i < most:
-        sum = real(0.0)
-        if lap_place[line_at(model, w, group) + line] < 0:
-            sum = lap_table[base + line * all + first + i]
-        r = int(0)
-        while r < rank:
-            sum += lap_weight[slots + r] * lap_table[base + lap_active[slots + r] * all + first + i]
-            r += 1
-        lap_column[start + i] = sum
-        i += 1
 
 
 @wp.func
@@ -449,26 +431,32 @@ def own_block(
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
     lap_weight: wp.array(dtype=real),
-    lap_before: wp.array(dtype=real),
 ) -> mat33:
     """T'_cc of cell c of a group; of cells without friction its one number, the rest of them alone. By one lane."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     slots = slots_at(model, w, group)
+    all = lines_of(model, group)
     own = components * c
+    base = table_at(model, w, group) + own
     slot = slot_of(model, w, group, own, lap_slot)
     block = wp.identity(n=3, dtype=real)
     for j in range(3):
         if j < components:
-            column_of(
-                model, w, group, own + j, own, components, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
-                lap_factor, lap_pivot, lap_weight, lap_before, 3 * slots,
+            respond(
+                model, w, group, own + j, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
+                lap_factor, lap_pivot, lap_weight,
             )  # fmt: skip
-            v = triple(lap_before, 3 * slots, components)
+            u = part_of(components, own, lines, slots, lap_place, lap_weight)
+            v = vec3(real(0.0))
+            if lap_place[lines + own + j] < 0:
+                u[j] = real(1.0)
+                v = triple(lap_table, base + (own + j) * all, components)
+            r = int(0)
+            while r < lap_words[w, group, RANK]:
+                v += lap_weight[slots + r] * triple(lap_table, base + lap_active[slots + r] * all, components)
+                r += 1
             if slot >= 0:
-                u = part_of(components, own, lines, slots, lap_place, lap_weight)
-                if lap_place[lines + own + j] < 0:
-                    u[j] = real(1.0)
                 v = lap_maps[4 * (slots + slot) + 2] * u + lap_maps[4 * (slots + slot) + 3] * v
             for i in range(3):
                 if i < components:
@@ -509,8 +497,8 @@ def renew(
     rank = lap_words[w, group, RANK]
     differing = lap_words[w, group, DIFFERING]
     mapped_lines(
-        components, rank, all, lap_active, -1, lap_table, base, all, lap_active, slots, lap_rows, lap_right, updates, all,
-        1,
+        components, rank, all, lap_active, -1, lap_table, base, all, lap_active, slots, lap_rows, lap_right, updates,
+        all, 1,
     )  # fmt: skip
     sync()
     j = lane
