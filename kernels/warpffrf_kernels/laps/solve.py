@@ -67,6 +67,7 @@ UNSETTLED = wp.constant(wp.float64(0.01))  # what is told of forces whose cells 
 MOST_PASSES = wp.constant(150)
 SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
 REFRESHED = wp.constant(25)
+HIGHER = wp.constant(wp.float64(1.5))  # forces since then, beside those of now
 
 
 @wp.kernel
@@ -120,6 +121,7 @@ def solve_laps(
     lap_left: inout(wp.array(dtype=real)),
     lap_right: inout(wp.array(dtype=real)),
     lap_strip: inout(wp.array(dtype=real)),
+    lap_highest: inout(wp.array2d(dtype=real)),
     lap_trial: inout(wp.array(dtype=real)),
     lap_moved: out(wp.array(dtype=real)),
     lap_gradient: out(wp.array4d(dtype=real)),
@@ -214,6 +216,11 @@ def solve_laps(
             model, w, group, lane, lap_list, lap_given, lap_table, lap_words, lap_slot, lap_place, lap_owner,
             lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before, lap_v,
         )  # fmt: skip
+        if lane == 0:
+            now = largest_force(model, w, group, lines, lap_mode, lap_v)
+            lap_words[w, group, COUNT] = wp.where(lap_highest[w, group] > HIGHER * now, REFRESHED, since)
+        sync()
+        since = lap_words[w, group, COUNT]
         if since >= REFRESHED:
             own_forces(model, w, group, lane, lap_mode, lap_aim, lap_u, lap_v, lap_trial)
     if ready != STANDS or since >= REFRESHED:
@@ -221,6 +228,7 @@ def solve_laps(
         if lane == 0:
             put_right(model, w, group, lap_slip, lap_mode, lap_aim, lap_trial, lap_strip, lap_u, lap_v)
             lap_words[w, group, SINCE] = 0
+            lap_highest[w, group] = real(0.0)
         sync()
     done = int(0)
     if ahead != 0 and ready == STANDS:
@@ -260,6 +268,8 @@ def solve_laps(
                 lap_slot, lap_place, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_weight,
             )  # fmt: skip
             changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
+            now = largest_force(model, w, group, lines, lap_mode, lap_v)
+            lap_highest[w, group] = wp.max(lap_highest[w, group], now)
             lap_words[w, group, DONE] = 0
             off = change
             if changed_states != 0:

@@ -40,7 +40,7 @@ from warpffrf_kernels.laps.words import COUNT, DIFFERING, FACTORED, RANK, ROOM
 
 wp.set_module_options(MODULE_OPTIONS)
 
-MOST = 96  # lines of cells that differ
+MOST = 256  # lines of cells that differ
 
 
 # --- where numbers of a group stand

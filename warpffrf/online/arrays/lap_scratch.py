@@ -42,6 +42,7 @@ class Laps(Arrays):
     lap_before: DeviceArray = reals("world", "lap_group", 3 * MOST, note="v of such cells so far", run=True)
     lap_left: DeviceArray = reals("world", MOST, "lap_line", note="columns of the table", run=True)
     lap_right: DeviceArray = reals("world", MOST, "lap_line", note="M^-1 R", run=True)
+    lap_highest: DeviceArray = reals("world", "lap_group", note="force since numbers were put right", carried=True)
     lap_strip: DeviceArray = reals("world", "lap_line", note="G s + J z", run=True)
     lap_trial: DeviceArray = reals("world", "lap_line", unit="N", note="forces", run=True, carried=True)
     lap_moved: DeviceArray = reals("world", "lap_line", unit="m", note="gaps and slips of the step", run=True)
