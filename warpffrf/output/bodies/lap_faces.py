@@ -3,7 +3,7 @@ r"""Fields of a lap at the nodes of the skin of either of its bodies.
 A face carries the tractions of its cells, those of the lap's cells on the first face, the opposite ones on the second
 face of a pair, and on the second face of another body the forces that its own cells have (`model.laps.face_loads`) over
 their areas, so that both bodies carry the same force also where their meshes differ. A node has the mean of the cells
-that meet in it, weighed by the areas of their triangles there; the state is that of the one nearest to sliding.
+that meet in it (`SkinNodes`); the state is that of the one nearest to sliding.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class LapFace:
     def state(self, i: int) -> Array:
         """State (n,) of the cells around each node, the largest of 0 open, 1 stick, 2 slip, at saved step `i`."""
         own = np.where(self._owner >= 0, self._lap.state[i][self._owner], 0)
-        around = sp.csr_matrix((own[self._at.indices], self._at.indices, self._at.indptr), shape=self._at.shape)
+        around = sp.csr_matrix((own[self._at.indices], self._at.indices, self._at.indptr), self._at.shape, copy=True)
         return around.max(axis=1).toarray().ravel().astype(np.int8)
 
 
