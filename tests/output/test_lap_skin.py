@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.spatial import KDTree
+from scipy.spatial.transform import Rotation
 
 import warpffrf as wf
 from warpffrf import forces, joints, signals
@@ -141,14 +142,14 @@ def block(
     )  # fmt: skip
 
 
-def stuck(
-    lower: Any, upper: Any, size: Any, load: tuple[float, float, float], turn: Any = (0.0, 0.0, 0.0, 1.0)
-) -> Result:
-    """One block on the other, with friction that nothing overcomes; the world turned about its origin."""
-    A = rot.matrix(np.array(turn))
+def stuck(lower: Any, upper: Any, size: Any, load: Any, turn: Any = (0.0, 0.0, 0.0), spin: float = 0.0) -> Result:
+    """One block on the other, with friction that nothing overcomes; the world turned about its origin by the vector
+    `turn` (3,) [rad], the upper block by `spin` [rad] about the normal of its face."""
+    whole = Rotation.from_rotvec(turn)
+    A, own = whole.as_matrix(), whole * Rotation.from_rotvec([0.0, 0.0, spin])
     scene = wf.Scene(gravity=(0.0, 0.0, 0.0))
-    base = scene.add_body(lower, name="lower", position=A @ [0.0, 0.0, -0.5 * size[2]], rotation=turn)
-    top = scene.add_body(upper, name="upper", position=A @ [0.0, 0.0, 0.5 * size[2]], rotation=turn)
+    base = scene.add_body(lower, name="lower", position=A @ [0.0, 0.0, -0.5 * size[2]], rotation=whole.as_quat())
+    top = scene.add_body(upper, name="upper", position=A @ [0.0, 0.0, 0.5 * size[2]], rotation=own.as_quat())
     scene.add(joints.Fixed(scene.ground, base["z_min"]))
     scene.add(wf.Lap(base["face"], top["face"], friction=50.0, name="lap"))
     scene.add(forces.PointForce(top["z_max"], tuple(A @ load)))
@@ -164,8 +165,7 @@ def patch(by: str, other: int) -> Result:
     size, along = (EDGE, EDGE, HIGH), PLACES * [EDGE, EDGE, HIGH]
     lower = block(STEEL, {"z_min": "average"}, wf.LapCells("z_max", by=by), (4, 4, 2), size, along)
     upper = block(STEEL, {"z_max": "average"}, wf.LapCells("z_min", by=by), (other, other, 2), size, along * [1, 1, -1])
-    turn = np.array([0.2, -0.4, 0.1, 0.8])
-    return stuck(lower, upper, size, (0.0, 0.0, -PRESSURE * EDGE**2), tuple(turn / np.linalg.norm(turn)))
+    return stuck(lower, upper, size, (0.0, 0.0, -PRESSURE * EDGE**2), (0.4, -0.9, 0.2), 0.5 * np.pi)
 
 
 @pytest.mark.parametrize(("by", "other"), [("facets", 4), ("nodes", 4), ("facets", 8)])
