@@ -81,9 +81,22 @@ def table_at(model: Model, w: int, group: int) -> int:
 
 
 @wp.func
+def most_of(model: Model, group: int) -> int:
+    """Lines of cells that may differ."""
+    return model.elements[0].laps[0].differing_start[group + 1] - model.elements[0].laps[0].differing_start[group]
+
+
+@wp.func
 def slots_at(model: Model, w: int, group: int) -> int:
     """Where what each line of A has one of begins, flat."""
-    return (w * model.elements[0].laps[0].count + group) * MOST
+    total = model.elements[0].laps[0].differing_start[model.elements[0].laps[0].count]
+    return w * total + model.elements[0].laps[0].differing_start[group]
+
+
+@wp.func
+def factor_at(model: Model, w: int, group: int) -> int:
+    total = model.elements[0].laps[0].factor_start[model.elements[0].laps[0].count]
+    return w * total + model.elements[0].laps[0].factor_start[group]
 
 
 # --- cells that differ from those that the table was made for
@@ -193,19 +206,20 @@ def factorise(
     components = model.elements[0].laps[0].components[group]
     all = lines_of(model, group)
     slots = slots_at(model, w, group)
-    factor = slots * MOST
+    factor = factor_at(model, w, group)
+    most = most_of(model, group)
     if lane == 0:
         gather_differing(
             model, w, group, lap_mode, lap_aim, lap_base, lap_base_aim, lap_words, lap_slot, lap_place, lap_owner,
             lap_active, lap_rows, lap_maps,
         )  # fmt: skip
         lap_words[w, group, FACTORED] = 1
-        lap_words[w, group, ROOM] = MOST - lap_words[w, group, RANK]
+        lap_words[w, group, ROOM] = most - lap_words[w, group, RANK]
     sync()
     rank = lap_words[w, group, RANK]
     mapped_lines(
         components, rank, rank, lap_active, slots, lap_table, table_at(model, w, group), all, lap_active, slots,
-        lap_rows, lap_factor, factor, 1, MOST,
+        lap_rows, lap_factor, factor, 1, most,
     )  # fmt: skip
     sync()
     if lane == 0:
@@ -219,15 +233,15 @@ def factorise(
                         r = lap_place[own + i]
                         s = lap_place[own + j]
                         if r >= 0 and s >= 0:
-                            lap_factor[factor + s * MOST + r] = lap_factor[factor + s * MOST + r] + a[i, j]
+                            lap_factor[factor + s * most + r] = lap_factor[factor + s * most + r] + a[i, j]
             x += 1
     sync()
     k = int(0)
     while k < rank:
         if lane == 0:
-            choose_pivot(rank, k, MOST, lap_factor, factor, lap_pivot, slots)
+            choose_pivot(rank, k, most, lap_factor, factor, lap_pivot, slots)
         sync()
-        eliminate(rank, k, MOST, lap_factor, factor)
+        eliminate(rank, k, most, lap_factor, factor)
         sync()
         k += 1
 
@@ -349,7 +363,9 @@ def go_ahead(
                 others += 1
             k += 1
         lap_words[w, group, COUNT] = others
-        substitute(rank, MOST, lap_factor, slots * MOST, lap_pivot, lap_weight, slots)
+        substitute(
+                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_weight, slots
+            )  # fmt: skip
         x = int(0)
         while x < differing:  # what these cells have so far stands aside while their lines have v
             own = lines + lap_owner[slots + x]
@@ -412,7 +428,9 @@ def respond(
         model, w, group, line, real(1.0), lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
         lap_weight,
     )  # fmt: skip
-    substitute(rank, MOST, lap_factor, slots * MOST, lap_pivot, lap_weight, slots)
+    substitute(
+                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_weight, slots
+            )  # fmt: skip
 
 
 @wp.func
@@ -493,7 +511,9 @@ def renew(
     base = table_at(model, w, group)
     lines = line_at(model, w, group)
     slots = slots_at(model, w, group)
-    updates = MOST * lines
+    updates = w * model.elements[0].laps[0].update_start[model.elements[0].laps[0].count]
+    updates += model.elements[0].laps[0].update_start[group]
+    most = most_of(model, group)
     rank = lap_words[w, group, RANK]
     differing = lap_words[w, group, DIFFERING]
     mapped_lines(
@@ -528,7 +548,7 @@ def renew(
             x += 1
     take_columns(rank, all, lap_active, slots, lap_table, base, lap_left, updates)
     sync()
-    substitute_lines(rank, all, MOST, lap_factor, slots * MOST, lap_pivot, slots, lap_right, updates)
+    substitute_lines(rank, all, most, lap_factor, factor_at(model, w, group), lap_pivot, slots, lap_right, updates)
     sync()
     add_product(all, rank, lap_left, lap_right, updates, lap_table, base)
     sync()
@@ -557,7 +577,7 @@ def renew(
             set_form(w, first + c, form_of(w, first + c, real(0.0), lap_mode, lap_aim), lap_base, lap_base_aim)
             c += 1
         lap_words[w, group, FACTORED] = 0
-        lap_words[w, group, ROOM] = MOST
+        lap_words[w, group, ROOM] = most
     sync()
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals
-from warpffrf_kernels.laps.tableau import MOST
 from warpffrf_kernels.laps.words import WORDS as LAP_WORDS
 
 from warpffrf.online.arrays.declaration import Arrays
@@ -32,16 +31,16 @@ class Laps(Arrays):
     lap_table: DeviceArray = reals("world", "lap_number", note="tableau, by columns", run=True, carried=True)
     lap_slot: DeviceArray = integers("world", "lap_cell", note="among cells that differ, or -1", carried=True)
     lap_place: DeviceArray = integers("world", "lap_line", note="among lines that differ, or -1", carried=True)
-    lap_owner: DeviceArray = integers("world", "lap_group", MOST, note="first lines of such cells", carried=True)
-    lap_active: DeviceArray = integers("world", "lap_group", MOST, note="such lines", carried=True)
-    lap_rows: DeviceArray = reals("world", "lap_group", 3 * MOST, note="their lines of b", carried=True)
-    lap_maps: DeviceArray = matrices("world", "lap_group", 4 * MOST, note="a, b, c, d of such cells", carried=True)
-    lap_factor: DeviceArray = reals("world", "lap_group", MOST * MOST, note="of M, by columns", carried=True)
-    lap_pivot: DeviceArray = integers("world", "lap_group", MOST, note="of M", carried=True)
-    lap_weight: DeviceArray = reals("world", "lap_group", MOST, note="their independent numbers", run=True)
-    lap_before: DeviceArray = reals("world", "lap_group", 3 * MOST, note="v of such cells so far", run=True)
-    lap_left: DeviceArray = reals("world", MOST, "lap_line", note="columns of the table", run=True)
-    lap_right: DeviceArray = reals("world", MOST, "lap_line", note="M^-1 R", run=True)
+    lap_owner: DeviceArray = integers("world", "lap_differing", note="first lines of such cells", carried=True)
+    lap_active: DeviceArray = integers("world", "lap_differing", note="such lines", carried=True)
+    lap_rows: DeviceArray = reals("world", "3*lap_differing", note="their lines of b", carried=True)
+    lap_maps: DeviceArray = matrices("world", "4*lap_differing", note="a, b, c, d of such cells", carried=True)
+    lap_factor: DeviceArray = reals("world", "lap_factor_number", note="of M, by columns", carried=True)
+    lap_pivot: DeviceArray = integers("world", "lap_differing", note="of M", carried=True)
+    lap_weight: DeviceArray = reals("world", "lap_differing", note="their independent numbers", run=True)
+    lap_before: DeviceArray = reals("world", "3*lap_differing", note="v of such cells so far", run=True)
+    lap_left: DeviceArray = reals("world", "lap_update", note="columns of the table", run=True)
+    lap_right: DeviceArray = reals("world", "lap_update", note="M^-1 R", run=True)
     lap_highest: DeviceArray = reals("world", "lap_group", note="force since numbers were put right", carried=True)
     lap_strip: DeviceArray = reals("world", "lap_line", note="G s + J z", run=True)
     lap_trial: DeviceArray = reals("world", "lap_line", unit="N", note="forces", run=True, carried=True)

@@ -17,6 +17,7 @@ import scipy.sparse as sp
 from scipy.linalg import get_lapack_funcs
 from warpffrf_kernels.core.model import Laps
 from warpffrf_kernels.laps import motion
+from warpffrf_kernels.laps.tableau import MOST
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
@@ -119,9 +120,11 @@ def fill_laps(collector: Collector) -> None:
         values |= {name: ones[name] for name in values if name in ones}
         values |= {name: np.concatenate(parts[name]) for name in values if name in parts}
         lines, columns, outers = (np.array(ones[name]) for name in ("lines", "columns", "outers"))
+        most = np.minimum(lines - columns, MOST)
         for name, sizes in (
             ("lap", ones["laps"]), ("cell", ones["cells"]), ("column", columns), ("line", lines), ("table", lines**2),
-            ("square", columns**2), ("outer", outers), ("followed", outers * columns),
+            ("square", columns**2), ("outer", outers), ("followed", outers * columns), ("differing", most),
+            ("factor", most**2), ("update", most * lines),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
         for name in ("compliance", "motion"):
