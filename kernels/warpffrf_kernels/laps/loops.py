@@ -143,6 +143,19 @@ def mapped_lines(
 ): ...
 
 
+# Columns of a matrix of `rank` lines, `most` apart, times their units; lanes over columns.
+@wp.func_native("""
+    for (int j = WP_TILE_THREAD_IDX; j < rank; j += WP_TILE_BLOCK_DIM) {
+        double* q = factor.data + at + (size_t)j * most;
+        const double by = units.data[2 * (slots + j) + 1];
+        for (int i = 0; i < rank; ++i) q[i] *= by;
+    }
+""")
+def scale_columns(
+    rank: int, most: int, units: wp.array(dtype=real), slots: int, factor: wp.array(dtype=real), at: int
+): ...
+
+
 # Step k of the factors P M = L U of a matrix of `rank` lines kept by columns `most` apart: the largest number of its
 # column comes to the diagonal; by one lane.
 @wp.func_native("""
@@ -178,7 +191,7 @@ def choose_pivot(
 def eliminate(rank: int, k: int, most: int, factor: wp.array(dtype=real), at: int): ...
 
 
-# x[at : at + rank] becomes M^-1 x, by columns of the factors; by one lane.
+# x[at : at + rank] becomes M^-1 x in the units of M's columns, by columns of the factors; by one lane.
 @wp.func_native("""
     const double* A = factor.data + at_factor;
     double* X = x.data + at;
@@ -195,6 +208,7 @@ def eliminate(rank: int, k: int, most: int, factor: wp.array(dtype=real), at: in
         const double f = X[k] / q[k]; X[k] = f;
         if (f != 0.0) for (int i = 0; i < k; ++i) X[i] -= f * q[i];
     }
+    for (int k = 0; k < rank; ++k) X[k] *= units.data[2 * (at + k) + 1];
 """)
 def substitute(
     rank: int,
@@ -202,12 +216,14 @@ def substitute(
     factor: wp.array(dtype=real),
     at_factor: int,
     pivot: wp.array(dtype=int),
+    units: wp.array(dtype=real),
     x: wp.array(dtype=real),
     at: int,
 ): ...
 
 
-# Lines x[at + r n : at + (r + 1) n], r < rank, become M^-1 of them; lanes over stretches of columns.
+# Lines x[at + r n : at + (r + 1) n], r < rank, become M^-1 of them in the units of M's
+# columns; lanes over stretches of columns.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
@@ -233,6 +249,11 @@ def substitute(
             if (f != 0.0) for (int j = from; j < to; ++j) v[j] -= f * u[j];
         }
     }
+    for (int k = 0; k < rank; ++k) {
+        double* u = X + (size_t)k * n;
+        const double by = units.data[2 * (slots + k) + 1];
+        for (int j = from; j < to; ++j) u[j] *= by;
+    }
 """)
 def substitute_lines(
     rank: int,
@@ -241,6 +262,7 @@ def substitute_lines(
     factor: wp.array(dtype=real),
     at_factor: int,
     pivot: wp.array(dtype=int),
+    units: wp.array(dtype=real),
     slots: int,
     x: wp.array(dtype=real),
     at: int,

@@ -85,6 +85,7 @@ def stiffen_by_laps(
     lap_place: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -111,8 +112,8 @@ def stiffen_by_laps(
         while c < columns:
             if lane == 0:
                 respond(
-                    model, w, group, n + c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
-                    lap_factor, lap_pivot, lap_weight,
+                    model, w, group, n + c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                    lap_maps, lap_factor, lap_pivot, lap_weight,
                 )  # fmt: skip
             take(columns, lap_table, base + (n + c) * all, lap_stiffness, square + c * columns)
             sync()

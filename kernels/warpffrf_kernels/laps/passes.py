@@ -220,6 +220,7 @@ def judge_cells(
     lap_place: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -248,8 +249,8 @@ def judge_cells(
                 lap_next[w, cell, 1] = real(0.0)
                 if components == 3 and mu > real(0.0):
                     own = own_block(
-                        model, w, group, c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
-                        lap_factor, lap_pivot, lap_weight,
+                        model, w, group, c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                        lap_maps, lap_factor, lap_pivot, lap_weight,
                     )  # fmt: skip
                     f = -(wp.inverse(own) * v)  # brings it to rest, all others as they are
                     size = wp.sqrt(f[1] * f[1] + f[2] * f[2])

@@ -67,7 +67,6 @@ UNSETTLED = wp.constant(wp.float64(0.01))  # what is told of forces whose cells 
 MOST_PASSES = wp.constant(150)
 SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
 REFRESHED = wp.constant(25)
-HIGHER = wp.constant(wp.float64(1.5))  # forces since then, beside those of now
 
 
 @wp.kernel
@@ -113,6 +112,7 @@ def solve_laps(
     lap_owner: inout(wp.array(dtype=int)),
     lap_active: inout(wp.array(dtype=int)),
     lap_rows: inout(wp.array(dtype=real)),
+    lap_units: inout(wp.array(dtype=real)),
     lap_maps: inout(wp.array(dtype=mat33)),
     lap_factor: inout(wp.array(dtype=real)),
     lap_pivot: inout(wp.array(dtype=int)),
@@ -121,7 +121,6 @@ def solve_laps(
     lap_left: inout(wp.array(dtype=real)),
     lap_right: inout(wp.array(dtype=real)),
     lap_strip: inout(wp.array(dtype=real)),
-    lap_highest: inout(wp.array2d(dtype=real)),
     lap_trial: inout(wp.array(dtype=real)),
     lap_moved: out(wp.array(dtype=real)),
     lap_gradient: out(wp.array4d(dtype=real)),
@@ -174,7 +173,8 @@ def solve_laps(
             if lap_mode[w, cell] != form.state:
                 make_room(
                     model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-                    lap_place, lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+                    lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left,
+                    lap_right,
                 )  # fmt: skip
                 if lane == 0:
                     set_form(w, cell, form, lap_mode, lap_aim)
@@ -186,18 +186,18 @@ def solve_laps(
         if ready == NONE:
             factorise(
                 model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-                lap_place, lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot,
+                lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
             )  # fmt: skip
             renew(
                 model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_place,
-                lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+                lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
             )  # fmt: skip
         if lane == 0:
             lap_words[w, group, READY] = STANDS
         sync()
     factorise(
         model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot, lap_place,
-        lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot,
+        lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
     )  # fmt: skip
     if ready == STANDS:
         if lane == 0:
@@ -214,13 +214,8 @@ def solve_laps(
         sync()
         go_ahead(
             model, w, group, lane, lap_list, lap_given, lap_table, lap_words, lap_slot, lap_place, lap_owner,
-            lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before, lap_v,
+            lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before, lap_v,
         )  # fmt: skip
-        if lane == 0:
-            now = largest_force(model, w, group, lines, lap_mode, lap_v)
-            lap_words[w, group, COUNT] = wp.where(lap_highest[w, group] > HIGHER * now, REFRESHED, since)
-        sync()
-        since = lap_words[w, group, COUNT]
         if since >= REFRESHED:
             own_forces(model, w, group, lane, lap_mode, lap_aim, lap_u, lap_v, lap_trial)
     if ready != STANDS or since >= REFRESHED:
@@ -228,7 +223,6 @@ def solve_laps(
         if lane == 0:
             put_right(model, w, group, lap_slip, lap_mode, lap_aim, lap_trial, lap_strip, lap_u, lap_v)
             lap_words[w, group, SINCE] = 0
-            lap_highest[w, group] = real(0.0)
         sync()
     done = int(0)
     if ahead != 0 and ready == STANDS:
@@ -256,20 +250,18 @@ def solve_laps(
         sync()
         factorise(
             model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-            lap_place, lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot,
+            lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
         )  # fmt: skip
         go_ahead(
             model, w, group, lane, lap_list, lap_given, lap_table, lap_words, lap_slot, lap_place, lap_owner,
-            lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before, lap_v,
+            lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before, lap_v,
         )  # fmt: skip
         if lane == 0:
             judge_cells(
                 model, w, group, lap_mode, lap_words, lap_wish, lap_next, lap_flips, lap_u, lap_v, least, lap_table,
-                lap_slot, lap_place, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_weight,
+                lap_slot, lap_place, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_weight,
             )  # fmt: skip
             changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
-            now = largest_force(model, w, group, lines, lap_mode, lap_v)
-            lap_highest[w, group] = wp.max(lap_highest[w, group], now)
             lap_words[w, group, DONE] = 0
             off = change
             if changed_states != 0:
@@ -295,7 +287,8 @@ def solve_laps(
             if goes:
                 make_room(
                     model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-                    lap_place, lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+                    lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left,
+                    lap_right,
                 )  # fmt: skip
                 if lane == 0:
                     mu = model.elements[0].laps[0].friction[cell]

@@ -11,7 +11,8 @@ With A their lines in which u' is not u, R = a + b T the lines of b applied to t
 
     u_A = M^-1 (u'_A - R_Ao u'_o),       v = T_:A u_A + T_:o u'_o,       v' = c u + d v  of the cells themselves.
 
-M is as small as there are cells that differ, and its factors are all that a change costs: one that goes to and fro, or
+M is as small as there are cells that differ, and its factors, in units in which forces and the lengths that they yield
+are alike, are all that a change costs: one that goes to and fro, or
 slips in another direction, leaves the table alone. When A has MOST lines, the table becomes that of the states of now,
 
     T'_:o = T_:o - T_:A M^-1 R_Ao,       T'_:A = T_:A M^-1,              and c u + d v of these in the cells' own lines,
@@ -24,13 +25,14 @@ import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
-from warpffrf_kernels.laps.forms import SLIP, Form, after, from_form, to_form
+from warpffrf_kernels.laps.forms import SLIP, Form, after, from_form, to_form, unit_of
 from warpffrf_kernels.laps.loops import (
     add_columns,
     add_product,
     choose_pivot,
     eliminate,
     mapped_lines,
+    scale_columns,
     substitute,
     substitute_lines,
     take_columns,
@@ -131,6 +133,7 @@ def gather_differing(
     lap_owner: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
 ):
     """Numbers the cells that differ (`lap_slot`, -1 of others) and their lines (`lap_place`), keeps their maps; by one
@@ -139,6 +142,7 @@ def gather_differing(
     first = model.elements[0].laps[0].cell_start[group]
     lines = line_at(model, w, group)
     slots = slots_at(model, w, group)
+    yields = model.elements[0].laps[0].yields[group]
     x = int(0)
     r = int(0)
     c = int(0)
@@ -153,21 +157,25 @@ def gather_differing(
                 lap_place[lines + components * c + i] = -1
         if not is_same(before, now):
             map = after(to_form(now), from_form(before))
+            a = map.a
             lap_slot[w, cell] = x
-            at = 4 * (slots + x)
-            lap_maps[at] = map.a
-            lap_maps[at + 1] = map.b
-            lap_maps[at + 2] = map.c
-            lap_maps[at + 3] = map.d
+            at = 3 * (slots + x)
+            lap_maps[at + 1] = map.c
+            lap_maps[at + 2] = map.d
             lap_owner[slots + x] = components * c
             x += 1
             for i in range(3):
                 if i < components and differs(map.b, map.a, i):
                     lap_place[lines + components * c + i] = r
                     lap_active[slots + r] = components * c + i
+                    unit = unit_of(now, i, yields)
+                    lap_units[2 * (slots + r)] = unit
+                    lap_units[2 * (slots + r) + 1] = unit_of(before, i, yields)
                     for j in range(3):
-                        lap_rows[3 * (slots + r) + j] = map.b[i, j]
+                        a[i, j] = a[i, j] / unit
+                        lap_rows[3 * (slots + r) + j] = map.b[i, j] / unit
                     r += 1
+            lap_maps[at] = a
         c += 1
     c = int(0)
     while c < columns_of(model, group):
@@ -194,6 +202,7 @@ def factorise(
     lap_owner: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -211,7 +220,7 @@ def factorise(
     if lane == 0:
         gather_differing(
             model, w, group, lap_mode, lap_aim, lap_base, lap_base_aim, lap_words, lap_slot, lap_place, lap_owner,
-            lap_active, lap_rows, lap_maps,
+            lap_active, lap_rows, lap_units, lap_maps,
         )  # fmt: skip
         lap_words[w, group, FACTORED] = 1
         lap_words[w, group, ROOM] = most - lap_words[w, group, RANK]
@@ -225,7 +234,7 @@ def factorise(
     if lane == 0:
         x = int(0)
         while x < lap_words[w, group, DIFFERING]:
-            a = lap_maps[4 * (slots + x)]
+            a = lap_maps[3 * (slots + x)]
             own = line_at(model, w, group) + lap_owner[slots + x]
             for i in range(3):
                 for j in range(3):
@@ -235,6 +244,8 @@ def factorise(
                         if r >= 0 and s >= 0:
                             lap_factor[factor + s * most + r] = lap_factor[factor + s * most + r] + a[i, j]
             x += 1
+    sync()
+    scale_columns(rank, most, lap_units, slots, lap_factor, factor)
     sync()
     k = int(0)
     while k < rank:
@@ -268,6 +279,7 @@ def ask(
     lap_place: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_weight: wp.array(dtype=real),
 ):
@@ -278,7 +290,7 @@ def ask(
     slots = slots_at(model, w, group)
     place = lap_place[lines + line]
     if place >= 0:
-        lap_weight[slots + place] = lap_weight[slots + place] + by
+        lap_weight[slots + place] = lap_weight[slots + place] + by / lap_units[2 * (slots + place)]
     else:
         take_followed(
             components, lap_words[w, group, RANK], by, lap_table, table_at(model, w, group) + line * all, lap_active,
@@ -286,7 +298,7 @@ def ask(
         )  # fmt: skip
         slot = slot_of(model, w, group, line, lap_slot)
         if slot >= 0:
-            a = lap_maps[4 * (slots + slot)]
+            a = lap_maps[3 * (slots + slot)]
             for i in range(3):
                 if i < components:
                     own = lap_place[lines + line - line % components + i]
@@ -323,6 +335,7 @@ def go_ahead(
     lap_owner: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -354,8 +367,8 @@ def go_ahead(
             line = lap_list[lines + k]
             by = lap_given[lines + k]
             ask(
-                model, w, group, line, by, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
-                lap_weight,
+                model, w, group, line, by, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                lap_maps, lap_weight,
             )  # fmt: skip
             if lap_place[lines + line] < 0:
                 lap_list[lines + others] = line
@@ -364,7 +377,8 @@ def go_ahead(
             k += 1
         lap_words[w, group, COUNT] = others
         substitute(
-                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_weight, slots
+                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_units, lap_weight,
+                slots
             )  # fmt: skip
         x = int(0)
         while x < differing:  # what these cells have so far stands aside while their lines have v
@@ -383,7 +397,7 @@ def go_ahead(
             own = lap_owner[slots + x]
             u = part_of(components, own, lines, slots, lap_place, lap_weight)
             v = triple(lap_v, lines + own, components)
-            v = lap_maps[4 * (slots + x) + 2] * u + lap_maps[4 * (slots + x) + 3] * v
+            v = lap_maps[3 * (slots + x) + 1] * u + lap_maps[3 * (slots + x) + 2] * v
             put_triple(lap_v, lines + own, components, v + triple(lap_before, 3 * (slots + x), 3))
             x += 1
         k = int(0)
@@ -391,7 +405,7 @@ def go_ahead(
             line = lap_list[lines + k]
             slot = slot_of(model, w, group, line, lap_slot)
             if slot >= 0:
-                c = lap_maps[4 * (slots + slot) + 2]
+                c = lap_maps[3 * (slots + slot) + 1]
                 own = lines + line - line % components
                 for i in range(3):
                     if i < components:
@@ -412,6 +426,7 @@ def respond(
     lap_place: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -425,11 +440,12 @@ def respond(
         lap_weight[slots + r] = real(0.0)
         r += 1
     ask(
-        model, w, group, line, real(1.0), lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
-        lap_weight,
+        model, w, group, line, real(1.0), lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+        lap_maps, lap_weight,
     )  # fmt: skip
     substitute(
-                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_weight, slots
+                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_units, lap_weight,
+                slots
             )  # fmt: skip
 
 
@@ -445,6 +461,7 @@ def own_block(
     lap_place: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -462,8 +479,8 @@ def own_block(
     for j in range(3):
         if j < components:
             respond(
-                model, w, group, own + j, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_maps,
-                lap_factor, lap_pivot, lap_weight,
+                model, w, group, own + j, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                lap_maps, lap_factor, lap_pivot, lap_weight,
             )  # fmt: skip
             u = part_of(components, own, lines, slots, lap_place, lap_weight)
             v = vec3(real(0.0))
@@ -475,7 +492,7 @@ def own_block(
                 v += lap_weight[slots + r] * triple(lap_table, base + lap_active[slots + r] * all, components)
                 r += 1
             if slot >= 0:
-                v = lap_maps[4 * (slots + slot) + 2] * u + lap_maps[4 * (slots + slot) + 3] * v
+                v = lap_maps[3 * (slots + slot) + 1] * u + lap_maps[3 * (slots + slot) + 2] * v
             for i in range(3):
                 if i < components:
                     block[i, j] = v[i]
@@ -498,6 +515,7 @@ def renew(
     lap_owner: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -529,7 +547,7 @@ def renew(
             at = updates + r * all + j
             lap_right[at] = -lap_right[at]
             if place >= 0:
-                lap_right[at] = wp.where(place == r, real(1.0), real(0.0))
+                lap_right[at] = wp.where(place == r, real(1.0) / lap_units[2 * (slots + r)], real(0.0))
             r += 1
         j += wp.block_dim()
     sync()
@@ -537,7 +555,7 @@ def renew(
         x = int(0)
         while x < differing:
             own = lap_owner[slots + x]
-            a = lap_maps[4 * (slots + x)]
+            a = lap_maps[3 * (slots + x)]
             for i in range(3):
                 for j in range(3):
                     if i < components and j < components:
@@ -548,7 +566,9 @@ def renew(
             x += 1
     take_columns(rank, all, lap_active, slots, lap_table, base, lap_left, updates)
     sync()
-    substitute_lines(rank, all, most, lap_factor, factor_at(model, w, group), lap_pivot, slots, lap_right, updates)
+    substitute_lines(
+        rank, all, most, lap_factor, factor_at(model, w, group), lap_pivot, lap_units, slots, lap_right, updates
+    )
     sync()
     add_product(all, rank, lap_left, lap_right, updates, lap_table, base)
     sync()
@@ -557,7 +577,7 @@ def renew(
         x = int(0)
         while x < differing:
             own = lap_owner[slots + x]
-            at = 4 * (slots + x)
+            at = 3 * (slots + x)
             u = vec3(real(0.0))
             for i in range(3):
                 if i < components:
@@ -566,7 +586,7 @@ def renew(
                         u[i] = lap_right[updates + place * all + j]
                     elif j == own + i:
                         u[i] = real(1.0)
-            v = lap_maps[at + 2] * u + lap_maps[at + 3] * triple(lap_table, base + j * all + own, components)
+            v = lap_maps[at + 1] * u + lap_maps[at + 2] * triple(lap_table, base + j * all + own, components)
             put_triple(lap_table, base + j * all + own, components, v)
             x += 1
         j += wp.block_dim()
@@ -598,6 +618,7 @@ def make_room(
     lap_owner: wp.array(dtype=int),
     lap_active: wp.array(dtype=int),
     lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
     lap_maps: wp.array(dtype=mat33),
     lap_factor: wp.array(dtype=real),
     lap_pivot: wp.array(dtype=int),
@@ -610,12 +631,13 @@ def make_room(
         sync()
         factorise(
             model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-            lap_place, lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot,
+            lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
         )  # fmt: skip
         if lap_words[w, group, ROOM] < components:
             renew(
                 model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words,
-                lap_place, lap_owner, lap_active, lap_rows, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+                lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left,
+                lap_right,
             )  # fmt: skip
     sync()
     if lane == 0:
