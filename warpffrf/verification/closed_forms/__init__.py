@@ -24,6 +24,7 @@ from warpffrf.verification.closed_forms.joints import (
 )
 from warpffrf.verification.closed_forms.mindlin import MindlinLine, MindlinPoint, tangential_compliance
 from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_ratio
+from warpffrf.verification.closed_forms.turned_fit import TurnedFit
 
 __all__ = [
     "BarImpact",
@@ -38,6 +39,7 @@ __all__ = [
     "PointContact",
     "PressFit",
     "SlidingLine",
+    "TurnedFit",
     "TwoLeaves",
     "conformal_by_half_angle",
     "conformal_by_load",
