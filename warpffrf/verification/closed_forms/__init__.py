@@ -22,6 +22,7 @@ from warpffrf.verification.closed_forms.joints import (
     TwoLeaves,
     equivalent_damping,
 )
+from warpffrf.verification.closed_forms.leaf_spring import LeafSpring
 from warpffrf.verification.closed_forms.mindlin import MindlinLine, MindlinPoint, tangential_compliance
 from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_ratio
 from warpffrf.verification.closed_forms.turned_fit import TurnedFit
@@ -33,6 +34,7 @@ __all__ = [
     "CarterRolling",
     "ConformalPin",
     "HertzImpact",
+    "LeafSpring",
     "LineContact",
     "MindlinLine",
     "MindlinPoint",
