@@ -26,5 +26,7 @@ DEMOS = {
     "slider_crank": "A slider-crank with a flexible rod: its bending beside the beam equation.",
     "spinning_beam": "A beam spun up about one end, with and without geometric stiffening.",
     "frame_on_bushings": "A flexible frame on four bushings, pushed at a seat: statics, frequencies, momentum.",
+    "press_fit": "A shaft pressed into a hub and turned until it slips: beside Lame, micro-slip in torsion.",
+    "leaf_spring": "A leaf spring clamped in its middle, leaves that rub: beams at their tips, full finite elements.",
     "heavy_top": "A fast heavy top on a ball joint: position after one second beside the published one.",
 }
