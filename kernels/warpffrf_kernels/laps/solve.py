@@ -28,14 +28,13 @@ from warpffrf_kernels.laps.evaluation import begin_table, displaced, look_at_mot
 from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, moved_of, second_of, to_form
 from warpffrf_kernels.laps.loops import weigh_lines
 from warpffrf_kernels.laps.passes import aim_cells, judge_cells, largest_force, pressed_state, wished
+from warpffrf_kernels.laps.renewal import make_room, renew
 from warpffrf_kernels.laps.tableau import (
     cells_of,
     columns_of,
     factorise,
     go_ahead,
     line_at,
-    make_room,
-    renew,
     unknowns_of,
 )
 from warpffrf_kernels.laps.words import (
