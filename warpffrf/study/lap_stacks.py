@@ -1,10 +1,10 @@
 r"""Stacked sheets with laps: the engine's scenes and the full finite elements, of one and the same mesh.
 
-Strips clamped at their root, pressed together by two bolts, which are pairs of forces on their heads, and loaded at the
-tip of the upper one. Loads F (dofs, 2) of the full model are one newton of each bolt and of the tip; a path is its
-factors (n, 2). Forces of the engine keep their directions while heads turn, full finite elements are linear:
-differences that this makes grow with the load, so that where laps are to be equal loads are small. Faces touch without
-load, hence pressures, slips and gaps are proportional to the load in both.
+Strips clamped at their root, pressed together by two bolts, which are pairs of forces on their heads or springs between
+them, and loaded at the tip of the upper one. Loads F (dofs, 2) of the full model are one newton of each bolt and of the
+tip; a path is its factors (n, 2). Heads of the engine turn with their sheets, full finite elements are linear:
+differences that this makes (`lap_bolts`) grow with the load, so that where laps are to be equal loads are small. Faces
+touch without load, hence pressures, slips and gaps are proportional to the load in both.
 
 A load step that the engine halves is two steps of friction: the full model follows the halves too.
 """
@@ -27,6 +27,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, Settings
 from warpffrf.online.load_steps import run_static
+from warpffrf.study.lap_bolts import UP, apart, shank, turning
 from warpffrf.verification.laps.cells import Cells, facet_cells, node_cells, together
 from warpffrf.verification.laps.full_model import FullModel, Part
 from warpffrf.verification.laps.quasi_static import StaticLap
@@ -44,12 +45,14 @@ KINDS = {"nodes": node_cells, "facets": facet_cells}
 @dataclass(frozen=True, eq=False)
 class Sheets:
     """`layers` sheets that make a stack of `SIZE`, of `counts` (3,) of hex27 each; `second`: elements along the upper
-    sheet of two where they are two bodies, None: as below; `width` [m]: across, loads below are for that of `SIZE`."""
+    sheet of two where they are two bodies, None: as below; `width` [m]: across, loads below are for that of `SIZE`;
+    `shank` [N/m]: stiffness of the bolts as springs, None: they are pairs of forces."""
 
     counts: tuple[int, int, int]
     layers: int = 2
     second: int | None = None
     width: float = SIZE[1]
+    shank: float | None = None
 
     @property
     def height(self) -> float:
@@ -88,16 +91,29 @@ class Sheets:
         """Laps of the one body by name: lower and upper face."""
         return {f"lap{k}": (f"sheet{k}_z_max", f"sheet{k + 1}_z_min") for k in range(self.layers - 1)}
 
+    @property
+    def bolted(self) -> list[tuple[str, str]]:
+        """Facet sets of the one body under the heads of each bolt, the lower and the upper one."""
+        return [(f"sheet0_head{i}", f"sheet{self.layers - 1}_head{i}") for i in range(len(BOLTS))]
+
     @cached_property
     def full(self) -> FullModel:
-        """The full finite elements of the one body."""
-        return FullModel([Part(self.mesh, STEEL, (ROOT,))])
+        """The full finite elements of the one body, shanks of bolts included."""
+        model = FullModel([Part(self.mesh, STEEL, (ROOT,))])
+        if self.shank is None:
+            return model
+        return model.with_springs(*((apart(model, *heads, UP), self.shank) for heads in self.bolted))
+
+    def turning(self, tension: Array) -> FullModel:
+        """`full` with what bolts under `tension` (bolts,) [N] make where sheets turn, see `lap_bolts`."""
+        springs = turning(self.full, self.bolted, SIZE[2], tension, line=self.shank is not None)
+        return replace(self.full, springs=(*self.full.springs, *springs))
 
     @cached_property
     def loads(self) -> Array:
         """F (dofs, 2)."""
         tip = self.full.spread(0, f"sheet{self.layers - 1}_x_max", (0.0, 0.0, 1.0))
-        bolts = [self.full.spread(0, f"sheet{k}_{name}", (0.0, 0.0, sign)) for k, name, sign in self.heads]
+        bolts = [-apart(self.full, *heads, UP) for heads in self.bolted]
         return np.stack([np.sum(bolts, axis=0), tip], axis=1)
 
     def cells(self, by: str) -> Cells:
@@ -128,7 +144,7 @@ class Sheets:
         return found
 
     def scene(self, bodies: list[ReducedBody], preload: Any, tip: Any, friction: float = FRICTION) -> Scene:
-        """One body, or two, with these forces [N]; sensor `tip`."""
+        """One body, or two, with these forces [N], a number where bolts are springs; sensor `tip`."""
         scene = Scene(gravity=(0.0, 0.0, 0.0))
         sheets = [scene.add_body(body, name=f"body{i}") for i, body in enumerate(bodies)]
         if len(bodies) == 1:
@@ -143,8 +159,12 @@ class Sheets:
             scene.add(Lap(sheets[0]["face"], sheets[1]["face"], friction=friction, name="lap0"))
             sets = {(k, name): sheets[k][name] for k, name, _ in self.heads}
             end = sheets[1]["x_max"]
-        for k, name, sign in self.heads:
-            scene.add(forces.PointForce(sets[k, name], (preload, (0.0, 0.0, sign))))
+        if self.shank is None:
+            for k, name, sign in self.heads:
+                scene.add(forces.PointForce(sets[k, name], (preload, (0.0, 0.0, sign))))
+        else:
+            for i, (low, high) in enumerate(self.bolted):
+                scene.add(shank(sheets[0][low], sheets[0][high], self.shank, preload, name=f"bolt{i}"))
         scene.add(forces.PointForce(end, (0.0, 0.0, tip)))
         scene.add(sensors.Position(end, name="tip"))
         return scene
@@ -155,7 +175,7 @@ class Sheets:
         """The engine's static history through a path (n, 2), a row a second, from an equilibrium under the first."""
         times = np.arange(float(len(path)))
         preload, tip = (signals.Table(times, path[:, i]) for i in range(2))
-        scene = self.scene(bodies, preload, tip, friction)
+        scene = self.scene(bodies, preload if self.shank is None else float(path[0, 0]), tip, friction)
         found = run_static(scene, float(times[-1]), step=1.0, progress=False, settings=settings)
         if found.status != "completed":
             raise RuntimeError(f"sheets: {found.status}: {found.message}")
@@ -197,6 +217,12 @@ class Engine:
     def loss(self, first: int, last: int) -> float:
         """Work [J] of friction after row `first` up to and with row `last`."""
         return float(self.lost[last] - self.lost[first])
+
+    @property
+    def tension(self) -> Array:
+        """Tension (bolts,) [N] of springs in row 0."""
+        springs = [self.history.forces[f"bolt{i}"].force[0] for i in range(len(BOLTS))]
+        return np.linalg.norm(springs, axis=1)
 
     @property
     def parts(self) -> Array:
