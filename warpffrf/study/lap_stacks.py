@@ -30,7 +30,7 @@ from warpffrf.online.load_steps import run_static
 from warpffrf.study.lap_bolts import UP, apart, shank, turning
 from warpffrf.verification.laps.cells import Cells, facet_cells, node_cells, together
 from warpffrf.verification.laps.full_model import FullModel, Part
-from warpffrf.verification.laps.quasi_static import StaticLap
+from warpffrf.verification.laps.quasi_static import Followed, StaticLap
 from warpffrf.verification.laps.sheets import ROOT, one_body, stack
 
 Array = np.ndarray
@@ -267,9 +267,9 @@ class Cycle:
 
 @dataclass(frozen=True)
 class Difference:
-    """Of the engine from the full model: pressure and traction, the largest of all rows and cells over the largest
-    pressure; numbers of states that differ and of cells in all rows; loss per cycle and amplitude at the tip,
-    relative; parts: load steps that the engine cut."""
+    """Of the engine from the full model, or of two histories: pressure and traction, the largest of all rows and cells
+    over the largest pressure; numbers of states that differ and of cells in all rows; loss per cycle and amplitude at
+    the tip, relative; parts: load steps that the engine cut."""
 
     pressure: float
     traction: float
@@ -280,19 +280,41 @@ class Difference:
     cut: int
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """A history: pressure (n, c) and traction (n, c, 2) [Pa], state (n, c), tip (n,) [m], work of friction lost (n,)
+    [J] so far."""
+
+    pressure: Array
+    traction: Array
+    state: Array
+    tip: Array
+    lost: Array
+
+    @classmethod
+    def of(cls, full: Followed, at: Any = slice(None)) -> Rows:
+        """Rows `at` of a full model whose first observed is the tip."""
+        lost = np.cumsum(full.dissipated)
+        return cls(full.pressure[at], full.traction[at], full.state[at], full.observed[at, 0], lost[at])
+
+
+def between(found: Rows | Engine, exact: Rows | Engine, cycle: Cycle, cut: int = 0) -> Difference:
+    """The difference of two histories of the same cells, of which one has `cut` load steps."""
+    top = exact.pressure.max()
+    loss = [one.lost[cycle.last] - one.lost[cycle.first] for one in (found, exact)]
+    swing = [np.ptp(one.tip[cycle.first :]) for one in (found, exact)]
+    return Difference(
+        float(np.abs(found.pressure - exact.pressure).max() / top),
+        float(np.abs(found.traction - exact.traction).max() / top),
+        int(np.sum(found.state != exact.state)), exact.state.size,
+        float(loss[0] / loss[1] - 1.0), float(swing[0] / swing[1] - 1.0), cut,
+    )  # fmt: skip
+
+
 def difference(engine: Engine, lap: StaticLap, loads: Array, cycle: Cycle) -> Difference:
     """Cells in the same order; the full model takes the engine's gaps, in which round-off of places is none."""
     path, at = with_halves(cycle.path, engine.parts)
     same = copy(lap)
     same.cells = replace(lap.cells, gap=np.concatenate([one.cells().gap for one in engine.history.scene.laps]))
     full = same.follow(loads, path, loads[:, 1:])
-    top = full.pressure.max()
-    tip = full.observed[at[cycle.first :], 0]
-    lost = full.loss(at[cycle.first], at[cycle.last])
-    return Difference(
-        float(np.abs(engine.pressure - full.pressure[at]).max() / top),
-        float(np.abs(engine.traction - full.traction[at]).max() / top),
-        int(np.sum(engine.state != full.state[at])), engine.state.size,
-        engine.loss(cycle.first, cycle.last) / lost - 1.0,
-        float(np.ptp(engine.tip[cycle.first :]) / np.ptp(tip) - 1.0), int(np.sum(engine.parts > 1)),
-    )  # fmt: skip
+    return between(engine, Rows.of(full, at), cycle, int(np.sum(engine.parts > 1)))
