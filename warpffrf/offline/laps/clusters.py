@@ -1,11 +1,15 @@
-r"""Facets gathered into cells, as large as a size that may grow away from the outline of the overlap.
+r"""Facets gathered into cells, as large as a size that may grow away from an outline.
 
 A set of facets that is longer than the smallest size wanted of any of them, or turns by more than `TURN`, is split in
 two across its longer direction, so that both halves have the same area, and so on. Directions are along and across an
 edge of its middle facet, so that cells follow the rows of a structured mesh. With the distance d of a facet from
-the outline, the edges that belong to one covered facet only and the facets that are covered in part,
+the outline,
 
     size = min(size, edge of the facet + growth d).
+
+The outline is that of the overlap: the edges that belong to one covered facet only and the facets that are covered in
+part. Or it is that of other facet sets, as of heads of bolts, whose edges press through the sheet: d is then the
+distance from the line through the facet along its normal.
 
 A facet of which the outline leaves less than `LEAST` is no cell alone: it goes to the cell beside it.
 """
@@ -22,36 +26,63 @@ Array = np.ndarray
 TURN = np.cos(np.radians(15.0))  # between a facet's normal and the mean of its cell: tractions keep one direction there
 LEAST = 0.2  # share of a facet below which it joins its neighbour: pressures on slivers would be noise
 SLACK = 1.01  # of the size: what structured meshes miss it by through round-off
+PLACES = 1_000_000  # pairs of facets and places of an outline looked at together
 PARTLY = 1.0 - 1e-6  # share of a facet below which the outline of the second face crosses it
 
 
-def wanted_size(face: Face, of_facet: Array, size: float | None, growth: float | None) -> Array:
-    """Size of cells (facets,) [m] wanted at each facet; `of_facet` (facets,) is the covered share of each."""
+def wanted_size(
+    face: Face, of_facet: Array, size: float | None, growth: float | None, fine: Array | None = None
+) -> Array:
+    """Size of cells (facets,) [m] wanted at each facet; `of_facet` (facets,) is the covered share of each, `fine`
+    (k, 3) [m] are places of outlines that are meant in the place of that of the overlap."""
     if growth is None:
         return np.full(len(face), np.inf if size is None else size)
-    edges, facet = face.boundary
-    there = of_facet[facet] > 0.0
-    edges = edges[there]
-    number = row_numbers(edges)
-    single = edges[np.bincount(number)[number] == 1]
-    ends = face.points[single]
-    partly = face.centers[(of_facet > 0.0) & (of_facet < PARTLY)]
-    outline = np.concatenate([ends[:, 0], ends[:, 1], ends.mean(axis=1), partly])
-    wanted = face.edge.copy()
-    if len(outline):
-        away = KDTree(outline).query(face.centers)[0]
-        wanted += growth * np.maximum(away - 0.5 * face.edge, 0.0)
-    else:  # a closed face has no outline
-        wanted[:] = np.inf
+    if fine is not None:
+        away = _aside(face, fine)
+    else:
+        partly = face.centers[(of_facet > 0.0) & (of_facet < PARTLY)]
+        places = np.concatenate([outline(face, of_facet > 0.0), partly])
+        # a closed face has no outline
+        away = KDTree(places).query(face.centers)[0] if len(places) else np.full(len(face), np.inf)
+    wanted = face.edge + growth * np.maximum(away - 0.5 * face.edge, 0.0)
     return wanted if size is None else np.minimum(wanted, size)
+
+
+def outline(face: Face, there: Array | None = None) -> Array:
+    """Ends and middles (k, 3) [m] of the edges that belong to one facet only, of all or of those `there` (facets,)."""
+    edges, facet = face.boundary
+    if there is not None:
+        edges = edges[there[facet]]
+    number = row_numbers(edges)
+    ends = face.points[edges[np.bincount(number)[number] == 1]]
+    return np.concatenate([ends[:, 0], ends[:, 1], ends.mean(axis=1)])
+
+
+def _aside(face: Face, places: Array) -> Array:
+    """Least distance (facets,) [m] of `places` (k, 3) from the line through each facet along its normal."""
+    normals = _normals(face)
+    least = np.full(len(face), np.inf)
+    chunk = max(1, PLACES // max(len(places), 1))
+    for start in range(0, len(face), chunk):
+        part = slice(start, start + chunk)
+        apart = places - face.centers[part, None]
+        along = np.einsum("mki,mi->mk", apart, normals[part])
+        squares = np.einsum("mki,mki->mk", apart, apart) - along**2
+        least[part] = np.sqrt(np.maximum(squares, 0.0).min(axis=1, initial=np.inf))
+    return least
+
+
+def _normals(face: Face) -> Array:
+    """Unit normals (facets, 3) of the triangles of each facet together."""
+    normals = np.zeros((len(face), 3))
+    np.add.at(normals, face.triangles.facet, face.triangles.normal * face.triangles.area[:, None])
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
 
 
 def gathered(face: Face, covered: Array, area: Array, wanted: Array) -> Array:
     """Number of the cell (facets,) that each facet belongs to, -1 of those that are not `covered` (facets,) bool;
     `area` (facets,) [m2] their covered areas."""
-    normals = np.zeros((len(face), 3))
-    np.add.at(normals, face.triangles.facet, face.triangles.normal * face.triangles.area[:, None])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = _normals(face)
     cells = np.full(len(face), -1)
     waiting = [np.flatnonzero(covered)]
     found = 0
