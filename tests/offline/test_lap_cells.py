@@ -185,6 +185,14 @@ def test_size_gathers_facets() -> None:
     assert make_cells(turned_mesh, "face", LapCells("z_max", size=0.01)).area == pytest.approx(np.full(32, 1e-4))
 
 
+def test_long_facets_are_gathered_along_their_short_sides() -> None:
+    """Facets of 1 x 8 mm: cells of 4 mm have four of them and are as wide as a facet is, whichever way they lie."""
+    for lengths, counts in (((0.064, 0.008, 0.01), (64, 1, 1)), ((0.008, 0.064, 0.01), (1, 64, 1))):
+        mesh = box(lengths, counts, order=1)
+        assert make_cells(mesh, "face", LapCells("z_max", size=4e-3)).area == pytest.approx(np.full(16, 3.2e-5))
+        assert make_cells(mesh, "face", LapCells("z_max", size=9e-3)).area == pytest.approx(np.full(8, 6.4e-5))
+
+
 def test_slivers_go_to_the_cell_beside_them() -> None:
     """A face shifted by nine tenths of a facet leaves a tenth of each in one row, which makes no cells of its own."""
     for shift, count in ((0.55, 2), (0.45, 2), (0.05, 4)):

@@ -14,11 +14,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
-from scipy.spatial import KDTree
 
 from warpffrf.model import signals
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Settings
 from warpffrf.output.simulate import simulate
 from warpffrf.study.lap_stacks import (
@@ -32,6 +30,7 @@ from warpffrf.study.lap_stacks import (
     Rows,
     Sheets,
     between,
+    cell_of,
     difference,
 )
 from warpffrf.verification.laps.cells import Cells
@@ -167,13 +166,6 @@ def mismatch_rows() -> list[list[str]]:
         swing = np.ptp(found.tip[cycle.first :]) / np.ptp(full.observed[cycle.first :, 0]) - 1.0
         rows.append([f"{along} and {above}", f"{loss:+.2%}", f"{swing:+.3%}"])
     return rows
-
-
-def cell_of(body: ReducedBody, cells: Cells) -> Array:
-    """Cell of the lap of a body (c,) in which each of `cells` lies."""
-    surface = body.laps["lap0"]
-    found = KDTree(surface.triangles.mean(axis=1)[:, :2]).query(cells.points[:, :2])[1]
-    return surface.cell[found]
 
 
 def facet_means(facets: Cells, nodes: Cells) -> Array:

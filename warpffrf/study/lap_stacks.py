@@ -17,8 +17,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
-from warpffrf.model import forces, joints, sensors, signals
+from warpffrf.model import forces, joints, laws, sensors, signals
 from warpffrf.model.laps import Lap, LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
@@ -46,13 +47,16 @@ KINDS = {"nodes": node_cells, "facets": facet_cells}
 class Sheets:
     """`layers` sheets that make a stack of `SIZE`, of `counts` (3,) of hex27 each; `second`: elements along the upper
     sheet of two where they are two bodies, None: as below; `width` [m]: across, loads below are for that of `SIZE`;
-    `shank` [N/m]: stiffness of the bolts as springs, None: they are pairs of forces."""
+    `shank` [N/m]: stiffness of the bolts as springs, None: they are pairs of forces; `half_width` [m] of the bolts'
+    heads; `layer` [Pa/m]: stiffness of a layer between the faces, along and across, None: there is none."""
 
     counts: tuple[int, int, int]
     layers: int = 2
     second: int | None = None
     width: float = SIZE[1]
     shank: float | None = None
+    half_width: float = HALF_WIDTH
+    layer: float | None = None
 
     @property
     def height(self) -> float:
@@ -69,7 +73,7 @@ class Sheets:
         for i, place in enumerate(BOLTS):
 
             def head(c: Array, x: float = place * SIZE[0]) -> Array:
-                return np.abs(c[:, 0] - x) < HALF_WIDTH
+                return np.abs(c[:, 0] - x) < self.half_width
 
             sheets[0] = sheets[0].select(f"head{i}", "z_min", head)
             sheets[-1] = sheets[-1].select(f"head{i}", "z_max", head)
@@ -122,7 +126,8 @@ class Sheets:
 
     def condensed(self, by: str, friction: float = FRICTION) -> StaticLap:
         """The full model on its cells."""
-        return StaticLap(self.full, self.cells(by), friction)
+        yields = 0.0 if self.layer is None else 1.0 / self.layer
+        return StaticLap(self.full, self.cells(by), friction, normal_compliance=yields, tangential_compliance=yields)
 
     def reduced(self, modes: int, **cells: Any) -> ReducedBody:
         """The one body with laps; cells: `by`, `size` and `growth` of `LapCells`."""
@@ -146,17 +151,18 @@ class Sheets:
     def scene(self, bodies: list[ReducedBody], preload: Any, tip: Any, friction: float = FRICTION) -> Scene:
         """One body, or two, with these forces [N], a number where bolts are springs; sensor `tip`."""
         scene = Scene(gravity=(0.0, 0.0, 0.0))
+        law = laws.Unilateral() if self.layer is None else laws.LinearLayer(self.layer)
         sheets = [scene.add_body(body, name=f"body{i}") for i, body in enumerate(bodies)]
         if len(bodies) == 1:
             scene.add(joints.Fixed(scene.ground, sheets[0][ROOT]))
             for name in self.faces:
-                scene.add(Lap(sheets[0][name], friction=friction, name=name))
+                scene.add(Lap(sheets[0][name], friction=friction, law=law, name=name))
             sets = {(k, name): sheets[0][f"sheet{k}_{name}"] for k, name, _ in self.heads}
             end = sheets[0][f"sheet{self.layers - 1}_x_max"]
         else:
             for sheet in sheets:
                 scene.add(joints.Fixed(scene.ground, sheet["x_min"]))
-            scene.add(Lap(sheets[0]["face"], sheets[1]["face"], friction=friction, name="lap0"))
+            scene.add(Lap(sheets[0]["face"], sheets[1]["face"], friction=friction, law=law, name="lap0"))
             sets = {(k, name): sheets[k][name] for k, name, _ in self.heads}
             end = sheets[1]["x_max"]
         if self.shank is None:
@@ -228,6 +234,13 @@ class Engine:
     def parts(self) -> Array:
         """Into how many equal parts each row's load step was cut (n,)."""
         return np.rint(1.0 / np.minimum(self.history.step_size, 1.0)).astype(int)
+
+
+def cell_of(body: ReducedBody, cells: Cells) -> Array:
+    """Cell of the first lap of a body (c,) in which each of `cells` lies."""
+    surface = body.laps["lap0"]
+    found = KDTree(surface.triangles.mean(axis=1)[:, :2]).query(cells.points[:, :2])[1]
+    return surface.cell[found]
 
 
 def with_halves(path: Array, parts: Array) -> tuple[Array, Array]:

@@ -28,7 +28,7 @@ from warpffrf.model.laps.facing import BEHIND, FACING
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
-from warpffrf.offline.laps.clusters import gathered, outline, slivers_joined, wanted_size
+from warpffrf.offline.laps.clusters import gathered, grown, outline, slivers_joined
 from warpffrf.offline.laps.faces import Face
 from warpffrf.offline.laps.overlap import Pieces, overlap, places_across, whole
 
@@ -101,8 +101,8 @@ def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells, fi
     if wanted.size is None and wanted.growth is None:
         of_face = np.where(there, np.cumsum(there) - 1, -1)
     else:
-        size = wanted_size(first, np.where(there, of_facet, 0.0), wanted.size, wanted.growth, fine)
-        of_face = gathered(first, there, of_facet * own, size)
+        more = grown(first, np.where(there, of_facet, 0.0), wanted.growth, fine)
+        of_face = gathered(first, there, of_facet * own, wanted.size, more)
     of_face = slivers_joined(first, of_face, of_facet)
     kept = of_face[pieces.facet] >= 0
     pieces = Pieces(
