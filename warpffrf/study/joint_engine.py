@@ -19,6 +19,7 @@ from warpffrf.verification.laps.quasi_static import Followed
 
 Array = np.ndarray
 SCALE = 1e-3  # of the loads
+GROWTHS = (2.0, 1.0, 0.5)  # of graded cells
 MODES = 4  # vibration modes, with which laps are exact as with any number
 
 
@@ -42,7 +43,7 @@ def ways(stacked: Sheets) -> dict[str, dict[str, Any]]:
     fine = (*(low for low, _ in stacked.bolted), "sheet0_x_min", "sheet0_x_max")
     found: dict[str, dict[str, Any]] = {"all cells": {}}
     found |= {f"cells of {n} facets": {"size": n * facet} for n in reversed(joint_spaces.GROUPS)}
-    return found | {f"graded, growth {g:g}": {"growth": g, "fine": fine} for g in joint_spaces.GROWTHS}
+    return found | {f"graded, growth {g:g}": {"growth": g, "fine": fine} for g in GROWTHS}
 
 
 def followed(engine: Engine, area: Array) -> Followed:

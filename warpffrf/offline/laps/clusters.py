@@ -45,7 +45,7 @@ def grown(face: Face, of_facet: Array, growth: float | None, fine: Array | None 
         places = np.concatenate([outline(face, of_facet > 0.0), partly])
         # a closed face has no outline
         away = KDTree(places).query(face.centers)[0] if len(places) else np.full(len(face), np.inf)
-    return growth * np.maximum(away - 0.5 * face.edge, 0.0)
+    return growth * np.maximum(away - 0.5 * face.shortest, 0.0)
 
 
 def outline(face: Face, there: Array | None = None) -> Array:
