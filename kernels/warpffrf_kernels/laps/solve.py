@@ -61,7 +61,8 @@ wp.set_module_options(MODULE_OPTIONS)
 SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and what it yields
 ROUGHLY = wp.constant(wp.float64(1.0e-4))  # in the first iteration whose balance counts, ...
 NEARLY = wp.constant(wp.float64(1.0e-7))  # ... and in the second
-EARLY = wp.constant(3)  # iterations in which states change once, and the motion follows
+EARLY = wp.constant(3)  # iterations in which states change once, and the motion follows, ...
+EARLY_LOADING = wp.constant(8)  # ... and of a load step, in which more of them change
 UNSETTLED = wp.constant(wp.float64(0.01))  # what is told of forces whose cells have just changed
 MOST_PASSES = wp.constant(150)
 SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
@@ -234,7 +235,7 @@ def solve_laps(
     least = real(0.0)
     if ready != STANDS and ctl[w].iteration == 0:
         least = SAME_PLACE * model.length / yields
-    early = ctl[w].iteration >= 1 and ctl[w].iteration <= EARLY
+    early = ctl[w].iteration >= 1 and ctl[w].iteration <= wp.where(ctl[w].mode == k.LOADING, EARLY_LOADING, EARLY)
     changed_states = int(0)
     passes = int(0)
     off = real(0.0)
