@@ -5,7 +5,7 @@ import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
-from warpffrf_kernels.laps.forms import OPEN, Form, first_of, forces_of, second_of, to_form
+from warpffrf_kernels.laps.forms import OPEN, Form, first_of, forces_of, moved_of, second_of, to_form
 from warpffrf_kernels.laps.loops import add_columns
 from warpffrf_kernels.laps.motion import WRENCH, relative_motion, rigid_gradient, turn_gradient
 from warpffrf_kernels.laps.tableau import (
@@ -193,3 +193,51 @@ def put_right(
         put_triple(lap_u, lines + components * c, components, first_of(map, s, y))
         put_triple(lap_v, lines + components * c, components, second_of(map, s, y))
         c += 1
+
+
+@wp.func
+def book(
+    model: Model,
+    w: int,
+    group: int,
+    lap_force: wp.array3d(dtype=real),
+    lap_slip: wp.array3d(dtype=real),
+    lap_gap: wp.array2d(dtype=real),
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_u: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+    lap_trial: wp.array(dtype=real),
+    lap_strip: wp.array(dtype=real),
+    lap_moved: wp.array(dtype=real),
+    lap_stored: wp.array2d(dtype=real),
+    lap_taken: wp.array3d(dtype=real),
+):
+    """Gaps and slips of the step, the energy of what yields, the work of friction and the rest of the trapezoidal work;
+    J z stands in `lap_strip`. By one lane."""
+    components = model.elements[0].laps[0].components[group]
+    lines = line_at(model, w, group)
+    first = model.elements[0].laps[0].cell_start[group]
+    stored = real(0.0)
+    rubbed = real(0.0)
+    rest = real(0.0)
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        at = lines + components * c
+        form = form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim)
+        s = triple(lap_trial, at, components)
+        y = moved_of(form, triple(lap_u, at, components), triple(lap_v, at, components))
+        put_triple(lap_moved, at, components, y)
+        old = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
+        given = triple(lap_strip, at, components)
+        given += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
+        stored += real(0.5) * wp.dot(s, y - given)
+        rubs = -(s[1] * y[1] + s[2] * y[2])
+        rubbed += rubs
+        gone = vec3(y[0] - lap_gap[w, cell], y[1], y[2])
+        rest -= real(0.5) * wp.dot(s + old, gone) + rubs
+        c += 1
+    lap_stored[w, group] = stored
+    lap_taken[w, group, 0] = rubbed
+    lap_taken[w, group, 1] = rest

@@ -23,12 +23,11 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
-from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
-from warpffrf_kernels.laps.evaluation import begin_table, displaced, look_at_motion, own_forces, put_right
-from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, moved_of, second_of, to_form
+from warpffrf_kernels.laps.cells import put_triple
+from warpffrf_kernels.laps.changes import change_cells, press_cells
+from warpffrf_kernels.laps.evaluation import begin_table, book, displaced, look_at_motion, own_forces, put_right
 from warpffrf_kernels.laps.loops import weigh_lines
-from warpffrf_kernels.laps.passes import aim_cells, judge_cells, largest_force, pressed_state, wished
-from warpffrf_kernels.laps.renewal import make_room, renew
+from warpffrf_kernels.laps.passes import aim_cells, judge_cells, largest_force
 from warpffrf_kernels.laps.tableau import (
     cells_of,
     columns_of,
@@ -39,21 +38,17 @@ from warpffrf_kernels.laps.tableau import (
 )
 from warpffrf_kernels.laps.words import (
     AHEAD,
-    CLOSES,
     COUNT,
     DONE,
     HELD,
     KNOWN,
     NONE,
     NORMAL,
-    OPENS,
     READY,
-    RUBS,
     SINCE,
     STANDS,
     TANGENTIAL,
     TURNING,
-    TURNS,
 )
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -161,39 +156,15 @@ def solve_laps(
     if ready == NONE:
         begin_table(model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words)
     if ready != STANDS:
-        c = int(0)
+        press_cells(
+            model, w, group, lane, lap_state, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
+            lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+        )  # fmt: skip
+        c = lane
         while c < cells:
-            cell = first + c
-            mu = model.elements[0].laps[0].friction[cell]
-            form = Form()
-            form.mu = mu
-            form.state = OPEN
-            if lap_state[w, cell] != OPEN or model.elements[0].laps[0].gap[cell] == real(0.0):
-                form.state = pressed_state(mu, components)
-            if lap_mode[w, cell] != form.state:
-                make_room(
-                    model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-                    lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left,
-                    lap_right,
-                )  # fmt: skip
-                if lane == 0:
-                    set_form(w, cell, form, lap_mode, lap_aim)
-                sync()
-            if lane == 0:
-                s = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
-                put_triple(lap_trial, lines + components * c, components, s)
-            c += 1
-        if ready == NONE:
-            factorise(
-                model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-                lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
-            )  # fmt: skip
-            renew(
-                model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_place,
-                lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
-            )  # fmt: skip
-        if lane == 0:
-            lap_words[w, group, READY] = STANDS
+            s = vec3(lap_force[w, first + c, 0], lap_force[w, first + c, 1], lap_force[w, first + c, 2])
+            put_triple(lap_trial, lines + components * c, components, s)
+            c += wp.block_dim()
         sync()
     factorise(
         model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot, lap_place,
@@ -277,31 +248,13 @@ def solve_laps(
                 lap_words[w, group, KNOWN] = wp.max(lap_words[w, group, KNOWN], 0)
         sync()
         done = lap_words[w, group, DONE]
-        normal = lap_words[w, group, NORMAL]
-        both = passes % 3 == 0
-        c = int(0)
-        while c < cells and done == 0:
-            cell = first + c
-            wish = lap_wish[w, cell]
-            goes = wish == CLOSES or wish == OPENS or ((normal == 0 or both) and (wish == RUBS or wish == TURNS))
-            if goes:
-                make_room(
-                    model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
-                    lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left,
-                    lap_right,
-                )  # fmt: skip
-                if lane == 0:
-                    mu = model.elements[0].laps[0].friction[cell]
-                    form = wished(w, cell, mu, components, lap_wish, lap_next)
-                    map = after(to_form(form), from_form(form_of(w, cell, mu, lap_mode, lap_aim)))
-                    u = triple(lap_u, lines + components * c, components)
-                    v = triple(lap_v, lines + components * c, components)
-                    put_triple(lap_u, lines + components * c, components, first_of(map, u, v))
-                    put_triple(lap_v, lines + components * c, components, second_of(map, u, v))
-                    set_form(w, cell, form, lap_mode, lap_aim)
-                sync()
-            c += 1
-            if goes and early and wish != TURNS:
+        if done == 0:
+            changed = change_cells(
+                model, w, group, lane, passes % 3 == 0, lap_wish, lap_next, lap_mode, lap_aim, lap_u, lap_v, lap_base,
+                lap_base_aim, lap_table, lap_words, lap_slot, lap_place, lap_owner, lap_active, lap_rows, lap_units,
+                lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+            )  # fmt: skip
+            if early and changed:
                 changed_states = int(1)
     if lane == 0 and done == 2:
         ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
@@ -313,28 +266,9 @@ def solve_laps(
     )  # fmt: skip
     displaced(model, w, group, lane, 0, lap_trial, lap_z_flat, lap_list, lap_strip)
     if lane == 0:
-        stored = real(0.0)
-        rubbed = real(0.0)
-        rest = real(0.0)
-        c = int(0)
-        while c < cells:
-            cell = first + c
-            at = lines + components * c
-            form = form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim)
-            s = triple(lap_trial, at, components)
-            y = moved_of(form, triple(lap_u, at, components), triple(lap_v, at, components))
-            put_triple(lap_moved, at, components, y)
-            old = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
-            given = triple(lap_strip, at, components)
-            given += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
-            stored += real(0.5) * wp.dot(s, y - given)
-            rubs = -(s[1] * y[1] + s[2] * y[2])
-            rubbed += rubs
-            gone = vec3(y[0] - lap_gap[w, cell], y[1], y[2])
-            rest -= real(0.5) * wp.dot(s + old, gone) + rubs
-            c += 1
-        lap_stored[w, group] = stored
-        lap_taken[w, group, 0] = rubbed
-        lap_taken[w, group, 1] = rest
+        book(
+            model, w, group, lap_force, lap_slip, lap_gap, lap_mode, lap_aim, lap_u, lap_v, lap_trial, lap_strip,
+            lap_moved, lap_stored, lap_taken,
+        )  # fmt: skip
         lap_off[w, group] = off
         lap_depth[w, group] = yields * largest_force(model, w, group, lines, lap_mode, lap_v)

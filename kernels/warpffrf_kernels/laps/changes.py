@@ -1,4 +1,4 @@
-"""The table of a tableau becomes that of the states of now, where too many cells differ from those of its making.
+"""Cells change their states, and the table of their tableau follows where too many differ from those of its making.
 
 See `tableau`.
 """
@@ -8,7 +8,9 @@ import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
+from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, second_of, to_form
 from warpffrf_kernels.laps.loops import add_product, mapped_lines, substitute_lines, take_columns
+from warpffrf_kernels.laps.passes import pressed_state, wished
 from warpffrf_kernels.laps.tableau import (
     cells_of,
     factor_at,
@@ -19,7 +21,20 @@ from warpffrf_kernels.laps.tableau import (
     slots_at,
     table_at,
 )
-from warpffrf_kernels.laps.words import DIFFERING, FACTORED, RANK, ROOM
+from warpffrf_kernels.laps.words import (
+    CLOSES,
+    DIFFERING,
+    FACTORED,
+    NONE,
+    NORMAL,
+    OPENS,
+    RANK,
+    READY,
+    ROOM,
+    RUBS,
+    STANDS,
+    TURNS,
+)
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -169,3 +184,127 @@ def make_room(
         lap_words[w, group, ROOM] = lap_words[w, group, ROOM] - components
         lap_words[w, group, FACTORED] = 0
     sync()
+
+
+@wp.func
+def press_cells(
+    model: Model,
+    w: int,
+    group: int,
+    lane: int,
+    lap_state: wp.array2d(dtype=int),
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_base: wp.array2d(dtype=int),
+    lap_base_aim: wp.array3d(dtype=real),
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_owner: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
+    lap_left: wp.array(dtype=real),
+    lap_right: wp.array(dtype=real),
+):
+    """Cells that have been under pressure, and those that lie on each other to begin with, stick; others are open. The
+    first table of a tableau is made for these states."""
+    components = model.elements[0].laps[0].components[group]
+    first = model.elements[0].laps[0].cell_start[group]
+    ready = lap_words[w, group, READY]
+    sync()
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        form = Form()
+        form.mu = model.elements[0].laps[0].friction[cell]
+        form.state = OPEN
+        if lap_state[w, cell] != OPEN or model.elements[0].laps[0].gap[cell] == real(0.0):
+            form.state = pressed_state(form.mu, components)
+        if lap_mode[w, cell] != form.state:
+            make_room(
+                model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
+                lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left,
+                lap_right,
+            )  # fmt: skip
+            if lane == 0:
+                set_form(w, cell, form, lap_mode, lap_aim)
+            sync()
+        c += 1
+    if ready == NONE:
+        factorise(
+            model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
+            lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
+        )  # fmt: skip
+        renew(
+            model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_place,
+            lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+        )  # fmt: skip
+    if lane == 0:
+        lap_words[w, group, READY] = STANDS
+    sync()
+
+
+@wp.func
+def change_cells(
+    model: Model,
+    w: int,
+    group: int,
+    lane: int,
+    both: bool,
+    lap_wish: wp.array2d(dtype=int),
+    lap_next: wp.array3d(dtype=real),
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_u: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+    lap_base: wp.array2d(dtype=int),
+    lap_base_aim: wp.array3d(dtype=real),
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_owner: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
+    lap_left: wp.array(dtype=real),
+    lap_right: wp.array(dtype=real),
+) -> bool:
+    """Cells become what they are asked to: gaps and pressures first, and where none of them changes or with `both`,
+    what sticks and slips. Whether any has another state then."""
+    components = model.elements[0].laps[0].components[group]
+    first = model.elements[0].laps[0].cell_start[group]
+    lines = line_at(model, w, group)
+    along = both or lap_words[w, group, NORMAL] == 0
+    changed = bool(False)
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        wish = lap_wish[w, cell]
+        if wish == CLOSES or wish == OPENS or (along and (wish == RUBS or wish == TURNS)):
+            make_room(
+                model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
+                lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left,
+                lap_right,
+            )  # fmt: skip
+            if lane == 0:
+                mu = model.elements[0].laps[0].friction[cell]
+                form = wished(w, cell, mu, components, lap_wish, lap_next)
+                map = after(to_form(form), from_form(form_of(w, cell, mu, lap_mode, lap_aim)))
+                u = triple(lap_u, lines + components * c, components)
+                v = triple(lap_v, lines + components * c, components)
+                put_triple(lap_u, lines + components * c, components, first_of(map, u, v))
+                put_triple(lap_v, lines + components * c, components, second_of(map, u, v))
+                set_form(w, cell, form, lap_mode, lap_aim)
+            sync()
+            changed = changed or wish != TURNS
+        c += 1
+    return changed
