@@ -21,6 +21,7 @@ def test_what_users_may_give() -> None:
         "own": wf.LapCells("a", "b", size=5e-3),
     }
     given["table"] = {"first": "a", "by": "nodes"}
+    given["graded"] = {"first": "a", "growth": 0.5, "fine": ["head", "nut"]}
     found = lap_cells(given)
     assert found == {
         "lap": LapCells("top", "bottom"),
@@ -28,7 +29,9 @@ def test_what_users_may_give() -> None:
         "foot": LapCells("foot"),
         "own": LapCells("a", "b", 5e-3),
         "table": LapCells("a", by="nodes"),
+        "graded": LapCells("a", growth=0.5, fine=("head", "nut")),
     }
+    assert found["graded"].describe()["fine"] == ["head", "nut"]
     assert lap_cells(None) == {} and found["foot"].sets == ("foot",)
     assert found["own"].describe() == {"sets": ["a", "b"], "size": 5e-3, "growth": None, "by": "facets"}
 
@@ -41,6 +44,8 @@ def test_what_users_may_give() -> None:
         (lambda: LapCells("a", by="cells"), "by 'cells' does not exist; known: 'facets', 'nodes'"),
         (lambda: LapCells("a", size=0.0), "size must be greater than zero"),
         (lambda: LapCells("a", growth=-1.0), "growth must be greater than zero"),
+        (lambda: LapCells("a", fine=("head",)), "cells are fine at 'head' if they grow away from there; give growth"),
+        (lambda: LapCells("a", growth=0.5, fine=3), "names of facet sets, got 3"),  # pyright: ignore[reportArgumentType]
         (lambda: LapCells("a", by="nodes", size=1.0), "size gathers facets; leave it out for cells by nodes"),
         (lambda: lap_cells(["a"]), "laps must be"),  # pyright: ignore[reportArgumentType]
         (lambda: lap_cells({"lap": 3}), "got 3 for 'lap'"),

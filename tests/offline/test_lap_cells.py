@@ -8,7 +8,7 @@ from lap_bodies import as_kind, moved, slit_body, together
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
-from warpffrf.model.mesh import Mesh, box, grid, roller, sleeve
+from warpffrf.model.mesh import FacetSet, Mesh, box, grid, roller, sleeve
 from warpffrf.offline.laps.cells import make_cells
 from warpffrf.offline.laps.loads import frames, unit_loads
 
@@ -185,6 +185,14 @@ def test_size_gathers_facets() -> None:
     assert make_cells(turned_mesh, "face", LapCells("z_max", size=0.01)).area == pytest.approx(np.full(32, 1e-4))
 
 
+def test_long_facets_are_gathered_along_their_short_sides() -> None:
+    """Facets of 1 x 8 mm: cells of 4 mm have four of them and are as wide as a facet is, whichever way they lie."""
+    for lengths, counts in (((0.064, 0.008, 0.01), (64, 1, 1)), ((0.008, 0.064, 0.01), (1, 64, 1))):
+        mesh = box(lengths, counts, order=1)
+        assert make_cells(mesh, "face", LapCells("z_max", size=4e-3)).area == pytest.approx(np.full(16, 3.2e-5))
+        assert make_cells(mesh, "face", LapCells("z_max", size=9e-3)).area == pytest.approx(np.full(8, 6.4e-5))
+
+
 def test_slivers_go_to_the_cell_beside_them() -> None:
     """A face shifted by nine tenths of a facet leaves a tenth of each in one row, which makes no cells of its own."""
     for shift, count in ((0.55, 2), (0.45, 2), (0.05, 4)):
@@ -210,6 +218,30 @@ def test_growth_grades_cells_from_edges_and_holes() -> None:
     assert edge[away < 0.6e-3] == pytest.approx(np.full(np.sum(away < 0.6e-3), 1e-3), rel=0.5)
     assert 2.5e-3 < edge.max() < 4.01e-3 and cells.count < 0.5 * 1584
     assert np.all(edge <= 1e-3 + 0.5 * (away + 1.5e-3) + 1e-9)
+
+
+@pytest.mark.parametrize(("thick", "angle"), [(1e-3, 0.0), (8e-3, 0.7)])
+def test_cells_are_fine_at_the_edges_of_a_head_through_the_sheet(thick: float, angle: float) -> None:
+    """A strip of 60 facets of 1 mm with a head from 20 to 30 mm beneath: cells grow away from these two lines alone,
+    however thick the strip is, and not from its sides."""
+    mesh = box((0.06, 0.001, thick), (60, 1, 1), center=(0.03, 0.0, 0.0), order=1)
+    mesh = mesh.select("head", "z_min", lambda c: np.abs(c[:, 0] - 0.025) < 0.005)
+    cells = make_cells(moved(mesh, turned(angle)), "face", LapCells("z_max", growth=0.5, fine=("head",)))
+    length = cells.area / 1e-3
+    x = np.linalg.norm(cells.points[:, :2], axis=1)
+    away = np.minimum(np.abs(x - 0.02), np.abs(x - 0.03))
+    near = np.maximum(away - 0.5 * length, 0.0)  # of the facet that is nearest
+    assert length.sum() == pytest.approx(0.06, rel=ROUND_OFF) and 12 < cells.count < 30
+    assert length[away < 0.6e-3] == pytest.approx(np.full(4, 1e-3)) and length.max() > 4e-3
+    assert np.all(length <= 1e-3 + 0.5 * near + 1e-9)
+
+
+def test_a_closed_set_has_no_outline_to_be_fine_at() -> None:
+    mesh = roller(0.02, 0.01, 0.01, sectors=12, layers=1, axial=1, order=1)
+    every = FacetSet({"quad4": np.concatenate([one.blocks["quad4"] for one in mesh.facet_sets.values()])})
+    mesh = Mesh(mesh.points, mesh.cells, {"rim": mesh.facets("rim"), "all": every})
+    with pytest.raises(InputError, match="lap 'face': 'all' has no outline"):
+        make_cells(mesh, "face", LapCells("rim", growth=0.5, fine="all"))  # pyright: ignore[reportArgumentType]
 
 
 def test_cells_do_not_turn_corners() -> None:

@@ -233,6 +233,8 @@ def test_a_file_that_does_not_fit_together(plain, tmp_path: Path, says) -> None:
 def test_what_laps_cannot_be_beside(slit) -> None:
     with pytest.raises(InputError, match="lap 'lap'.*'lwo' does not exist.*'low'"):
         lapped(slit, {"lap": ("lwo", "high")})
+    with pytest.raises(InputError, match="lap 'lap'.*'heda' does not exist.*'low'"):
+        lapped(slit, {"lap": {"first": "low", "second": "high", "growth": 0.5, "fine": ["heda"]}})
     with pytest.raises(InputError, match="lap 'lap': 10 facets of 'low' belong to contact surface 'low'"):
         lapped(slit, {"lap": ("low", "high")}, contact={"low": Plane()})
     with pytest.raises(InputError, match="'x_min' is a rigid interface"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ from lap_runs import FRICTION, PRESSED, SIZE, block
 import warpffrf as wf
 from warpffrf import forces, joints, mesh, surfaces
 from warpffrf.model.object_arrays import from_arrays, to_arrays
+from warpffrf.output.bodies.lap_loads import LapLoads, left_out
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
 
@@ -79,3 +81,40 @@ def test_the_budget_of_a_motion_knows_laps() -> None:
     assert "force of lap 'foot'" in told and "loss of lap 'foot'" in told
     lap = result.lap("foot")
     np.testing.assert_allclose(lap.loss, -result.energy["friction"], rtol=1e-9, atol=1e-15)
+
+
+# --- what the skin of a fork shows
+
+
+def test_both_prongs_have_the_pressure_and_opposite_tractions() -> None:
+    """On the nodes of the slot, beside each other as the meshes match; forces on the body's laps are those of cells."""
+    found = wf.equilibrium(fork())
+    lap, skin = found.lap("slot"), found.skins()["fork"]
+    pressure, traction = skin.pressure(0), skin.traction(0)
+    inside = skin.points[:, 0] > SIZE[0] / 6 * 1.001
+    sides = [np.flatnonzero(inside & (np.abs(skin.points[:, 2] - z) < 0.1 * SLOT)) for z in (0.004, 0.004 + SLOT)]
+    order = [nodes[np.lexsort(np.round(skin.points[nodes, :2].T, 9))] for nodes in sides]
+    assert len(order[0]) == len(order[1]) == 15 and pressure[order[0]].max() > 0.5 * lap.pressure.max()
+    np.testing.assert_allclose(pressure[order[0]], pressure[order[1]], rtol=1e-9)
+    np.testing.assert_allclose(traction[order[0]], -traction[order[1]], rtol=1e-9)
+    assert np.all(np.delete(pressure, np.concatenate(sides)) <= pressure.max())
+    far = np.abs(skin.points[:, 2] - 0.004 - 0.5 * SLOT) > SLOT
+    assert not np.any(pressure[far]) and not np.any(skin.state(0)[far])
+    own = LapLoads(found.history, found.view, "fork").forces(0)
+    assert own is not None
+    np.testing.assert_allclose(own[::3], lap.pressure[0] * lap.area, rtol=1e-12)
+
+
+def test_a_skin_without_the_responses_of_its_laps_says_so(tmp_path: Path) -> None:
+    found = wf.equilibrium(on_the_floor())
+    body = found.view.bodies["block"]
+    assert not left_out([body])
+    bare = replace(body, reduced=replace(body.reduced, surface=replace(body.reduced.surface, laps=None)))
+    lap = replace(found.view.laps["foot"], first_body=bare)
+    view = replace(found.view, bodies={"block": bare}, laps={"foot": lap})
+    poor = Result(replace(found.history, scene=view))
+    modes = np.tensordot(poor.body("block").modal[0], body.reduced.surface.modes, 1)
+    np.testing.assert_allclose(poor.skins()["block"].displacement(0), modes, atol=1e-6 * np.abs(modes).max())
+    assert np.abs(found.skins()["block"].displacement(0) - modes).max() > 0.1 * np.abs(modes).max()
+    assert "the skin of 'block' moves by its modes alone" in poor.report()
+    assert left_out([bare])[0] in record(poor, tmp_path / "run.rrd", color="pressure").notes

@@ -256,11 +256,25 @@ def test_a_recording_shows_cells(result: Result, lap: LapResult, tmp_path: Path)
     assert columns(path, "/plots/lap_loss/lap", "scalars")
 
 
+def test_a_recording_colours_the_faces(result: Result, lap: LapResult, tmp_path: Path) -> None:
+    """Of both bodies, where they lie on each other, by the pressure of the lap."""
+    path = record(result, tmp_path / "run.rrd", max_frames=3, color="pressure").path
+    for name in ("base", "top"):
+        colors = np.asarray(columns(path, f"/world/{name}/surface", "vertex_colors")[-1])
+        skin = result.skins()[name]
+        on = skin.pressure(len(result.time) - 1) > 0.0
+        assert on.sum() == (CELLS[0] + 1) * (CELLS[1] + 1) and len(np.unique(colors[~on])) == 1
+        assert not np.isin(colors[on][np.argmax(skin.pressure(len(result.time) - 1)[on])], colors[~on])
+
+
 def test_vtk_has_the_cells_as_a_part(result: Result, lap: LapResult, tmp_path: Path) -> None:
     meshio = pytest.importorskip("meshio")
     path = result.to_vtu(tmp_path / "run.pvd", stride=20)
     assert 'name="lap"' in path.read_text()
     mesh = meshio.read(tmp_path / "run" / "2_000020.vtu")
     np.testing.assert_allclose(mesh.cell_data["pressure"][0], lap.pressure[20, lap.polygons[1]])
+    body = meshio.read(tmp_path / "run" / "1_000020.vtu").point_data
+    np.testing.assert_allclose(body["pressure"], result.skins()["top"].pressure(20), rtol=1e-9)
+    assert set(body) == {"displacement", "pressure", "traction", "state"}
     turned = np.linalg.norm(mesh.cell_data["slip"][0], axis=1)
     np.testing.assert_allclose(turned, lap.shift_distance[20, lap.polygons[1]], rtol=1e-9, atol=1e-18)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.study import joint_bases as study
+from warpffrf.study import joint_bases, joint_engine
+from warpffrf.study import joint_spaces as study
 
 LOAD = {"partial slip": 60.0}
 
@@ -42,10 +43,24 @@ def test_groups_cover_the_joint(joint):
     assert halves.cells.count == 8 and halves.cells.area.sum() == pytest.approx(0.002)
 
 
+def test_laps_of_the_engine_are_the_flexibility_of_their_cells(joint, reference):
+    """In proportion: bolts that keep their direction make 1e-2 of the loads of it, which are a thousandth."""
+    references = {"partial slip": (60.0, reference.follow(study.load_path(60.0)))}
+    both = joint_engine.compared(joint, joint_engine.sheets((16, 1, 1)), references)
+    assert [one.engine.space.unknowns for one in both[:2]] == [48, 6]
+    for one in both:
+        assert one.study is not None
+        for value in ("pressure", "traction", "slip", "loss", "amplitude"):
+            assert getattr(one.engine, value) == pytest.approx(getattr(one.study, value), abs=3e-5)
+
+
 def test_page_has_the_figures(joint):
     found = study.spaces(joint)
-    results = study.compared(joint, found, LOAD)
-    text = study.page(joint, found, results)
+    results = joint_bases.compared(joint, found, LOAD)
+    entry = study.measure(found[0], study.load_path(60.0), results[0].reference)
+    assert entry is not None
+    both = [joint_engine.Both("partial slip", entry, entry)]
+    text = joint_bases.page(joint, found, results, both)
     exact, statics, *_ = results[0].entries
     assert exact is not None and exact.pressure == 0.0 and exact.loss == 0.0
     assert statics is not None and statics.pressure > 0.01 and f"{statics.pressure:.1%}" in text

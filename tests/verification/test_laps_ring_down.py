@@ -8,7 +8,7 @@ import pytest
 import scipy.sparse as sp
 from scipy.sparse.linalg import eigsh
 
-from warpffrf.study.joint_bases import FRICTION, two_sheets
+from warpffrf.study.joint_spaces import FRICTION, two_sheets
 from warpffrf.verification.closed_forms import equivalent_damping
 from warpffrf.verification.laps.dynamics import Scheme, peaks, released
 from warpffrf.verification.laps.quasi_static import StaticLap

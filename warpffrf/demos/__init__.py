@@ -21,9 +21,12 @@ DEMOS = {
     "journal_bearing": "A shaft in a sleeve with an oil film: rest, unbalance, whirl, beside references of their own.",
     "connecting_rod": "An elastic rod on its crank pin with an oil film, four-stroke load: beside a film of its own.",
     "piston": "A piston's skirt in its liner, both elastic, on two films, four-stroke load: beside a full FE model.",
+    "lap_joint": "Two strips, two bolts: hysteresis, and a vibration that friction damps, beside full finite elements.",
     "tilted_roller": "A crowned roller tilted by 0.5 mrad: where the patch goes and what holds the tilt.",
     "slider_crank": "A slider-crank with a flexible rod: its bending beside the beam equation.",
     "spinning_beam": "A beam spun up about one end, with and without geometric stiffening.",
     "frame_on_bushings": "A flexible frame on four bushings, pushed at a seat: statics, frequencies, momentum.",
+    "press_fit": "A shaft pressed into a hub and turned until it slips: beside Lame, micro-slip in torsion.",
+    "leaf_spring": "A leaf spring clamped in its middle, leaves that rub: beams at their tips, full finite elements.",
     "heavy_top": "A fast heavy top on a ball joint: position after one second beside the published one.",
 }

@@ -1,10 +1,10 @@
 r"""Stacked sheets with laps: the engine's scenes and the full finite elements, of one and the same mesh.
 
-Strips clamped at their root, pressed together by two bolts, which are pairs of forces on their heads, and loaded at the
-tip of the upper one. Loads F (dofs, 2) of the full model are one newton of each bolt and of the tip; a path is its
-factors (n, 2). Forces of the engine keep their directions while heads turn, full finite elements are linear:
-differences that this makes grow with the load, so that where laps are to be equal loads are small. Faces touch without
-load, hence pressures, slips and gaps are proportional to the load in both.
+Strips clamped at their root, pressed together by two bolts, which are pairs of forces on their heads or springs between
+them, and loaded at the tip of the upper one. Loads F (dofs, 2) of the full model are one newton of each bolt and of the
+tip; a path is its factors (n, 2). Heads of the engine turn with their sheets, full finite elements are linear:
+differences that this makes (`lap_bolts`) grow with the load, so that where laps are to be equal loads are small. Faces
+touch without load, hence pressures, slips and gaps are proportional to the load in both.
 
 A load step that the engine halves is two steps of friction: the full model follows the halves too.
 """
@@ -17,8 +17,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
-from warpffrf.model import forces, joints, sensors, signals
+from warpffrf.model import forces, joints, laws, sensors, signals
 from warpffrf.model.laps import Lap, LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
@@ -27,9 +28,10 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, Settings
 from warpffrf.online.load_steps import run_static
+from warpffrf.study.lap_bolts import UP, apart, shank, turning
 from warpffrf.verification.laps.cells import Cells, facet_cells, node_cells, together
 from warpffrf.verification.laps.full_model import FullModel, Part
-from warpffrf.verification.laps.quasi_static import StaticLap
+from warpffrf.verification.laps.quasi_static import Followed, StaticLap
 from warpffrf.verification.laps.sheets import ROOT, one_body, stack
 
 Array = np.ndarray
@@ -44,12 +46,17 @@ KINDS = {"nodes": node_cells, "facets": facet_cells}
 @dataclass(frozen=True, eq=False)
 class Sheets:
     """`layers` sheets that make a stack of `SIZE`, of `counts` (3,) of hex27 each; `second`: elements along the upper
-    sheet of two where they are two bodies, None: as below; `width` [m]: across, loads below are for that of `SIZE`."""
+    sheet of two where they are two bodies, None: as below; `width` [m]: across, loads below are for that of `SIZE`;
+    `shank` [N/m]: stiffness of the bolts as springs, None: they are pairs of forces; `half_width` [m] of the bolts'
+    heads; `layer` [Pa/m]: stiffness of a layer between the faces, along and across, None: there is none."""
 
     counts: tuple[int, int, int]
     layers: int = 2
     second: int | None = None
     width: float = SIZE[1]
+    shank: float | None = None
+    half_width: float = HALF_WIDTH
+    layer: float | None = None
 
     @property
     def height(self) -> float:
@@ -66,7 +73,7 @@ class Sheets:
         for i, place in enumerate(BOLTS):
 
             def head(c: Array, x: float = place * SIZE[0]) -> Array:
-                return np.abs(c[:, 0] - x) < HALF_WIDTH
+                return np.abs(c[:, 0] - x) < self.half_width
 
             sheets[0] = sheets[0].select(f"head{i}", "z_min", head)
             sheets[-1] = sheets[-1].select(f"head{i}", "z_max", head)
@@ -88,16 +95,29 @@ class Sheets:
         """Laps of the one body by name: lower and upper face."""
         return {f"lap{k}": (f"sheet{k}_z_max", f"sheet{k + 1}_z_min") for k in range(self.layers - 1)}
 
+    @property
+    def bolted(self) -> list[tuple[str, str]]:
+        """Facet sets of the one body under the heads of each bolt, the lower and the upper one."""
+        return [(f"sheet0_head{i}", f"sheet{self.layers - 1}_head{i}") for i in range(len(BOLTS))]
+
     @cached_property
     def full(self) -> FullModel:
-        """The full finite elements of the one body."""
-        return FullModel([Part(self.mesh, STEEL, (ROOT,))])
+        """The full finite elements of the one body, shanks of bolts included."""
+        model = FullModel([Part(self.mesh, STEEL, (ROOT,))])
+        if self.shank is None:
+            return model
+        return model.with_springs(*((apart(model, *heads, UP), self.shank) for heads in self.bolted))
+
+    def turning(self, tension: Array) -> FullModel:
+        """`full` with what bolts under `tension` (bolts,) [N] make where sheets turn, see `lap_bolts`."""
+        springs = turning(self.full, self.bolted, SIZE[2], tension, line=self.shank is not None)
+        return replace(self.full, springs=(*self.full.springs, *springs))
 
     @cached_property
     def loads(self) -> Array:
         """F (dofs, 2)."""
         tip = self.full.spread(0, f"sheet{self.layers - 1}_x_max", (0.0, 0.0, 1.0))
-        bolts = [self.full.spread(0, f"sheet{k}_{name}", (0.0, 0.0, sign)) for k, name, sign in self.heads]
+        bolts = [-apart(self.full, *heads, UP) for heads in self.bolted]
         return np.stack([np.sum(bolts, axis=0), tip], axis=1)
 
     def cells(self, by: str) -> Cells:
@@ -106,7 +126,8 @@ class Sheets:
 
     def condensed(self, by: str, friction: float = FRICTION) -> StaticLap:
         """The full model on its cells."""
-        return StaticLap(self.full, self.cells(by), friction)
+        yields = 0.0 if self.layer is None else 1.0 / self.layer
+        return StaticLap(self.full, self.cells(by), friction, normal_compliance=yields, tangential_compliance=yields)
 
     def reduced(self, modes: int, **cells: Any) -> ReducedBody:
         """The one body with laps; cells: `by`, `size` and `growth` of `LapCells`."""
@@ -128,23 +149,28 @@ class Sheets:
         return found
 
     def scene(self, bodies: list[ReducedBody], preload: Any, tip: Any, friction: float = FRICTION) -> Scene:
-        """One body, or two, with these forces [N]; sensor `tip`."""
+        """One body, or two, with these forces [N], a number where bolts are springs; sensor `tip`."""
         scene = Scene(gravity=(0.0, 0.0, 0.0))
+        law = laws.Unilateral() if self.layer is None else laws.LinearLayer(self.layer)
         sheets = [scene.add_body(body, name=f"body{i}") for i, body in enumerate(bodies)]
         if len(bodies) == 1:
             scene.add(joints.Fixed(scene.ground, sheets[0][ROOT]))
             for name in self.faces:
-                scene.add(Lap(sheets[0][name], friction=friction, name=name))
+                scene.add(Lap(sheets[0][name], friction=friction, law=law, name=name))
             sets = {(k, name): sheets[0][f"sheet{k}_{name}"] for k, name, _ in self.heads}
             end = sheets[0][f"sheet{self.layers - 1}_x_max"]
         else:
             for sheet in sheets:
                 scene.add(joints.Fixed(scene.ground, sheet["x_min"]))
-            scene.add(Lap(sheets[0]["face"], sheets[1]["face"], friction=friction, name="lap0"))
+            scene.add(Lap(sheets[0]["face"], sheets[1]["face"], friction=friction, law=law, name="lap0"))
             sets = {(k, name): sheets[k][name] for k, name, _ in self.heads}
             end = sheets[1]["x_max"]
-        for k, name, sign in self.heads:
-            scene.add(forces.PointForce(sets[k, name], (preload, (0.0, 0.0, sign))))
+        if self.shank is None:
+            for k, name, sign in self.heads:
+                scene.add(forces.PointForce(sets[k, name], (preload, (0.0, 0.0, sign))))
+        else:
+            for i, (low, high) in enumerate(self.bolted):
+                scene.add(shank(sheets[0][low], sheets[0][high], self.shank, preload, name=f"bolt{i}"))
         scene.add(forces.PointForce(end, (0.0, 0.0, tip)))
         scene.add(sensors.Position(end, name="tip"))
         return scene
@@ -155,7 +181,7 @@ class Sheets:
         """The engine's static history through a path (n, 2), a row a second, from an equilibrium under the first."""
         times = np.arange(float(len(path)))
         preload, tip = (signals.Table(times, path[:, i]) for i in range(2))
-        scene = self.scene(bodies, preload, tip, friction)
+        scene = self.scene(bodies, preload if self.shank is None else float(path[0, 0]), tip, friction)
         found = run_static(scene, float(times[-1]), step=1.0, progress=False, settings=settings)
         if found.status != "completed":
             raise RuntimeError(f"sheets: {found.status}: {found.message}")
@@ -199,9 +225,22 @@ class Engine:
         return float(self.lost[last] - self.lost[first])
 
     @property
+    def tension(self) -> Array:
+        """Tension (bolts,) [N] of springs in row 0."""
+        springs = [self.history.forces[f"bolt{i}"].force[0] for i in range(len(BOLTS))]
+        return np.linalg.norm(springs, axis=1)
+
+    @property
     def parts(self) -> Array:
         """Into how many equal parts each row's load step was cut (n,)."""
         return np.rint(1.0 / np.minimum(self.history.step_size, 1.0)).astype(int)
+
+
+def cell_of(body: ReducedBody, cells: Cells) -> Array:
+    """Cell of the first lap of a body (c,) in which each of `cells` lies."""
+    surface = body.laps["lap0"]
+    found = KDTree(surface.triangles.mean(axis=1)[:, :2]).query(cells.points[:, :2])[1]
+    return surface.cell[found]
 
 
 def with_halves(path: Array, parts: Array) -> tuple[Array, Array]:
@@ -241,9 +280,9 @@ class Cycle:
 
 @dataclass(frozen=True)
 class Difference:
-    """Of the engine from the full model: pressure and traction, the largest of all rows and cells over the largest
-    pressure; numbers of states that differ and of cells in all rows; loss per cycle and amplitude at the tip,
-    relative; parts: load steps that the engine cut."""
+    """Of the engine from the full model, or of two histories: pressure and traction, the largest of all rows and cells
+    over the largest pressure; numbers of states that differ and of cells in all rows; loss per cycle and amplitude at
+    the tip, relative; parts: load steps that the engine cut."""
 
     pressure: float
     traction: float
@@ -254,19 +293,41 @@ class Difference:
     cut: int
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """A history: pressure (n, c) and traction (n, c, 2) [Pa], state (n, c), tip (n,) [m], work of friction lost (n,)
+    [J] so far."""
+
+    pressure: Array
+    traction: Array
+    state: Array
+    tip: Array
+    lost: Array
+
+    @classmethod
+    def of(cls, full: Followed, at: Any = slice(None)) -> Rows:
+        """Rows `at` of a full model whose first observed is the tip."""
+        lost = np.cumsum(full.dissipated)
+        return cls(full.pressure[at], full.traction[at], full.state[at], full.observed[at, 0], lost[at])
+
+
+def between(found: Rows | Engine, exact: Rows | Engine, cycle: Cycle, cut: int = 0) -> Difference:
+    """The difference of two histories of the same cells, of which one has `cut` load steps."""
+    top = exact.pressure.max()
+    loss = [one.lost[cycle.last] - one.lost[cycle.first] for one in (found, exact)]
+    swing = [np.ptp(one.tip[cycle.first :]) for one in (found, exact)]
+    return Difference(
+        float(np.abs(found.pressure - exact.pressure).max() / top),
+        float(np.abs(found.traction - exact.traction).max() / top),
+        int(np.sum(found.state != exact.state)), exact.state.size,
+        float(loss[0] / loss[1] - 1.0), float(swing[0] / swing[1] - 1.0), cut,
+    )  # fmt: skip
+
+
 def difference(engine: Engine, lap: StaticLap, loads: Array, cycle: Cycle) -> Difference:
     """Cells in the same order; the full model takes the engine's gaps, in which round-off of places is none."""
     path, at = with_halves(cycle.path, engine.parts)
     same = copy(lap)
     same.cells = replace(lap.cells, gap=np.concatenate([one.cells().gap for one in engine.history.scene.laps]))
     full = same.follow(loads, path, loads[:, 1:])
-    top = full.pressure.max()
-    tip = full.observed[at[cycle.first :], 0]
-    lost = full.loss(at[cycle.first], at[cycle.last])
-    return Difference(
-        float(np.abs(engine.pressure - full.pressure[at]).max() / top),
-        float(np.abs(engine.traction - full.traction[at]).max() / top),
-        int(np.sum(engine.state != full.state[at])), engine.state.size,
-        engine.loss(cycle.first, cycle.last) / lost - 1.0,
-        float(np.ptp(engine.tip[cycle.first :]) / np.ptp(tip) - 1.0), int(np.sum(engine.parts > 1)),
-    )  # fmt: skip
+    return between(engine, Rows.of(full, at), cycle, int(np.sum(engine.parts > 1)))

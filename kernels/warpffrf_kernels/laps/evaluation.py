@@ -4,20 +4,20 @@ import warp as wp
 
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
-from warpffrf_kernels.laps.cells import form_of, put_triple, triple
-from warpffrf_kernels.laps.forms import first_of, second_of, to_form
+from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
+from warpffrf_kernels.laps.forms import OPEN, Form, first_of, forces_of, moved_of, second_of, to_form
+from warpffrf_kernels.laps.loops import add_columns
 from warpffrf_kernels.laps.motion import WRENCH, relative_motion, rigid_gradient, turn_gradient
 from warpffrf_kernels.laps.tableau import (
-    add_columns,
-    add_lines,
     cells_of,
     columns_of,
     line_at,
     lines_of,
+    most_of,
     table_at,
     unknowns_of,
 )
-from warpffrf_kernels.laps.words import COUNT
+from warpffrf_kernels.laps.words import FACTORED, ROOM
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -71,49 +71,69 @@ def displaced(
     lap_trial: wp.array(dtype=real),
     lap_z: wp.array(dtype=real),
     lap_list: wp.array(dtype=int),
-    lap_given: wp.array(dtype=real),
-    lap_words: wp.array3d(dtype=int),
     lap_strip: wp.array(dtype=real),
 ):
-    """J z, and G s with forces, at all lines of cells, into the first strip."""
+    """J z, and G s with forces, at all lines of cells, into `lap_strip`."""
     n = unknowns_of(model, group)
     lines = line_at(model, w, group)
-    strips = 3 * lines
-    columns = columns_of(model, group)
     first = w * model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]
     first += model.elements[0].laps[0].column_start[group]
     i = lane
     while i < n:
-        lap_strip[strips + i] = real(0.0)
+        lap_strip[lines + i] = real(0.0)
         i += wp.block_dim()
-    if lane == 0:
-        count = int(0)
-        if with_forces != 0:
-            i = int(0)
-            while i < n:
-                if lap_trial[lines + i] != real(0.0):
-                    lap_list[lines + count] = i
-                    lap_given[lines + count] = lap_trial[lines + i]
-                    count += 1
-                i += 1
-        lap_words[w, group, COUNT] = count
     sync()
-    add_lines(
-        n, columns, lap_z, first, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group], n,
-        lap_strip, strips,
-    )  # fmt: skip
     add_columns(
-        n, lap_words[w, group, COUNT], lap_list, lines, lap_given, lines, model.elements[0].laps[0].compliance,
-        model.elements[0].laps[0].compliance_start[group], n, lap_strip, strips,
+        n, columns_of(model, group), lap_list, -1, lap_z, first, model.elements[0].laps[0].motion,
+        model.elements[0].laps[0].motion_start[group], n, lap_strip, lines,
     )  # fmt: skip
+    if with_forces != 0:
+        add_columns(
+            n, n, lap_list, -1, lap_trial, lines, model.elements[0].laps[0].compliance,
+            model.elements[0].laps[0].compliance_start[group], n, lap_strip, lines,
+        )  # fmt: skip
+    sync()
+
+
+@wp.func
+def own_forces(
+    model: Model,
+    w: int,
+    group: int,
+    lane: int,
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_u: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+    lap_trial: wp.array(dtype=real),
+):
+    """Forces of all cells from their numbers; lanes over cells."""
+    components = model.elements[0].laps[0].components[group]
+    first = model.elements[0].laps[0].cell_start[group]
+    c = lane
+    while c < cells_of(model, group):
+        at = line_at(model, w, group) + components * c
+        form = form_of(w, first + c, model.elements[0].laps[0].friction[first + c], lap_mode, lap_aim)
+        s = forces_of(form, triple(lap_u, at, components), triple(lap_v, at, components))
+        put_triple(lap_trial, at, components, s)
+        c += wp.block_dim()
     sync()
 
 
 @wp.func
 def begin_table(
-    model: Model, w: int, group: int, lane: int, lap_table: wp.array(dtype=real)
-):  # fmt: skip
-    """T = [[G, J], [J^T, 0]], lanes over columns."""
+    model: Model,
+    w: int,
+    group: int,
+    lane: int,
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_base: wp.array2d(dtype=int),
+    lap_base_aim: wp.array3d(dtype=real),
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+):
+    """T = [[G, J], [J^T, 0]], all cells open; lanes over columns."""
     n = unknowns_of(model, group)
     all = lines_of(model, group)
     base = table_at(model, w, group)
@@ -133,6 +153,17 @@ def begin_table(
             lap_table[base + j * all + i] = value
             i += 1
         j += wp.block_dim()
+    if lane == 0:
+        form = Form()
+        form.state = OPEN
+        cell = model.elements[0].laps[0].cell_start[group]
+        while cell < model.elements[0].laps[0].cell_start[group + 1]:
+            set_form(w, cell, form, lap_mode, lap_aim)
+            set_form(w, cell, form, lap_base, lap_base_aim)
+            cell += 1
+        lap_words[w, group, FACTORED] = 0
+        lap_words[w, group, ROOM] = most_of(model, group)
+    sync()
 
 
 @wp.func
@@ -148,7 +179,7 @@ def put_right(
     lap_u: wp.array(dtype=real),
     lap_v: wp.array(dtype=real),
 ):
-    """u and v of all cells from their forces, and G s + J z in the first strip; by one lane."""
+    """u and v of all cells from their forces, and G s + J z in `lap_strip`; by one lane."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     first = model.elements[0].laps[0].cell_start[group]
@@ -156,9 +187,57 @@ def put_right(
     while c < cells_of(model, group):
         cell = first + c
         s = triple(lap_trial, lines + components * c, components)
-        y = triple(lap_strip, 3 * lines + components * c, components)
+        y = triple(lap_strip, lines + components * c, components)
         y += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
         map = to_form(form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim))
         put_triple(lap_u, lines + components * c, components, first_of(map, s, y))
         put_triple(lap_v, lines + components * c, components, second_of(map, s, y))
         c += 1
+
+
+@wp.func
+def book(
+    model: Model,
+    w: int,
+    group: int,
+    lap_force: wp.array3d(dtype=real),
+    lap_slip: wp.array3d(dtype=real),
+    lap_gap: wp.array2d(dtype=real),
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_u: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+    lap_trial: wp.array(dtype=real),
+    lap_strip: wp.array(dtype=real),
+    lap_moved: wp.array(dtype=real),
+    lap_stored: wp.array2d(dtype=real),
+    lap_taken: wp.array3d(dtype=real),
+):
+    """Gaps and slips of the step, the energy of what yields, the work of friction and the rest of the trapezoidal work;
+    J z stands in `lap_strip`. By one lane."""
+    components = model.elements[0].laps[0].components[group]
+    lines = line_at(model, w, group)
+    first = model.elements[0].laps[0].cell_start[group]
+    stored = real(0.0)
+    rubbed = real(0.0)
+    rest = real(0.0)
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        at = lines + components * c
+        form = form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim)
+        s = triple(lap_trial, at, components)
+        y = moved_of(form, triple(lap_u, at, components), triple(lap_v, at, components))
+        put_triple(lap_moved, at, components, y)
+        old = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
+        given = triple(lap_strip, at, components)
+        given += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
+        stored += real(0.5) * wp.dot(s, y - given)
+        rubs = -(s[1] * y[1] + s[2] * y[2])
+        rubbed += rubs
+        gone = vec3(y[0] - lap_gap[w, cell], y[1], y[2])
+        rest -= real(0.5) * wp.dot(s + old, gone) + rubs
+        c += 1
+    lap_stored[w, group] = stored
+    lap_taken[w, group, 0] = rubbed
+    lap_taken[w, group, 1] = rest

@@ -117,3 +117,31 @@ def first_of(map: Four, x: vec3, y: vec3) -> vec3:
 @wp.func
 def second_of(map: Four, x: vec3, y: vec3) -> vec3:
     return map.c * x + map.d * y
+
+
+@wp.func
+def unit_of(form: Form, i: int, yields: real) -> real:
+    """What independent number i is compared by: `yields` [m/N] of those that are lengths, 1 of forces."""
+    if form.state == STICK or (i == 0 and form.state != OPEN) or (i == 2 and form.state == SLIP):
+        return yields
+    return real(1.0)
+
+
+@wp.func
+def forces_of(form: Form, u: vec3, v: vec3) -> vec3:
+    """s of (u, v)."""
+    if form.state == OPEN:
+        return u
+    if form.state == STICK:
+        return v
+    return first_of(from_form(form), u, v)
+
+
+@wp.func
+def moved_of(form: Form, u: vec3, v: vec3) -> vec3:
+    """y of (u, v)."""
+    if form.state == OPEN:
+        return v
+    if form.state == STICK:
+        return u
+    return second_of(from_form(form), u, v)

@@ -13,7 +13,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.laps.cells import put_triple, triple
 from warpffrf_kernels.laps.forms import SLIP, SMOOTH, STICK
 from warpffrf_kernels.laps.tableau import cells_of, line_at
-from warpffrf_kernels.laps.words import READY, SINCE
+from warpffrf_kernels.laps.words import ANEW, NONE, READY, SINCE
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -41,13 +41,13 @@ def keep_laps(
 ):
     """Per (world, group), lanes over cells: the trial forces become the accepted ones.
 
-    After a rejected attempt the next one begins with a tableau of its own, cells under pressure sticking: a load that
+    After a rejected attempt the next one begins with cells under pressure sticking: a load that
     turns back makes slipping cells stick, which Newton's method misses where it begins soft and goes too far.
     """
     w, group, lane = wp.tid()
     model = models[0]
     if lane == 0 and ctl[w].attempt != 0 and ctl[w].accept == 0:
-        lap_words[w, group, READY] = 0
+        lap_words[w, group, READY] = wp.where(lap_words[w, group, READY] == NONE, NONE, ANEW)
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
     components = model.elements[0].laps[0].components[group]

@@ -11,17 +11,9 @@ from warpffrf_kernels.core.access import changed, inout
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.laps.loops import add_columns, take
 from warpffrf_kernels.laps.motion import RIGID, WRENCH, axis_of, relative_motion, unit
-from warpffrf_kernels.laps.tableau import (
-    MOST_RANK,
-    add_lines,
-    columns_of,
-    line_at,
-    lines_of,
-    table_at,
-    take,
-    unknowns_of,
-)
+from warpffrf_kernels.laps.tableau import columns_of, lines_of, respond, slots_at, table_at, unknowns_of
 from warpffrf_kernels.laps.words import RANK
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -89,8 +81,14 @@ def stiffen_by_laps(
     lap_words: wp.array3d(dtype=int),
     lap_gradient: wp.array4d(dtype=real),
     lap_table: wp.array(dtype=real),
-    lap_left: wp.array(dtype=real),
-    lap_right: wp.array(dtype=real),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
     lap_weight: inout(wp.array(dtype=real)),
     lap_stiffness: inout(wp.array(dtype=real)),
     lap_followed: inout(wp.array(dtype=real)),
@@ -106,21 +104,23 @@ def stiffen_by_laps(
         n = unknowns_of(model, group)
         all = lines_of(model, group)
         columns = columns_of(model, group)
-        lines = line_at(model, w, group)
-        base = table_at(model, w, group)
-        updates = MOST_RANK * lines
-        weights = (w * model.elements[0].laps[0].count + group) * MOST_RANK
-        rank = lap_words[w, group, RANK]
         square = w * model.elements[0].laps[0].square_start[model.elements[0].laps[0].count]
         square += model.elements[0].laps[0].square_start[group]
+        base = table_at(model, w, group) + n
+        slots = slots_at(model, w, group)
         c = int(0)
         while c < columns:
-            take(columns, lap_table, base + (n + c) * all + n, 1, lap_stiffness, square + c * columns)
-            take(rank, lap_right, updates + n + c, all, lap_weight, weights)
+            if lane == 0:
+                respond(
+                    model, w, group, n + c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                    lap_maps, lap_factor, lap_pivot, lap_weight,
+                )  # fmt: skip
+            take(columns, lap_table, base + (n + c) * all, lap_stiffness, square + c * columns)
             sync()
-            add_lines(
-                columns, rank, lap_weight, weights, lap_left, updates + n, all, lap_stiffness, square + c * columns
-            )
+            add_columns(
+                columns, lap_words[w, group, RANK], lap_active, slots, lap_weight, slots, lap_table, base, all,
+                lap_stiffness, square + c * columns,
+            )  # fmt: skip
             sync()
             c += 1
         first_lap = model.elements[0].laps[0].lap_start[group]

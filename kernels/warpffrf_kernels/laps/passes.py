@@ -3,27 +3,16 @@
 import warp as wp
 
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 from warpffrf_kernels.laps.cells import NO_PRESSURE, aim_of, form_of, put_triple, triple
 from warpffrf_kernels.laps.forms import OPEN, SLIP, SMOOTH, STICK, Form
-from warpffrf_kernels.laps.tableau import (
-    MOST_RANK,
-    add_columns,
-    add_lines,
-    cells_of,
-    line_at,
-    lines_of,
-    table_at,
-    unknowns_of,
-    weigh_columns,
-)
+from warpffrf_kernels.laps.tableau import cells_of, line_at, own_block, unknowns_of
 from warpffrf_kernels.laps.words import (
     CLOSES,
     COUNT,
     KNOWN,
     NORMAL,
     OPENS,
-    RANK,
     RUBS,
     STAYS,
     TANGENTIAL,
@@ -62,82 +51,56 @@ def pressed_state(mu: real, components: int) -> int:
 
 
 @wp.func
-def go_ahead(
-    n: int,
-    all: int,
-    w: int,
-    group: int,
-    lines: int,
-    base: int,
-    updates: int,
-    weights: int,
-    lap_words: wp.array3d(dtype=int),
-    lap_list: wp.array(dtype=int),
-    lap_given: wp.array(dtype=real),
-    lap_table: wp.array(dtype=real),
-    lap_left: wp.array(dtype=real),
-    lap_right: wp.array(dtype=real),
-    lap_weight: wp.array(dtype=real),
-    lap_v: wp.array(dtype=real),
-):
-    """v += T du, du those changes of independent numbers that are listed."""
-    count = lap_words[w, group, COUNT]
-    rank = lap_words[w, group, RANK]
-    weigh_columns(rank, count, lap_list, lines, lap_given, lines, lap_right, updates, all, lap_weight, weights)
-    sync()
-    add_columns(n, count, lap_list, lines, lap_given, lines, lap_table, base, all, lap_v, lines)
-    add_lines(n, rank, lap_weight, weights, lap_left, updates, all, lap_v, lines)
-    sync()
-
-
-@wp.func
-def product(n: int, start: int, r: int, c: int, scale: real, lap_rest: wp.array(dtype=real)) -> real:
-    """Of differences r and c of the steps that are kept, or of r and the newest step where c is -1: lines along the
-    face, `scale` makes lengths forces."""
+def product(many: int, n: int, start: int, r: int, c: int, scale: real, lap_rest: wp.array(dtype=real)) -> real:
+    """Of differences r and c of the steps that are kept, or of r and the newest step where c is -1; `scale` makes
+    lengths, every second number, forces."""
     sum = real(0.0)
-    i = int(1)
-    while i < n:
-        if i % 3 != 0:
-            weight = real(1.0)
-            if i % 3 == 2:
-                weight = scale * scale
-            other = lap_rest[start + i]
-            if c >= 0:
-                other = lap_rest[start + c * n + i] - lap_rest[start + (c + 1) * n + i]
-            sum += weight * (lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]) * other
+    i = int(0)
+    while i < many:
+        weight = real(1.0)
+        if i % 2 == 1:
+            weight = scale * scale
+        other = lap_rest[start + i]
+        if c >= 0:
+            other = lap_rest[start + c * n + i] - lap_rest[start + (c + 1) * n + i]
+        sum += weight * (lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]) * other
         i += 1
     return sum
 
 
 @wp.func
 def mix(
+    slipping: int,
     n: int,
     lines: int,
     known: int,
     scale: real,
-    lap_target: wp.array(dtype=real),
+    lap_list: wp.array(dtype=int),
     lap_u: wp.array(dtype=real),
+    lap_target: wp.array(dtype=real),
     lap_guess: wp.array(dtype=real),
     lap_rest: wp.array(dtype=real),
 ) -> int:
     """Anderson's rule: the step target - u less what the last differences of steps and of u say of it.
 
-    Kept are `known` earlier u and steps, the newest first; returns how many there are then. Lines along the face of
-    slipping cells alone differ; `scale` makes lengths forces.
+    Kept are `known` earlier u and steps, n apart, the newest first; returns how many there are then. They are of the
+    lines along the face of those `slipping` cells that are listed by their first lines; `scale` makes lengths forces.
     """
     start = 4 * lines
+    many = 2 * slipping
     slot = wp.min(known, MIXED)
     while slot > 0:
         i = int(0)
-        while i < n:
+        while i < many:
             lap_guess[start + slot * n + i] = lap_guess[start + (slot - 1) * n + i]
             lap_rest[start + slot * n + i] = lap_rest[start + (slot - 1) * n + i]
             i += 1
         slot -= 1
     i = int(0)
-    while i < n:
-        lap_guess[start + i] = lap_u[lines + i]
-        lap_rest[start + i] = lap_target[lines + i] - lap_u[lines + i]
+    while i < many:
+        line = lines + lap_list[lines + i / 2] + 1 + i % 2
+        lap_guess[start + i] = lap_u[line]
+        lap_rest[start + i] = lap_target[line] - lap_u[line]
         i += 1
     used = wp.min(known, MIXED)
     A = wp.identity(n=3, dtype=real)
@@ -146,8 +109,8 @@ def mix(
         if r < used:
             for c in range(MIXED):
                 if c < used:
-                    A[r, c] = product(n, start, r, c, scale, lap_rest)
-            b[r] = product(n, start, r, -1, scale, lap_rest)
+                    A[r, c] = product(many, n, start, r, c, scale, lap_rest)
+            b[r] = product(many, n, start, r, -1, scale, lap_rest)
     ridge = RIDGE * wp.trace(A)
     for r in range(MIXED):
         A[r, r] = A[r, r] + ridge
@@ -155,10 +118,11 @@ def mix(
     for r in range(MIXED):
         if r < used and wp.isfinite(x[r]):
             i = int(0)
-            while i < n:
+            while i < many:
+                line = lines + lap_list[lines + i / 2] + 1 + i % 2
                 step = lap_guess[start + r * n + i] - lap_guess[start + (r + 1) * n + i]
                 step += lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]
-                lap_target[lines + i] = lap_target[lines + i] - x[r] * step
+                lap_target[line] = lap_target[line] - x[r] * step
                 i += 1
     return wp.min(known + 1, MIXED)
 
@@ -189,6 +153,7 @@ def aim_cells(
     yields = model.elements[0].laps[0].yields[group]
     largest = largest_force(model, w, group, lines, lap_mode, lap_v)
     turning = int(0)
+    slipping = int(0)
     worst = real(0.0)
     c = int(0)
     while c < cells_of(model, group):
@@ -203,6 +168,8 @@ def aim_cells(
                 model.elements[0].laps[0].own[cell],
             )  # fmt: skip
             target = aim.target
+            lap_list[lines + slipping] = components * c
+            slipping += 1
             if aim.far != 0:
                 turning += 1
                 lap_wish[w, cell] = TURNS
@@ -216,7 +183,8 @@ def aim_cells(
     lap_words[w, group, TURNING] = turning
     if lap_words[w, group, KNOWN] >= 0 and components == 3 and worst > real(0.0):
         lap_words[w, group, KNOWN] = mix(
-            n, lines, lap_words[w, group, KNOWN], real(1.0) / yields, lap_target, lap_u, lap_guess, lap_rest
+            slipping, n, lines, lap_words[w, group, KNOWN], real(1.0) / yields, lap_list, lap_u, lap_target, lap_guess,
+            lap_rest,
         )  # fmt: skip
     count = int(0)
     i = int(0)
@@ -235,33 +203,6 @@ def aim_cells(
 
 
 @wp.func
-def own_forces(
-    components: int,
-    a: int,
-    all: int,
-    base: int,
-    updates: int,
-    rank: int,
-    y: vec3,
-    lap_table: wp.array(dtype=real),
-    lap_left: wp.array(dtype=real),
-    lap_right: wp.array(dtype=real),
-) -> vec3:
-    """Forces that would bring an open cell to rest, -T_aa^-1 y, all others as they are."""
-    own = wp.identity(n=3, dtype=real)
-    for j in range(3):
-        for i in range(3):
-            if i < components and j < components:
-                sum = lap_table[base + (a + j) * all + a + i]
-                r = int(0)
-                while r < rank:
-                    sum += lap_left[updates + r * all + a + i] * lap_right[updates + r * all + a + j]
-                    r += 1
-                own[i, j] = sum
-    return -(wp.inverse(own) * y)
-
-
-@wp.func
 def judge_cells(
     model: Model,
     w: int,
@@ -273,18 +214,21 @@ def judge_cells(
     lap_flips: wp.array2d(dtype=int),
     lap_u: wp.array(dtype=real),
     lap_v: wp.array(dtype=real),
-    lap_table: wp.array(dtype=real),
-    lap_left: wp.array(dtype=real),
-    lap_right: wp.array(dtype=real),
     least: real,
+    lap_table: wp.array(dtype=real),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
+    lap_weight: wp.array(dtype=real),
 ):
     """Which cells are to change their state, and to which; by one lane. Forces below `least` [N] are none."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
-    all = lines_of(model, group)
-    base = table_at(model, w, group)
-    updates = MOST_RANK * lines
-    rank = lap_words[w, group, RANK]
     first = model.elements[0].laps[0].cell_start[group]
     yields = model.elements[0].laps[0].yields[group]
     none = wp.max(NO_PRESSURE * largest_force(model, w, group, lines, lap_mode, lap_v), least)
@@ -304,9 +248,11 @@ def judge_cells(
                 lap_next[w, cell, 0] = real(0.0)
                 lap_next[w, cell, 1] = real(0.0)
                 if components == 3 and mu > real(0.0):
-                    f = own_forces(
-                        components, components * c, all, base, updates, rank, v, lap_table, lap_left, lap_right
-                    )
+                    own = own_block(
+                        model, w, group, c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                        lap_maps, lap_factor, lap_pivot, lap_weight,
+                    )  # fmt: skip
+                    f = -(wp.inverse(own) * v)  # brings it to rest, all others as they are
                     size = wp.sqrt(f[1] * f[1] + f[2] * f[2])
                     lap_flips[w, cell] = lap_flips[w, cell] + 1
                     rubs = size > mu * wp.max(f[0], real(0.0))

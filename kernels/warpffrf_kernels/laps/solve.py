@@ -13,7 +13,7 @@ has the force that its own block of the tableau gives it: whether it then sticks
 comes back time and again, the other one is tried. Cells that lie on each other to begin with are taken as pressed, so
 that the first step of Newton's method does not drive the faces through each other. Tableau and states stay from one
 evaluation to the next, few cells change in a step. What round-off makes of the numbers that follow is put right from
-G itself where cells have changed their states, and every REFRESHED steps.
+G itself every REFRESHED steps.
 """
 
 import warp as wp
@@ -22,37 +22,33 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
-from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
-from warpffrf_kernels.laps.evaluation import begin_table, displaced, look_at_motion, put_right
-from warpffrf_kernels.laps.forms import OPEN, Form, after, first_of, from_form, second_of, to_form
-from warpffrf_kernels.laps.passes import aim_cells, go_ahead, judge_cells, largest_force, pressed_state, wished
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.laps.cells import put_triple
+from warpffrf_kernels.laps.changes import change_cells, press_cells
+from warpffrf_kernels.laps.evaluation import begin_table, book, displaced, look_at_motion, own_forces, put_right
+from warpffrf_kernels.laps.loops import weigh_lines
+from warpffrf_kernels.laps.passes import aim_cells, judge_cells, largest_force
 from warpffrf_kernels.laps.tableau import (
-    MOST_RANK,
     cells_of,
     columns_of,
-    exchange,
+    factorise,
+    go_ahead,
     line_at,
-    lines_of,
-    table_at,
     unknowns_of,
 )
 from warpffrf_kernels.laps.words import (
     AHEAD,
-    CLOSES,
     COUNT,
     DONE,
     HELD,
     KNOWN,
+    NONE,
     NORMAL,
-    OPENS,
-    RANK,
     READY,
-    RUBS,
     SINCE,
+    STANDS,
     TANGENTIAL,
     TURNING,
-    TURNS,
 )
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -60,7 +56,8 @@ wp.set_module_options(MODULE_OPTIONS)
 SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and what it yields
 ROUGHLY = wp.constant(wp.float64(1.0e-4))  # in the first iteration whose balance counts, ...
 NEARLY = wp.constant(wp.float64(1.0e-7))  # ... and in the second
-EARLY = wp.constant(3)  # iterations in which states change once, and the motion follows
+EARLY = wp.constant(3)  # iterations in which states change once, and the motion follows, ...
+EARLY_LOADING = wp.constant(8)  # ... and of a load step, in which more of them change
 UNSETTLED = wp.constant(wp.float64(0.01))  # what is told of forces whose cells have just changed
 MOST_PASSES = wp.constant(150)
 SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
@@ -102,12 +99,23 @@ def solve_laps(
     lap_rest: inout(wp.array(dtype=real)),
     lap_list: inout(wp.array(dtype=int)),
     lap_given: inout(wp.array(dtype=real)),
+    lap_base: inout(wp.array2d(dtype=int)),
+    lap_base_aim: inout(wp.array3d(dtype=real)),
     lap_table: inout(wp.array(dtype=real)),
+    lap_slot: inout(wp.array2d(dtype=int)),
+    lap_place: inout(wp.array(dtype=int)),
+    lap_owner: inout(wp.array(dtype=int)),
+    lap_active: inout(wp.array(dtype=int)),
+    lap_rows: inout(wp.array(dtype=real)),
+    lap_units: inout(wp.array(dtype=real)),
+    lap_maps: inout(wp.array(dtype=mat33)),
+    lap_factor: inout(wp.array(dtype=real)),
+    lap_pivot: inout(wp.array(dtype=int)),
+    lap_weight: inout(wp.array(dtype=real)),
+    lap_before: inout(wp.array(dtype=real)),
     lap_left: inout(wp.array(dtype=real)),
     lap_right: inout(wp.array(dtype=real)),
-    lap_weight: inout(wp.array(dtype=real)),
     lap_strip: inout(wp.array(dtype=real)),
-    lap_row: inout(wp.array(dtype=real)),
     lap_trial: inout(wp.array(dtype=real)),
     lap_moved: out(wp.array(dtype=real)),
     lap_gradient: out(wp.array4d(dtype=real)),
@@ -126,16 +134,11 @@ def solve_laps(
     components = model.elements[0].laps[0].components[group]
     yields = model.elements[0].laps[0].yields[group]
     n = unknowns_of(model, group)
-    all = lines_of(model, group)
     cells = cells_of(model, group)
     columns = columns_of(model, group)
     first = model.elements[0].laps[0].cell_start[group]
     first_column = model.elements[0].laps[0].column_start[group]
     lines = line_at(model, w, group)
-    base = table_at(model, w, group)
-    strips = 3 * lines
-    updates = MOST_RANK * lines
-    weights = (w * model.elements[0].laps[0].count + group) * MOST_RANK
     ready = lap_words[w, group, READY]
     since = lap_words[w, group, SINCE]
     ahead = lap_words[w, group, AHEAD]
@@ -150,43 +153,24 @@ def solve_laps(
             c += 1
     if lap_words[w, group, HELD] != 0:
         return
-    if ready == 0:
-        begin_table(model, w, group, lane, lap_table)
-        if lane == 0:
-            lap_words[w, group, READY] = 1
-            lap_words[w, group, RANK] = 0
-            c = int(0)
-            while c < cells:
-                cell = first + c
-                form = Form()
-                form.state = OPEN
-                set_form(w, cell, form, lap_mode, lap_aim)
-                s = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
-                put_triple(lap_trial, lines + components * c, components, s)
-                c += 1
-        sync()
-        rank = int(0)
-        c = int(0)
+    if ready == NONE:
+        begin_table(model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words)
+    if ready != STANDS:
+        press_cells(
+            model, w, group, lane, lap_state, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
+            lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+        )  # fmt: skip
+        c = lane
         while c < cells:
-            cell = first + c
-            mu = model.elements[0].laps[0].friction[cell]
-            if lap_state[w, cell] != OPEN or model.elements[0].laps[0].gap[cell] == real(0.0):
-                before = form_of(w, cell, mu, lap_mode, lap_aim)
-                form = Form()
-                form.mu = mu
-                form.state = pressed_state(mu, components)
-                rank = exchange(
-                    components, components * c, all, after(to_form(form), from_form(before)), base, strips, updates,
-                    rank, lap_table, lap_left, lap_right, lap_weight, weights, lap_strip, lap_row,
-                )  # fmt: skip
-                if lane == 0:
-                    set_form(w, cell, form, lap_mode, lap_aim)
-                sync()
-            c += 1
-        if lane == 0:
-            lap_words[w, group, RANK] = rank
+            s = vec3(lap_force[w, first + c, 0], lap_force[w, first + c, 1], lap_force[w, first + c, 2])
+            put_triple(lap_trial, lines + components * c, components, s)
+            c += wp.block_dim()
         sync()
-    else:
+    factorise(
+        model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot, lap_place,
+        lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
+    )  # fmt: skip
+    if ready == STANDS:
         if lane == 0:
             count = int(0)
             c = int(0)
@@ -200,17 +184,19 @@ def solve_laps(
             lap_words[w, group, COUNT] = count
         sync()
         go_ahead(
-            n, all, w, group, lines, base, updates, weights, lap_words, lap_list, lap_given, lap_table, lap_left,
-            lap_right, lap_weight, lap_v,
+            model, w, group, lane, lap_list, lap_given, lap_table, lap_words, lap_slot, lap_place, lap_owner,
+            lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before, lap_v,
         )  # fmt: skip
-    if ready == 0 or since >= REFRESHED:
-        displaced(model, w, group, lane, 1, lap_trial, lap_z_flat, lap_list, lap_given, lap_words, lap_strip)
+        if since >= REFRESHED:
+            own_forces(model, w, group, lane, lap_mode, lap_aim, lap_u, lap_v, lap_trial)
+    if ready != STANDS or since >= REFRESHED:
+        displaced(model, w, group, lane, 1, lap_trial, lap_z_flat, lap_list, lap_strip)
         if lane == 0:
             put_right(model, w, group, lap_slip, lap_mode, lap_aim, lap_trial, lap_strip, lap_u, lap_v)
             lap_words[w, group, SINCE] = 0
         sync()
     done = int(0)
-    if ahead != 0 and ready != 0:
+    if ahead != 0 and ready == STANDS:
         done = int(1)
     enough = SETTLED
     if ctl[w].iteration == 1:  # of an evaluation that no balance follows it is 0
@@ -218,9 +204,9 @@ def solve_laps(
     elif ctl[w].iteration == 2:
         enough = NEARLY
     least = real(0.0)
-    if ready == 0 and ctl[w].iteration == 0:
+    if ready != STANDS and ctl[w].iteration == 0:
         least = SAME_PLACE * model.length / yields
-    early = ctl[w].iteration >= 1 and ctl[w].iteration <= EARLY
+    early = ctl[w].iteration >= 1 and ctl[w].iteration <= wp.where(ctl[w].mode == k.LOADING, EARLY_LOADING, EARLY)
     changed_states = int(0)
     passes = int(0)
     off = real(0.0)
@@ -233,14 +219,18 @@ def solve_laps(
                 lap_u, lap_v, lap_list, lap_given,
             )  # fmt: skip
         sync()
+        factorise(
+            model, w, group, lane, lap_mode, lap_aim, lap_base, lap_base_aim, lap_table, lap_words, lap_slot,
+            lap_place, lap_owner, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot,
+        )  # fmt: skip
         go_ahead(
-            n, all, w, group, lines, base, updates, weights, lap_words, lap_list, lap_given, lap_table, lap_left,
-            lap_right, lap_weight, lap_v,
+            model, w, group, lane, lap_list, lap_given, lap_table, lap_words, lap_slot, lap_place, lap_owner,
+            lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_weight, lap_before, lap_v,
         )  # fmt: skip
         if lane == 0:
             judge_cells(
-                model, w, group, lap_mode, lap_words, lap_wish, lap_next, lap_flips, lap_u, lap_v, lap_table,
-                lap_left, lap_right, least,
+                model, w, group, lap_mode, lap_words, lap_wish, lap_next, lap_flips, lap_u, lap_v, least, lap_table,
+                lap_slot, lap_place, lap_active, lap_rows, lap_units, lap_maps, lap_factor, lap_pivot, lap_weight,
             )  # fmt: skip
             changing = lap_words[w, group, NORMAL] + lap_words[w, group, TANGENTIAL] + lap_words[w, group, TURNING]
             lap_words[w, group, DONE] = 0
@@ -258,86 +248,27 @@ def solve_laps(
                 lap_words[w, group, KNOWN] = wp.max(lap_words[w, group, KNOWN], 0)
         sync()
         done = lap_words[w, group, DONE]
-        normal = lap_words[w, group, NORMAL]
-        rank = lap_words[w, group, RANK]
-        both = passes % 3 == 0
-        c = int(0)
-        while c < cells and done == 0:
-            cell = first + c
-            wish = lap_wish[w, cell]
-            goes = wish == CLOSES or wish == OPENS or ((normal == 0 or both) and (wish == RUBS or wish == TURNS))
-            if goes:
-                mu = model.elements[0].laps[0].friction[cell]
-                form = wished(w, cell, mu, components, lap_wish, lap_next)
-                map = after(to_form(form), from_form(form_of(w, cell, mu, lap_mode, lap_aim)))
-                rank = exchange(
-                    components, components * c, all, map, base, strips, updates, rank, lap_table, lap_left, lap_right,
-                    lap_weight, weights, lap_strip, lap_row,
-                )  # fmt: skip
-                if lane == 0:
-                    lap_words[w, group, SINCE] = REFRESHED
-                    u = triple(lap_u, lines + components * c, components)
-                    v = triple(lap_v, lines + components * c, components)
-                    put_triple(lap_u, lines + components * c, components, first_of(map, u, v))
-                    put_triple(lap_v, lines + components * c, components, second_of(map, u, v))
-                    set_form(w, cell, form, lap_mode, lap_aim)
-                sync()
-            c += 1
-            if goes and early and wish != TURNS:
+        if done == 0:
+            changed = change_cells(
+                model, w, group, lane, passes % 3 == 0, lap_wish, lap_next, lap_mode, lap_aim, lap_u, lap_v, lap_base,
+                lap_base_aim, lap_table, lap_words, lap_slot, lap_place, lap_owner, lap_active, lap_rows, lap_units,
+                lap_maps, lap_factor, lap_pivot, lap_left, lap_right,
+            )  # fmt: skip
+            if early and changed:
                 changed_states = int(1)
-        if lane == 0:
-            lap_words[w, group, RANK] = rank
-        sync()
+    if lane == 0 and done == 2:
+        ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
+        lap_words[w, group, READY] = NONE
+    own_forces(model, w, group, lane, lap_mode, lap_aim, lap_u, lap_v, lap_trial)
+    weigh_lines(
+        n, columns, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group], lap_trial, lines,
+        lap_push, lap_sum, w * lap_push.shape[1] + first_column,
+    )  # fmt: skip
+    displaced(model, w, group, lane, 0, lap_trial, lap_z_flat, lap_list, lap_strip)
     if lane == 0:
-        if done == 2:
-            ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
-            lap_words[w, group, READY] = 0
-        c = int(0)
-        while c < cells:
-            cell = first + c
-            at = lines + components * c
-            map = from_form(form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim))
-            u = triple(lap_u, at, components)
-            v = triple(lap_v, at, components)
-            put_triple(lap_trial, at, components, first_of(map, u, v))
-            put_triple(lap_moved, at, components, second_of(map, u, v))
-            c += 1
-    sync()
-    c = lane
-    while c < columns:
-        lap_push[w, first_column + c] = dot(
-            n, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group] + c * n, lap_trial, lines
+        book(
+            model, w, group, lap_force, lap_slip, lap_gap, lap_mode, lap_aim, lap_u, lap_v, lap_trial, lap_strip,
+            lap_moved, lap_stored, lap_taken,
         )  # fmt: skip
-        sum = real(0.0)
-        at = model.elements[0].laps[0].motion_start[group] + c * n
-        i = int(0)
-        while i < n:
-            sum += wp.abs(model.elements[0].laps[0].motion[at + i] * lap_trial[lines + i])
-            i += 1
-        lap_sum[w, first_column + c] = sum
-        c += wp.block_dim()
-    displaced(model, w, group, lane, 0, lap_trial, lap_z_flat, lap_list, lap_given, lap_words, lap_strip)
-    if lane == 0:
-        stored = real(0.0)
-        rubbed = real(0.0)
-        rest = real(0.0)
-        c = int(0)
-        while c < cells:
-            cell = first + c
-            at = lines + components * c
-            s = triple(lap_trial, at, components)
-            y = triple(lap_moved, at, components)
-            old = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
-            given = triple(lap_strip, strips + components * c, components)
-            given += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
-            stored += real(0.5) * wp.dot(s, y - given)
-            rubs = -(s[1] * y[1] + s[2] * y[2])
-            rubbed += rubs
-            gone = vec3(y[0] - lap_gap[w, cell], y[1], y[2])
-            rest -= real(0.5) * wp.dot(s + old, gone) + rubs
-            c += 1
-        lap_stored[w, group] = stored
-        lap_taken[w, group, 0] = rubbed
-        lap_taken[w, group, 1] = rest
         lap_off[w, group] = off
         lap_depth[w, group] = yields * largest_force(model, w, group, lines, lap_mode, lap_v)

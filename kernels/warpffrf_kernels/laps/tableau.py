@@ -6,26 +6,40 @@ this motion,
     y = G s + J z + y_0,      f = J^T s,            begins as      (y, f) = T (s, z) + const,   T = [[G, J], [J^T, 0]].
 
 A cell that changes its state has other independent numbers u', v' of its old ones, u' = a u + b v, v' = c u + d v
-(`forms`). With M = a + b T_aa, T_aa its own block, x all others,
+(`forms`). The table stays that of the states it was made for, and the cells that have left these are kept beside it.
+With A their lines in which u' is not u, R = a + b T the lines of b applied to the table, M = R_AA, o all others,
 
-    u  = M^-1 (u' - b T_ax u_x),
-    T'_xx = T_xx - T_xa M^-1 b T_ax,    T'_xa = T_xa M^-1,    T'_aa = H = (c + d T_aa) M^-1,    T'_ax = (d - H b) T_ax:
+    u_A = M^-1 (u'_A - R_Ao u'_o),       v = T_:A u_A + T_:o u'_o,       v' = c u + d v  of the cells themselves.
 
-a change of the rank of b: three where a cell opens or closes, one between stick and slip. It is kept aside as T = table
-+ left right, so that a change costs no more than the columns and lines it needs; those of the cell itself are written
-into the table, where `left` and `right` have nothing from then on. When MOST_RANK is reached it is added to the table,
+M is as small as there are cells that differ, and its factors, in units in which forces and the lengths that they yield
+are alike, are all that a change costs: one that goes to and fro, or
+slips in another direction, leaves the table alone. When A has MOST lines, the table becomes that of the states of now,
+
+    T'_:o = T_:o - T_:A M^-1 R_Ao,       T'_:A = T_:A M^-1,              and c u + d v of these in the cells' own lines,
+
 at the speed of a product of matrices. The table is kept by columns.
 """
 
 import warp as wp
 
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync
-from warpffrf_kernels.laps.forms import Four
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.laps.cells import form_of, put_triple, triple
+from warpffrf_kernels.laps.forms import SLIP, Form, after, from_form, to_form, unit_of
+from warpffrf_kernels.laps.loops import (
+    add_columns,
+    choose_pivot,
+    eliminate,
+    mapped_lines,
+    scale_columns,
+    substitute,
+    take_followed,
+)
+from warpffrf_kernels.laps.words import COUNT, DIFFERING, FACTORED, RANK, ROOM
 
 wp.set_module_options(MODULE_OPTIONS)
 
-MOST_RANK = 64
+MOST = 256  # lines of cells that differ
 
 
 # --- where numbers of a group stand
@@ -65,329 +79,418 @@ def table_at(model: Model, w: int, group: int) -> int:
     return w * total + model.elements[0].laps[0].table_start[group]
 
 
-# --- loops over contiguous numbers, lanes over stretches of lines
-
-
-# y[at : at + n] += sum_k a[k] column list[k] of the table from `start` on, columns `stride` apart.
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
-    double* __restrict q = y.data + at; const double* T = table.data + start; const double* c = a.data + at_a;
-    const int* j = list.data + at_list;
-    int k = 0;
-    for (; k + 3 < count; k += 4) {
-        const double a0 = c[k], a1 = c[k + 1], a2 = c[k + 2], a3 = c[k + 3];
-        const double* t0 = T + (size_t)j[k] * stride; const double* t1 = T + (size_t)j[k + 1] * stride;
-        const double* t2 = T + (size_t)j[k + 2] * stride; const double* t3 = T + (size_t)j[k + 3] * stride;
-        for (int i = from; i < to; ++i) q[i] += a0 * t0[i] + a1 * t1[i] + (a2 * t2[i] + a3 * t3[i]);
-    }
-    for (; k < count; ++k) {
-        const double a0 = c[k]; const double* t0 = T + (size_t)j[k] * stride;
-        for (int i = from; i < to; ++i) q[i] += a0 * t0[i];
-    }
-""")
-def add_columns(
-    n: int,
-    count: int,
-    list: wp.array(dtype=int),
-    at_list: int,
-    a: wp.array(dtype=real),
-    at_a: int,
-    table: wp.array(dtype=real),
-    start: int,
-    stride: int,
-    y: wp.array(dtype=real),
-    at: int,
-): ...
-
-
-# y[at : at + n] += sum_k a[k] line k, `count` lines from `start` on, `stride` apart.
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
-    double* __restrict q = y.data + at; const double* T = lines.data + start; const double* c = a.data + at_a;
-    int k = 0;
-    for (; k + 3 < count; k += 4) {
-        const double a0 = c[k], a1 = c[k + 1], a2 = c[k + 2], a3 = c[k + 3];
-        const double* t0 = T + (size_t)k * stride; const double* t1 = t0 + stride;
-        const double* t2 = t1 + stride; const double* t3 = t2 + stride;
-        for (int i = from; i < to; ++i) q[i] += a0 * t0[i] + a1 * t1[i] + (a2 * t2[i] + a3 * t3[i]);
-    }
-    for (; k < count; ++k) {
-        const double a0 = c[k]; const double* t0 = T + (size_t)k * stride;
-        for (int i = from; i < to; ++i) q[i] += a0 * t0[i];
-    }
-""")
-def add_lines(
-    n: int,
-    count: int,
-    a: wp.array(dtype=real),
-    at_a: int,
-    lines: wp.array(dtype=real),
-    start: int,
-    stride: int,
-    y: wp.array(dtype=real),
-    at: int,
-): ...
-
-
-# weight[r] = sum_k a[k] right[r][list[k]], lanes over r.
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    for (int r = lane; r < rank; r += lanes) {
-        const double* x = right.data + start + (size_t)r * stride;
-        double sum = 0.0;
-        for (int k = 0; k < count; ++k) sum += a.data[at_a + k] * x[list.data[at_list + k]];
-        weight.data[at + r] = sum;
-    }
-""")
-def weigh_columns(
-    rank: int,
-    count: int,
-    list: wp.array(dtype=int),
-    at_list: int,
-    a: wp.array(dtype=real),
-    at_a: int,
-    right: wp.array(dtype=real),
-    start: int,
-    stride: int,
-    weight: wp.array(dtype=real),
-    at: int,
-): ...
-
-
-# y[at + i] = x[start + stride i], i < n: a line of the table, or with stride 1 a column.
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
-    const double* p = x.data + start; double* __restrict q = y.data + at;
-    for (int i = from; i < to; ++i) q[i] = p[(size_t)i * stride];
-""")
-def take(n: int, x: wp.array(dtype=real), start: int, stride: int, y: wp.array(dtype=real), at: int): ...
-
-
-# x[start + stride i] = y[at + i].
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
-    double* __restrict p = x.data + start; const double* q = y.data + at;
-    for (int i = from; i < to; ++i) p[(size_t)i * stride] = q[i];
-""")
-def put(n: int, x: wp.array(dtype=real), start: int, stride: int, y: wp.array(dtype=real), at: int): ...
-
-
-# y[at : at + n] = a0 x0 + a1 x1 + a2 x2 of `count` lines from `start` on, `stride` apart, three or the first alone.
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
-    const double* x0 = x.data + start; const double* x1 = x0 + stride; const double* x2 = x1 + stride;
-    double* __restrict q = y.data + at;
-    if (count == 3) for (int i = from; i < to; ++i) q[i] = a0 * x0[i] + a1 * x1[i] + a2 * x2[i];
-    else for (int i = from; i < to; ++i) q[i] = a0 * x0[i];
-""")
-def combine(
-    n: int,
-    count: int,
-    a0: real,
-    a1: real,
-    a2: real,
-    x: wp.array(dtype=real),
-    start: int,
-    stride: int,
-    y: wp.array(dtype=real),
-    at: int,
-): ...
-
-
-# The table of n columns += left right, both of `rank` lines of n numbers; lanes over fours of columns. Four lines of
-# left at a time serve four columns: 16 products for four numbers read.
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const double* A = left.data + start; const double* B = right.data + start; double* T = table.data + at;
-    for (int j = 4 * lane; j < n; j += 4 * lanes) {
-        const int many = n - j < 4 ? n - j : 4;
-        double* __restrict q0 = T + (size_t)j * n; double* __restrict q1 = T + (size_t)(j + 1) * n;
-        double* __restrict q2 = T + (size_t)(j + 2) * n; double* __restrict q3 = T + (size_t)(j + 3) * n;
-        int r = 0;
-        for (; many == 4 && r + 3 < rank; r += 4) {
-            const double* x0 = A + (size_t)r * n; const double* x1 = x0 + n;
-            const double* x2 = x1 + n; const double* x3 = x2 + n;
-            double b[4][4];
-            for (int k = 0; k < 4; ++k) for (int c = 0; c < 4; ++c) b[k][c] = B[(size_t)(r + k) * n + j + c];
-            for (int i = 0; i < n; ++i) {
-                const double a0 = x0[i], a1 = x1[i], a2 = x2[i], a3 = x3[i];
-                q0[i] += (b[0][0] * a0 + b[1][0] * a1) + (b[2][0] * a2 + b[3][0] * a3);
-                q1[i] += (b[0][1] * a0 + b[1][1] * a1) + (b[2][1] * a2 + b[3][1] * a3);
-                q2[i] += (b[0][2] * a0 + b[1][2] * a1) + (b[2][2] * a2 + b[3][2] * a3);
-                q3[i] += (b[0][3] * a0 + b[1][3] * a1) + (b[2][3] * a2 + b[3][3] * a3);
-            }
-        }
-        for (; r < rank; ++r) {
-            const double* x = A + (size_t)r * n; const double* y = B + (size_t)r * n + j;
-            for (int c = 0; c < many; ++c) {
-                double* __restrict q = q0 + (size_t)c * n; const double f = y[c];
-                for (int i = 0; i < n; ++i) q[i] += f * x[i];
-            }
-        }
-    }
-""")
-def add_product(
-    n: int,
-    rank: int,
-    left: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    start: int,
-    table: wp.array(dtype=real),
-    at: int,
-): ...
-
-
-# --- the tableau as a whole
+@wp.func
+def most_of(model: Model, group: int) -> int:
+    """Lines of cells that may differ."""
+    return model.elements[0].laps[0].differing_start[group + 1] - model.elements[0].laps[0].differing_start[group]
 
 
 @wp.func
-def own_block(components: int, a: int, n: int, strips: int, column: wp.array(dtype=real)) -> mat33:
-    """T_aa of fetched columns; of cells without friction its one number, the rest of them alone."""
-    block = wp.identity(n=3, dtype=real)
-    for j in range(3):
-        for i in range(3):
-            if i < components and j < components:
-                block[i, j] = column[strips + j * n + a + i]
-    return block
+def slots_at(model: Model, w: int, group: int) -> int:
+    """Where what each line of A has one of begins, flat."""
+    total = model.elements[0].laps[0].differing_start[model.elements[0].laps[0].count]
+    return w * total + model.elements[0].laps[0].differing_start[group]
 
 
 @wp.func
-def fetch(
-    components: int,
-    a: int,
-    n: int,
-    base: int,
-    strips: int,
-    updates: int,
-    rank: int,
-    table: wp.array(dtype=real),
-    left: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    weight: wp.array(dtype=real),
-    weights: int,
-    column: wp.array(dtype=real),
-    line: wp.array(dtype=real),
+def factor_at(model: Model, w: int, group: int) -> int:
+    total = model.elements[0].laps[0].factor_start[model.elements[0].laps[0].count]
+    return w * total + model.elements[0].laps[0].factor_start[group]
+
+
+# --- cells that differ from those that the table was made for
+
+
+@wp.func
+def is_same(a: Form, b: Form) -> bool:
+    if a.state != b.state:
+        return False
+    return a.state != SLIP or (a.d[0] == b.d[0] and a.d[1] == b.d[1] and a.kappa == b.kappa)
+
+
+@wp.func
+def differs(b: mat33, a: mat33, i: int) -> bool:
+    """Whether u' is anything but u in line i."""
+    own = wp.abs(a[i, i] - real(1.0)) + wp.abs(a[i, (i + 1) % 3]) + wp.abs(a[i, (i + 2) % 3])
+    return own + wp.abs(b[i, 0]) + wp.abs(b[i, 1]) + wp.abs(b[i, 2]) > real(0.0)
+
+
+@wp.func
+def gather_differing(
+    model: Model,
+    w: int,
+    group: int,
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_base: wp.array2d(dtype=int),
+    lap_base_aim: wp.array3d(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_owner: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
 ):
-    """Columns and lines of a cell, its first at `a`, of table + left right."""
-    j = int(0)
-    while j < components:
-        take(n, table, base + (a + j) * n, 1, column, strips + j * n)
-        take(rank, right, updates + a + j, n, weight, weights)
-        sync()
-        add_lines(n, rank, weight, weights, left, updates, n, column, strips + j * n)
-        take(n, table, base + a + j, n, line, strips + j * n)
-        sync()
-        take(rank, left, updates + a + j, n, weight, weights)
-        sync()
-        add_lines(n, rank, weight, weights, right, updates, n, line, strips + j * n)
-        sync()
-        j += 1
+    """Numbers the cells that differ (`lap_slot`, -1 of others) and their lines (`lap_place`), keeps their maps; by one
+    lane."""
+    components = model.elements[0].laps[0].components[group]
+    first = model.elements[0].laps[0].cell_start[group]
+    lines = line_at(model, w, group)
+    slots = slots_at(model, w, group)
+    yields = model.elements[0].laps[0].yields[group]
+    x = int(0)
+    r = int(0)
+    c = int(0)
+    while c < cells_of(model, group):
+        cell = first + c
+        mu = model.elements[0].laps[0].friction[cell]
+        before = form_of(w, cell, mu, lap_base, lap_base_aim)
+        now = form_of(w, cell, mu, lap_mode, lap_aim)
+        lap_slot[w, cell] = -1
+        for i in range(3):
+            if i < components:
+                lap_place[lines + components * c + i] = -1
+        if not is_same(before, now):
+            map = after(to_form(now), from_form(before))
+            a = map.a
+            lap_slot[w, cell] = x
+            at = 3 * (slots + x)
+            lap_maps[at + 1] = map.c
+            lap_maps[at + 2] = map.d
+            lap_owner[slots + x] = components * c
+            x += 1
+            for i in range(3):
+                if i < components and differs(map.b, map.a, i):
+                    lap_place[lines + components * c + i] = r
+                    lap_active[slots + r] = components * c + i
+                    unit = unit_of(now, i, yields)
+                    lap_units[2 * (slots + r)] = unit
+                    lap_units[2 * (slots + r) + 1] = unit_of(before, i, yields)
+                    for j in range(3):
+                        a[i, j] = a[i, j] / unit
+                        lap_rows[3 * (slots + r) + j] = map.b[i, j] / unit
+                    r += 1
+            lap_maps[at] = a
+        c += 1
+    c = int(0)
+    while c < columns_of(model, group):
+        lap_place[lines + unknowns_of(model, group) + c] = -1
+        c += 1
+    lap_words[w, group, DIFFERING] = x
+    lap_words[w, group, RANK] = r
 
 
 @wp.func
-def biggest_of_line(A: mat33, i: int) -> real:
-    return wp.max(wp.abs(A[i, 0]), wp.max(wp.abs(A[i, 1]), wp.abs(A[i, 2])))
-
-
-@wp.func
-def biggest_of_column(A: mat33, j: int) -> real:
-    return wp.max(wp.abs(A[0, j]), wp.max(wp.abs(A[1, j]), wp.abs(A[2, j])))
-
-
-@wp.func
-def exchange(
-    components: int,
-    a: int,
-    n: int,
-    map: Four,
-    base: int,
-    strips: int,
-    updates: int,
-    rank: int,
-    table: wp.array(dtype=real),
-    left: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    weight: wp.array(dtype=real),
-    weights: int,
-    column: wp.array(dtype=real),
-    line: wp.array(dtype=real),
-) -> int:
-    """The independent numbers of a cell become others, u' = a u + b v, v' = c u + d v; returns the rank after it."""
-    fetch(
-        components, a, n, base, strips, updates, rank, table, left, right, weight, weights, column, line
+def factorise(
+    model: Model,
+    w: int,
+    group: int,
+    lane: int,
+    lap_mode: wp.array2d(dtype=int),
+    lap_aim: wp.array3d(dtype=real),
+    lap_base: wp.array2d(dtype=int),
+    lap_base_aim: wp.array3d(dtype=real),
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_owner: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
+):
+    """Factors of M for the states of now, unless they stand."""
+    stands = lap_words[w, group, FACTORED]
+    sync()
+    if stands != 0:
+        return
+    components = model.elements[0].laps[0].components[group]
+    all = lines_of(model, group)
+    slots = slots_at(model, w, group)
+    factor = factor_at(model, w, group)
+    most = most_of(model, group)
+    if lane == 0:
+        gather_differing(
+            model, w, group, lap_mode, lap_aim, lap_base, lap_base_aim, lap_words, lap_slot, lap_place, lap_owner,
+            lap_active, lap_rows, lap_units, lap_maps,
+        )  # fmt: skip
+        lap_words[w, group, FACTORED] = 1
+        lap_words[w, group, ROOM] = most - lap_words[w, group, RANK]
+    sync()
+    rank = lap_words[w, group, RANK]
+    mapped_lines(
+        components, rank, rank, lap_active, slots, lap_table, table_at(model, w, group), all, lap_active, slots,
+        lap_rows, lap_factor, factor, 1, most,
     )  # fmt: skip
-    own = own_block(components, a, n, strips, column)
-    M = wp.inverse(map.a + map.b * own)
-    P = M * map.b
-    H = (map.c + map.d * own) * M
-    lane_free = rank
-    if rank + components > MOST_RANK:
-        add_product(n, rank, left, right, updates, table, base)
+    sync()
+    if lane == 0:
+        x = int(0)
+        while x < lap_words[w, group, DIFFERING]:
+            a = lap_maps[3 * (slots + x)]
+            own = line_at(model, w, group) + lap_owner[slots + x]
+            for i in range(3):
+                for j in range(3):
+                    if i < components and j < components:
+                        r = lap_place[own + i]
+                        s = lap_place[own + j]
+                        if r >= 0 and s >= 0:
+                            lap_factor[factor + s * most + r] = lap_factor[factor + s * most + r] + a[i, j]
+            x += 1
+    sync()
+    scale_columns(rank, most, lap_units, slots, lap_factor, factor)
+    sync()
+    k = int(0)
+    while k < rank:
+        if lane == 0:
+            choose_pivot(rank, k, most, lap_factor, factor, lap_pivot, slots)
         sync()
-        lane_free = int(0)
-    N = map.d - H * map.b
-    added = int(0)
-    lines_in = int(0)  # lines and columns of b that are not zero: P = M^-1 b has the rank of the fewer
-    columns_in = int(0)
+        eliminate(rank, k, most, lap_factor, factor)
+        sync()
+        k += 1
+
+
+@wp.func
+def slot_of(model: Model, w: int, group: int, line: int, lap_slot: wp.array2d(dtype=int)) -> int:
+    """Of the cell of a line, -1 of one that does not differ and of lines of the motion."""
+    if line >= unknowns_of(model, group):
+        return -1
+    cell = model.elements[0].laps[0].cell_start[group] + line / model.elements[0].laps[0].components[group]
+    return lap_slot[w, cell]
+
+
+@wp.func
+def ask(
+    model: Model,
+    w: int,
+    group: int,
+    line: int,
+    by: real,
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_weight: wp.array(dtype=real),
+):
+    """M u_A (`lap_weight`) for u' of `line` more by `by`; by one lane."""
+    components = model.elements[0].laps[0].components[group]
+    all = lines_of(model, group)
+    lines = line_at(model, w, group)
+    slots = slots_at(model, w, group)
+    place = lap_place[lines + line]
+    if place >= 0:
+        lap_weight[slots + place] = lap_weight[slots + place] + by / lap_units[2 * (slots + place)]
+    else:
+        take_followed(
+            components, lap_words[w, group, RANK], by, lap_table, table_at(model, w, group) + line * all, lap_active,
+            slots, lap_rows, lap_weight,
+        )  # fmt: skip
+        slot = slot_of(model, w, group, line, lap_slot)
+        if slot >= 0:
+            a = lap_maps[3 * (slots + slot)]
+            for i in range(3):
+                if i < components:
+                    own = lap_place[lines + line - line % components + i]
+                    if own >= 0:
+                        lap_weight[slots + own] = lap_weight[slots + own] - a[i, line % components] * by
+
+
+@wp.func
+def part_of(
+    components: int, own: int, lines: int, slots: int, lap_place: wp.array(dtype=int), lap_weight: wp.array(dtype=real)
+) -> vec3:
+    """u_A of a cell whose lines begin at `own`, 0 in its other lines."""
+    u = vec3(real(0.0))
     for i in range(3):
         if i < components:
-            lines_in += wp.where(biggest_of_line(map.b, i) > real(0.0), 1, 0)
-            columns_in += wp.where(biggest_of_column(map.b, i) > real(0.0), 1, 0)
-    for i in range(3):
-        at = updates + (lane_free + added) * n
-        if i < components and lines_in <= columns_in and biggest_of_line(map.b, i) > real(0.0):
-            combine(n, components, M[0, i], M[1, i], M[2, i], column, strips, n, left, at)
-            combine(n, components, -map.b[i, 0], -map.b[i, 1], -map.b[i, 2], line, strips, n, right, at)
-            added += 1
-        elif i < components and lines_in > columns_in and biggest_of_column(map.b, i) > real(0.0):
-            combine(n, components, P[0, i], P[1, i], P[2, i], column, strips, n, left, at)
-            combine(n, 1, real(-1.0), real(0.0), real(0.0), line, strips + i * n, n, right, at)
-            added += 1
-    sync()
-    j = int(0)
-    while j < components:  # what the cell itself has of them stands in the table
-        take_zero(components, a, lane_free + added, n, j, left, right, updates)
-        combine(n, components, M[0, j], M[1, j], M[2, j], column, strips, n, table, base + (a + j) * n)
-        j += 1
-    sync()
-    j = int(0)
-    while j < components:
-        combine(n, components, N[j, 0], N[j, 1], N[j, 2], line, strips, n, column, strips)
-        sync()
-        put(n, table, base + a + j, n, column, strips)
-        sync()
-        j += 1
-    j = int(0)
-    while j < components:
-        i = int(0)
-        while i < components:
-            table[base + (a + j) * n + a + i] = H[i, j]
-            i += 1
-        j += 1
-    sync()
-    return lane_free + added
+            place = lap_place[lines + own + i]
+            if place >= 0:
+                u[i] = lap_weight[slots + place]
+    return u
 
 
-# left[r][a + j] = right[r][a + j] = 0 for all lines r.
-@wp.func_native("""
-    const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    for (int r = lane; r < rank; r += lanes) {
-        left.data[start + (size_t)r * n + a + j] = 0.0;
-        right.data[start + (size_t)r * n + a + j] = 0.0;
-    }
-""")
-def take_zero(
-    components: int,
-    a: int,
-    rank: int,
-    n: int,
-    j: int,
-    left: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    start: int,
-): ...
+@wp.func
+def go_ahead(
+    model: Model,
+    w: int,
+    group: int,
+    lane: int,
+    lap_list: wp.array(dtype=int),
+    lap_given: wp.array(dtype=real),
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_owner: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
+    lap_weight: wp.array(dtype=real),
+    lap_before: wp.array(dtype=real),
+    lap_v: wp.array(dtype=real),
+):
+    """v' += T' du', du' those COUNT changes of independent numbers that are listed; M has its factors."""
+    components = model.elements[0].laps[0].components[group]
+    n = unknowns_of(model, group)
+    all = lines_of(model, group)
+    lines = line_at(model, w, group)
+    base = table_at(model, w, group)
+    slots = slots_at(model, w, group)
+    rank = lap_words[w, group, RANK]
+    differing = lap_words[w, group, DIFFERING]
+    count = lap_words[w, group, COUNT]
+    sync()
+    if count == 0:
+        return
+    if lane == 0:
+        r = int(0)
+        while r < rank:
+            lap_weight[slots + r] = real(0.0)
+            r += 1
+        others = int(0)
+        k = int(0)
+        while k < count:
+            line = lap_list[lines + k]
+            by = lap_given[lines + k]
+            ask(
+                model, w, group, line, by, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                lap_maps, lap_weight,
+            )  # fmt: skip
+            if lap_place[lines + line] < 0:
+                lap_list[lines + others] = line
+                lap_given[lines + others] = by
+                others += 1
+            k += 1
+        lap_words[w, group, COUNT] = others
+        substitute(
+                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_units, lap_weight,
+                slots
+            )  # fmt: skip
+        x = int(0)
+        while x < differing:  # what these cells have so far stands aside while their lines have v
+            own = lines + lap_owner[slots + x]
+            put_triple(lap_before, 3 * (slots + x), 3, triple(lap_v, own, components))
+            put_triple(lap_v, own, components, vec3(real(0.0)))
+            x += 1
+    sync()
+    others = lap_words[w, group, COUNT]
+    add_columns(n, others, lap_list, lines, lap_given, lines, lap_table, base, all, lap_v, lines)
+    add_columns(n, rank, lap_active, slots, lap_weight, slots, lap_table, base, all, lap_v, lines)
+    sync()
+    if lane == 0:
+        x = int(0)
+        while x < differing:
+            own = lap_owner[slots + x]
+            u = part_of(components, own, lines, slots, lap_place, lap_weight)
+            v = triple(lap_v, lines + own, components)
+            v = lap_maps[3 * (slots + x) + 1] * u + lap_maps[3 * (slots + x) + 2] * v
+            put_triple(lap_v, lines + own, components, v + triple(lap_before, 3 * (slots + x), 3))
+            x += 1
+        k = int(0)
+        while k < others:  # u' that is u, of cells that differ in other lines
+            line = lap_list[lines + k]
+            slot = slot_of(model, w, group, line, lap_slot)
+            if slot >= 0:
+                c = lap_maps[3 * (slots + slot) + 1]
+                own = lines + line - line % components
+                for i in range(3):
+                    if i < components:
+                        lap_v[own + i] = lap_v[own + i] + c[i, line % components] * lap_given[lines + k]
+            k += 1
+    sync()
+
+
+@wp.func
+def respond(
+    model: Model,
+    w: int,
+    group: int,
+    line: int,
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
+    lap_weight: wp.array(dtype=real),
+):
+    """u_A (`lap_weight`) for one of u' of `line`; by one lane."""
+    slots = slots_at(model, w, group)
+    rank = lap_words[w, group, RANK]
+    r = int(0)
+    while r < rank:
+        lap_weight[slots + r] = real(0.0)
+        r += 1
+    ask(
+        model, w, group, line, real(1.0), lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+        lap_maps, lap_weight,
+    )  # fmt: skip
+    substitute(
+                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_units, lap_weight,
+                slots
+            )  # fmt: skip
+
+
+@wp.func
+def own_block(
+    model: Model,
+    w: int,
+    group: int,
+    c: int,
+    lap_table: wp.array(dtype=real),
+    lap_words: wp.array3d(dtype=int),
+    lap_slot: wp.array2d(dtype=int),
+    lap_place: wp.array(dtype=int),
+    lap_active: wp.array(dtype=int),
+    lap_rows: wp.array(dtype=real),
+    lap_units: wp.array(dtype=real),
+    lap_maps: wp.array(dtype=mat33),
+    lap_factor: wp.array(dtype=real),
+    lap_pivot: wp.array(dtype=int),
+    lap_weight: wp.array(dtype=real),
+) -> mat33:
+    """T'_cc of cell c of a group; of cells without friction its one number, the rest of them alone. By one lane."""
+    components = model.elements[0].laps[0].components[group]
+    lines = line_at(model, w, group)
+    slots = slots_at(model, w, group)
+    all = lines_of(model, group)
+    own = components * c
+    base = table_at(model, w, group) + own
+    slot = slot_of(model, w, group, own, lap_slot)
+    block = wp.identity(n=3, dtype=real)
+    for j in range(3):
+        if j < components:
+            respond(
+                model, w, group, own + j, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
+                lap_maps, lap_factor, lap_pivot, lap_weight,
+            )  # fmt: skip
+            u = part_of(components, own, lines, slots, lap_place, lap_weight)
+            v = vec3(real(0.0))
+            if lap_place[lines + own + j] < 0:
+                u[j] = real(1.0)
+                v = triple(lap_table, base + (own + j) * all, components)
+            r = int(0)
+            while r < lap_words[w, group, RANK]:
+                v += lap_weight[slots + r] * triple(lap_table, base + lap_active[slots + r] * all, components)
+                r += 1
+            if slot >= 0:
+                v = lap_maps[3 * (slots + slot) + 1] * u + lap_maps[3 * (slots + slot) + 2] * v
+            for i in range(3):
+                if i < components:
+                    block[i, j] = v[i]
+    return block

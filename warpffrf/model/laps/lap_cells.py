@@ -22,10 +22,13 @@ class LapCells:
     size [m]: facets are gathered into cells up to about this size; None: each facet is a cell, or as `growth` says.
     growth: cells grow away from the outline of the overlap, outer edges and holes alike: at a distance d from it they
         are as large as a facet plus `growth` times d, and at most `size`. None: the same size everywhere.
+    fine: facet sets from whose outlines d is measured in the place of that of the overlap, seen along the normals of
+        the first face: those under heads of bolts, at whose edges the pressure is steep, through the sheet.
     by: "facets": a cell is a facet of the first set, cut by the outline of the second, or several of them. "nodes": a
         cell is a node of the first set, its load a nodal force; the nodes of the second have to lie opposite.
 
-    Raises `InputError` for names that are none, sizes that are not positive, and sizes of cells by nodes.
+    Raises `InputError` for names that are none, sizes that are not positive, sizes of cells by nodes, and `fine`
+    without `growth`.
     """
 
     first: str
@@ -33,6 +36,7 @@ class LapCells:
     size: float | None = None
     growth: float | None = None
     by: str = "facets"
+    fine: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         for name in (self.first, *(() if self.second is None else (self.second,))):
@@ -51,6 +55,15 @@ class LapCells:
             if self.by == "nodes":
                 raise InputError(f"LapCells: {what} gathers facets; leave it out for cells by nodes")
             object.__setattr__(self, what, require_number(value, f"LapCells: {what}", positive=True))
+        self._take_fine()
+
+    def _take_fine(self) -> None:
+        fine = (self.fine,) if isinstance(self.fine, str) else self.fine
+        if not isinstance(fine, tuple | list) or not all(isinstance(name, str) and name for name in fine):
+            raise InputError(f"LapCells: fine are names of facet sets, got {fine!r}")
+        if fine and self.growth is None:
+            raise InputError(f"LapCells: cells are fine at {fine[0]!r} if they grow away from there; give growth")
+        object.__setattr__(self, "fine", tuple(fine))
 
     @property
     def sets(self) -> tuple[str, ...]:
@@ -59,7 +72,8 @@ class LapCells:
 
     def describe(self) -> dict[str, Any]:
         """Plain data, for provenance and the key of the cache."""
-        return {"sets": list(self.sets), "size": self.size, "growth": self.growth, "by": self.by}
+        found = {"sets": list(self.sets), "size": self.size, "growth": self.growth, "by": self.by}
+        return {**found, "fine": list(self.fine)} if self.fine else found
 
 
 def lap_cells(laps: Mapping[str, Any] | None) -> dict[str, LapCells]:

@@ -28,7 +28,7 @@ from warpffrf.model.laps.facing import BEHIND, FACING
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
-from warpffrf.offline.laps.clusters import gathered, slivers_joined, wanted_size
+from warpffrf.offline.laps.clusters import gathered, grown, outline, slivers_joined
 from warpffrf.offline.laps.faces import Face
 from warpffrf.offline.laps.overlap import Pieces, overlap, places_across, whole
 
@@ -72,10 +72,19 @@ def make_cells(mesh: Mesh, name: str, wanted: LapCells) -> Cells:
     second = None if wanted.second is None else Face.of(mesh, wanted.second)
     if wanted.by == "nodes":
         return _by_nodes(name, first, second)
-    return _by_facets(name, first, second, wanted)
+    return _by_facets(name, first, second, wanted, _outlines(mesh, name, wanted.fine))
 
 
-def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells) -> Cells:
+def _outlines(mesh: Mesh, name: str, sets: tuple[str, ...]) -> Array | None:
+    """Places (k, 3) [m] of the outlines of facet sets, None of no sets. Raises `InputError` for closed ones."""
+    found = [outline(Face.of(mesh, one)) for one in sets]
+    for one, places in zip(sets, found, strict=True):
+        if not len(places):
+            raise InputError(f"lap {name!r}: {one!r} has no outline at which cells could be fine; name a set that has")
+    return np.concatenate(found) if found else None
+
+
+def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells, fine: Array | None) -> Cells:
     notes = []
     if second is None:
         pieces, covered, of_facet = whole(first), (1.0, 1.0), np.ones(len(first))
@@ -92,8 +101,8 @@ def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells) ->
     if wanted.size is None and wanted.growth is None:
         of_face = np.where(there, np.cumsum(there) - 1, -1)
     else:
-        size = wanted_size(first, np.where(there, of_facet, 0.0), wanted.size, wanted.growth)
-        of_face = gathered(first, there, of_facet * own, size)
+        more = grown(first, np.where(there, of_facet, 0.0), wanted.growth, fine)
+        of_face = gathered(first, there, of_facet * own, wanted.size, more)
     of_face = slivers_joined(first, of_face, of_facet)
     kept = of_face[pieces.facet] >= 0
     pieces = Pieces(

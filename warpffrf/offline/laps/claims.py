@@ -18,11 +18,10 @@ def require_sets(
     have, and sets that are rigid interfaces."""
     contact = list(contact)
     for name, lap in laps.items():
+        for used in lap.fine:
+            _named(mesh, name, used)
         for used in lap.sets:
-            try:
-                own = _facets(mesh, used)
-            except InputError as error:
-                raise InputError(f"lap {name!r}: {error}") from None
+            own = _named(mesh, name, used)
             if interfaces.get(used) == "rigid":
                 raise InputError(
                     f"lap {name!r}: set {used!r} is a rigid interface, whose facets do not give way; make the "
@@ -39,6 +38,14 @@ def require_sets(
                 f"lap {name!r}: {lap.sets[0]!r} and {lap.sets[1]!r} share {shared} facets, which cannot face "
                 "themselves; separate the sets"
             )
+
+
+def _named(mesh: Mesh, lap: str, name: str) -> set[tuple[int, ...]]:
+    """`_facets`, whose `InputError` names the lap."""
+    try:
+        return _facets(mesh, name)
+    except InputError as error:
+        raise InputError(f"lap {lap!r}: {error}") from None
 
 
 def _facets(mesh: Mesh, name: str) -> set[tuple[int, ...]]:

@@ -1,11 +1,17 @@
-r"""Facets gathered into cells, as large as a size that may grow away from the outline of the overlap.
+r"""Facets gathered into cells, as large as a size that may grow away from an outline.
 
-A set of facets that is longer than the smallest size wanted of any of them, or turns by more than `TURN`, is split in
-two across its longer direction, so that both halves have the same area, and so on. Directions are along and across an
-edge of its middle facet, so that cells follow the rows of a structured mesh. With the distance d of a facet from
-the outline, the edges that belong to one covered facet only and the facets that are covered in part,
+A set of facets that is longer than any of them wants, or turns by more than `TURN`, is split in two across the
+direction in which it is too long most, so that both halves have the same area, and so on. Directions are along and
+across an edge of its middle facet, so that cells follow the rows of a structured mesh. With the distance d of a facet
+from the outline, it wants in either direction
 
-    size = min(size, edge of the facet + growth d).
+    length = min(size, length of the facet + growth d),
+
+and a set that is one facet wide has nothing to split there: long facets make cells that are as wide as they are.
+
+The outline is that of the overlap: the edges that belong to one covered facet only and the facets that are covered in
+part. Or it is that of other facet sets, as of heads of bolts, whose edges press through the sheet: d is then the
+distance from the line through the facet along its normal.
 
 A facet of which the outline leaves less than `LEAST` is no cell alone: it goes to the cell beside it.
 """
@@ -22,36 +28,62 @@ Array = np.ndarray
 TURN = np.cos(np.radians(15.0))  # between a facet's normal and the mean of its cell: tractions keep one direction there
 LEAST = 0.2  # share of a facet below which it joins its neighbour: pressures on slivers would be noise
 SLACK = 1.01  # of the size: what structured meshes miss it by through round-off
+SAME = 1e-6  # of an extent: places that near are one
+PLACES = 1_000_000  # pairs of facets and places of an outline looked at together
 PARTLY = 1.0 - 1e-6  # share of a facet below which the outline of the second face crosses it
 
 
-def wanted_size(face: Face, of_facet: Array, size: float | None, growth: float | None) -> Array:
-    """Size of cells (facets,) [m] wanted at each facet; `of_facet` (facets,) is the covered share of each."""
+def grown(face: Face, of_facet: Array, growth: float | None, fine: Array | None = None) -> Array:
+    """growth d (facets,) [m], infinite without growth; `of_facet` (facets,) is the covered share of each, `fine` (k, 3)
+    [m] are places of outlines that are meant in the place of that of the overlap."""
     if growth is None:
-        return np.full(len(face), np.inf if size is None else size)
+        return np.full(len(face), np.inf)
+    if fine is not None:
+        away = _aside(face, fine)
+    else:
+        partly = face.centers[(of_facet > 0.0) & (of_facet < PARTLY)]
+        places = np.concatenate([outline(face, of_facet > 0.0), partly])
+        # a closed face has no outline
+        away = KDTree(places).query(face.centers)[0] if len(places) else np.full(len(face), np.inf)
+    return growth * np.maximum(away - 0.5 * face.shortest, 0.0)
+
+
+def outline(face: Face, there: Array | None = None) -> Array:
+    """Ends and middles (k, 3) [m] of the edges that belong to one facet only, of all or of those `there` (facets,)."""
     edges, facet = face.boundary
-    there = of_facet[facet] > 0.0
-    edges = edges[there]
+    if there is not None:
+        edges = edges[there[facet]]
     number = row_numbers(edges)
-    single = edges[np.bincount(number)[number] == 1]
-    ends = face.points[single]
-    partly = face.centers[(of_facet > 0.0) & (of_facet < PARTLY)]
-    outline = np.concatenate([ends[:, 0], ends[:, 1], ends.mean(axis=1), partly])
-    wanted = face.edge.copy()
-    if len(outline):
-        away = KDTree(outline).query(face.centers)[0]
-        wanted += growth * np.maximum(away - 0.5 * face.edge, 0.0)
-    else:  # a closed face has no outline
-        wanted[:] = np.inf
-    return wanted if size is None else np.minimum(wanted, size)
+    ends = face.points[edges[np.bincount(number)[number] == 1]]
+    return np.concatenate([ends[:, 0], ends[:, 1], ends.mean(axis=1)])
 
 
-def gathered(face: Face, covered: Array, area: Array, wanted: Array) -> Array:
-    """Number of the cell (facets,) that each facet belongs to, -1 of those that are not `covered` (facets,) bool;
-    `area` (facets,) [m2] their covered areas."""
+def _aside(face: Face, places: Array) -> Array:
+    """Least distance (facets,) [m] of `places` (k, 3) from the line through each facet along its normal."""
+    normals = _normals(face)
+    least = np.full(len(face), np.inf)
+    chunk = max(1, PLACES // max(len(places), 1))
+    for start in range(0, len(face), chunk):
+        part = slice(start, start + chunk)
+        apart = places - face.centers[part, None]
+        along = np.einsum("mki,mi->mk", apart, normals[part])
+        squares = np.einsum("mki,mki->mk", apart, apart) - along**2
+        least[part] = np.sqrt(np.maximum(squares, 0.0).min(axis=1, initial=np.inf))
+    return least
+
+
+def _normals(face: Face) -> Array:
+    """Unit normals (facets, 3) of the triangles of each facet together."""
     normals = np.zeros((len(face), 3))
     np.add.at(normals, face.triangles.facet, face.triangles.normal * face.triangles.area[:, None])
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.linalg.norm(normals, axis=1, keepdims=True)
+
+
+def gathered(face: Face, covered: Array, area: Array, size: float | None, more: Array) -> Array:
+    """Number of the cell (facets,) that each facet belongs to, -1 of those that are not `covered` (facets,) bool;
+    `area` (facets,) [m2] their covered areas, `more` (facets,) [m] what `grown` gives."""
+    most = np.inf if size is None else size
+    normals = _normals(face)
     cells = np.full(len(face), -1)
     waiting = [np.flatnonzero(covered)]
     found = 0
@@ -64,10 +96,15 @@ def gathered(face: Face, covered: Array, area: Array, wanted: Array) -> Array:
         edge = face.corners[middle, 1] - face.corners[middle, 0]
         edge /= np.linalg.norm(edge)
         directions = np.stack([edge, np.cross(normals[middle], edge)])
-        extent = np.ptp((face.corners[here] @ directions.T).reshape(-1, 2), axis=0)
-        longest = int(extent[1] > SLACK * extent[0])
-        along = (face.centers[here] - center) @ directions[longest]
-        small = extent[longest] <= SLACK * wanted[here].min() and np.all(normals[here] @ mean > TURN)
+        corners = face.corners[here] @ directions.T
+        extent = np.ptp(corners.reshape(-1, 2), axis=0)
+        wanted = np.minimum(most, np.ptp(corners, axis=1) + more[here, None]).min(axis=0)
+        places = (face.centers[here] - center) @ directions.T
+        several = np.ptp(places, axis=0) > SAME * extent
+        too_long = np.where(several, extent / np.where(np.isfinite(wanted), wanted, 1.0), 0.0)
+        longest = int(too_long[1] > SLACK * too_long[0])
+        along = places[:, longest]
+        small = np.all(extent[several] <= SLACK * wanted[several]) and np.all(normals[here] @ mean > TURN)
         if len(here) == 1 or small:
             cells[here] = found
             found += 1
@@ -103,7 +140,7 @@ def _lower_half(along: Array, area: Array) -> Array:
     """Those of the places `along` (m,) a line below the one that parts their `area` (m,) best; ties go together."""
     order = np.argsort(along, kind="stable")
     steps = np.diff(along[order])
-    cuts = np.flatnonzero(steps > 1e-6 * max(float(np.ptp(along)), 1e-300))
+    cuts = np.flatnonzero(steps > SAME * max(float(np.ptp(along)), 1e-300))
     if not len(cuts):  # all in one place: any half will do
         low = np.zeros(len(along), dtype=bool)
         low[: len(along) // 2] = True

@@ -60,11 +60,21 @@ class Face:
     @cached_property
     def edge(self) -> Array:
         """Mean length (facets,) of each facet's edges, corner to corner [m]."""
+        return np.concatenate([lengths.mean(axis=1) for lengths in self._edges])
+
+    @cached_property
+    def shortest(self) -> Array:
+        """Length (facets,) of each facet's shortest edge, corner to corner [m]."""
+        return np.concatenate([lengths.min(axis=1) for lengths in self._edges])
+
+    @property
+    def _edges(self) -> list[Array]:
+        """Lengths (m, corners) [m] of the edges of each block."""
         found = []
         for kind, nodes in self.blocks:
             x = self.points[nodes[:, : facet_kind(kind).corner_count]]
-            found.append(np.linalg.norm(np.roll(x, -1, axis=1) - x, axis=2).mean(axis=1))
-        return np.concatenate(found)
+            found.append(np.linalg.norm(np.roll(x, -1, axis=1) - x, axis=2))
+        return found
 
     @cached_property
     def centers(self) -> Array:

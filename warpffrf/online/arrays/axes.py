@@ -105,6 +105,9 @@ NAMES = {
     "lap_square": "pairs of coordinates of a group of laps",
     "lap_outer": "outer unknowns that laps are coupled to, group by group",
     "lap_followed": "pairs of these and of coordinates",
+    "lap_differing": "lines of cells that may differ from those that a tableau was made for",
+    "lap_factor_number": "pairs of such lines of a group",
+    "lap_update": "pairs of such a line and of a line of its tableau",
     "factor_number": "numbers of the sparse factor",
     "factor_line": "numbers of a line of it, of all lanes",
     "friction_factor": "numbers of the sparse factor, in scenes with friction",
@@ -304,7 +307,8 @@ def film_sizes(compiled: CompiledScene) -> dict[str, int]:
 
 LAP_STARTS = {
     "lap": "lap", "cell": "lap_cell", "column": "lap_column", "line": "lap_line", "table": "lap_number",
-    "square": "lap_square", "outer": "lap_outer", "followed": "lap_followed",
+    "square": "lap_square", "outer": "lap_outer", "followed": "lap_followed", "differing": "lap_differing",
+    "factor": "lap_factor_number", "update": "lap_update",
 }  # fmt: skip
 
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.core.declaration import DeviceArray, integers, reals
-from warpffrf_kernels.laps.tableau import MOST_RANK
+from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals
 from warpffrf_kernels.laps.words import WORDS as LAP_WORDS
 
 from warpffrf.online.arrays.declaration import Arrays
@@ -27,12 +26,23 @@ class Laps(Arrays):
     lap_rest: DeviceArray = reals("world", "4*lap_line", note="their steps", run=True)
     lap_list: DeviceArray = integers("world", "lap_line", note="columns to be added")
     lap_given: DeviceArray = reals("world", "lap_line", note="by how much", run=True)
+    lap_base: DeviceArray = integers("world", "lap_cell", note="state that the table was made for", carried=True)
+    lap_base_aim: DeviceArray = reals("world", "lap_cell", 3, note="likewise direction, kappa", carried=True)
     lap_table: DeviceArray = reals("world", "lap_number", note="tableau, by columns", run=True, carried=True)
-    lap_left: DeviceArray = reals("world", MOST_RANK, "lap_line", note="changes of it", run=True, carried=True)
-    lap_right: DeviceArray = reals("world", MOST_RANK, "lap_line", note="likewise", run=True, carried=True)
-    lap_weight: DeviceArray = reals("world", "lap_group", MOST_RANK, note="of these changes", run=True)
-    lap_strip: DeviceArray = reals("world", "3*lap_line", note="columns of a cell", run=True)
-    lap_row: DeviceArray = reals("world", "3*lap_line", note="lines of a cell", run=True)
+    lap_slot: DeviceArray = integers("world", "lap_cell", note="among cells that differ, or -1", carried=True)
+    lap_place: DeviceArray = integers("world", "lap_line", note="among lines that differ, or -1", carried=True)
+    lap_owner: DeviceArray = integers("world", "lap_differing", note="first lines of such cells", carried=True)
+    lap_active: DeviceArray = integers("world", "lap_differing", note="such lines", carried=True)
+    lap_rows: DeviceArray = reals("world", "3*lap_differing", note="their lines of b", carried=True)
+    lap_units: DeviceArray = reals("world", "2*lap_differing", note="of u', u of such lines", run=True, carried=True)
+    lap_maps: DeviceArray = matrices("world", "3*lap_differing", note="a, c, d of such cells", carried=True)
+    lap_factor: DeviceArray = reals("world", "lap_factor_number", note="of M, by columns", carried=True)
+    lap_pivot: DeviceArray = integers("world", "lap_differing", note="of M", carried=True)
+    lap_weight: DeviceArray = reals("world", "lap_differing", note="their independent numbers", run=True)
+    lap_before: DeviceArray = reals("world", "3*lap_differing", note="v of such cells so far", run=True)
+    lap_left: DeviceArray = reals("world", "lap_update", note="columns of the table", run=True)
+    lap_right: DeviceArray = reals("world", "lap_update", note="M^-1 R", run=True)
+    lap_strip: DeviceArray = reals("world", "lap_line", note="G s + J z", run=True)
     lap_trial: DeviceArray = reals("world", "lap_line", unit="N", note="forces", run=True, carried=True)
     lap_moved: DeviceArray = reals("world", "lap_line", unit="m", note="gaps and slips of the step", run=True)
     lap_gradient: DeviceArray = reals("world", "lap", 6, 12, note="of d, theta by the motion of its bodies")

@@ -1,8 +1,7 @@
 r"""Laps of a scene -> device tables of their groups (kernels of `laps`).
 
 Laps that meet on a flexible body answer each other through it, and make a *group*. With P_b from the forces s of the
-cells of a group to the unknowns of the lap compliance C_b of body b (`LapSurface`), identity for a pair, -1 for a first
-face, and for a second one the shares of its cells, turned into their axes,
+cells of a group to those that the lap compliance C_b of body b knows (`face_loads`),
 
     G = sum_b P_b^T C_b P_b + E,      J = [rigid relative motion of each lap | P_b^T modes_b of each body],
 
@@ -18,11 +17,12 @@ import scipy.sparse as sp
 from scipy.linalg import get_lapack_funcs
 from warpffrf_kernels.core.model import Laps
 from warpffrf_kernels.laps import motion
+from warpffrf_kernels.laps.tableau import MOST
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import Lap
+from warpffrf.model.laps import Lap, face_loads
 from warpffrf.model.laps.lap import LapCellsOf
 from warpffrf.model.laps.preload import lap_notes
 from warpffrf.online.compile.collector import Collector
@@ -120,9 +120,11 @@ def fill_laps(collector: Collector) -> None:
         values |= {name: ones[name] for name in values if name in ones}
         values |= {name: np.concatenate(parts[name]) for name in values if name in parts}
         lines, columns, outers = (np.array(ones[name]) for name in ("lines", "columns", "outers"))
+        most = np.minimum(lines - columns, MOST)
         for name, sizes in (
             ("lap", ones["laps"]), ("cell", ones["cells"]), ("column", columns), ("line", lines), ("table", lines**2),
-            ("square", columns**2), ("outer", outers), ("followed", outers * columns),
+            ("square", columns**2), ("outer", outers), ("followed", outers * columns), ("differing", most),
+            ("factor", most**2), ("update", most * lines),
         ):  # fmt: skip
             values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
         for name in ("compliance", "motion"):
@@ -151,30 +153,18 @@ def _frames(lap: Lap) -> dict[str, Array]:
 
 def _loads(lap: Lap, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
     """P of a lap on a body (unknowns of its lap compliance, 3 c); None where it does not load it."""
-    reduced = body.flexible
-    starts = dict(zip(reduced.laps, np.cumsum([0, *(s.unknowns for s in reduced.laps.values())])[:-1], strict=True))
-    total = sum(s.unknowns for s in reduced.laps.values())
-    n = len(cells.cell)
-    columns = np.arange(3 * n)
+    laps = body.flexible.laps
     if lap.a.body is body:
-        rows = starts[lap.a.name] + (3 * cells.cell[:, None] + np.arange(3)).ravel()
-        sign = 1.0 if lap.b is None else -1.0
-        return sp.csr_matrix((np.full(3 * n, sign), (rows, columns)), shape=(total, 3 * n))
+        return face_loads.on_own(laps, lap.a.name, cells.cell)
     if lap.b is None or lap.b.rigid or lap.b.body is not body or cells.weights is None:
         return None
-    face = lap.b.surface
     turn = rot.matrix(body.rotation).T @ rot.matrix(lap.a.body.rotation)
-    shares = cells.weights.tocoo()
-    blocks = np.einsum("kai,ij,kbj->kab", face.frames[shares.col], turn, cells.frames[shares.row])
-    blocks *= shares.data[:, None, None]
-    rows = starts[lap.b.name] + 3 * shares.col[:, None, None] + np.arange(3)[:, None] + np.zeros((3, 3), int)
-    across = 3 * shares.row[:, None, None] + np.arange(3)[None, :] + np.zeros((3, 3), int)
-    return sp.csr_matrix((blocks.ravel(), (rows.ravel(), across.ravel())), shape=(total, 3 * n))
+    return face_loads.on_partner(laps, lap.b.name, cells.weights, cells.frames @ turn.T)
 
 
 def _all_loads(laps: list[Lap], cells: list[LapCellsOf], body: Body) -> sp.csr_matrix:
     """P of all laps of a group on a body."""
-    total = sum(s.unknowns for s in body.flexible.laps.values())
+    total = face_loads.count(body.flexible.laps)
     parts = []
     for lap, own in zip(laps, cells, strict=True):
         found = _loads(lap, own, body)

@@ -9,6 +9,10 @@ Motions that nothing resists (`warpffrf.online.start.free_motions`) are held whe
 to within the tolerance of Newton's method: round-off, and what the grids leave of torques that are zero, would carry
 them off.
 
+Laps that rub go down with their energy and what friction has taken since the state that its history begins in: as
+pressures come to rest that falls, and the energy alone may rise by as much. Where even steps shorter than the first one
+end higher, it is not asked any more.
+
 Films are squeezed over the time tau while their walls slide with the velocities that the scene begins with, so that
 what comes to rest is a steady state; it has no energy to go down."""
 
@@ -71,6 +75,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
+    rubs = any(lap.friction.acts for lap in engine.scene.laps)
     settled = balanced = still = False
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()
@@ -80,6 +85,11 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             if still:  # what is left of forces and energies is round-off, and may well rise
                 engine.state.ctl.assign(words)
                 return _at_rest(engine, free, creeping=False)
+            if rubs and tau < FIRST * length and np.all((status == 0) | (status == int(k.ENERGY))):
+                engine.state.ctl.assign(words)
+                engine.control(downhill=0)
+                rubs, too_long, tau = False, np.inf, FIRST * length
+                continue
             can_be_shorter = not np.any(status & ~int(k.NOT_CONVERGED | k.ENERGY)) and tau > least
             if retreats == 0 and not (settled or balanced or can_be_shorter):
                 return False

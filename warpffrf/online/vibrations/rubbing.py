@@ -27,8 +27,6 @@ from dataclasses import dataclass
 import numpy as np
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.laps.forms import STICK
-from warpffrf_kernels.laps.tableau import MOST_RANK
-from warpffrf_kernels.laps.words import RANK
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile.laps import lap_order
@@ -88,17 +86,15 @@ class LapForces:
 
     def tangent(self) -> Array:
         """-T_zz (z, z), what f changes by, at the last evaluation."""
-        s, columns = self.engine.scratch, self.laps.column_start.numpy()
+        columns, squares = self.laps.column_start.numpy(), self.laps.square_start.numpy()
+        self.engine.control(run=1, moved=1, refresh=1)
+        self._launch("assemble")
+        stiffness = self.engine.scratch.lap_stiffness.numpy()
         S = np.zeros((columns[-1], columns[-1]))
-        lines, tables = self.laps.line_start.numpy(), self.laps.table_start.numpy()
         for group in range(self.laps.count):
             own = slice(columns[group], columns[group + 1])
-            n, z = int(lines[group + 1] - lines[group]), int(own.stop - own.start)
-            table = s.lap_table.numpy()[tables[group] :][: n * n].reshape(n, n)[n - z :, n - z :].T
-            rank = int(s.lap_words.numpy()[0, group, int(RANK)])
-            at = MOST_RANK * int(lines[group])
-            left, right = (a.numpy()[at:][: rank * n].reshape(rank, n)[:, n - z :] for a in (s.lap_left, s.lap_right))
-            S[own, own] = -(table + left.T @ right)
+            z = int(own.stop - own.start)
+            S[own, own] = -stiffness[squares[group] :][: z * z].reshape(z, z).T
         return S
 
     def accept(self) -> None:

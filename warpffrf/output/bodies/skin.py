@@ -1,11 +1,13 @@
 r"""The deformed skin of a body at a saved step, and the pressure on it.
 
-    x_user = X + Phi_g(X) q + recover(f)
+    x_user = X + Phi_g(X) q + recover(f) + sum_i laps_i(X) s_i
 
 `recover` is the local modes' response to outward hat forces, those of `normal_loads`; with friction the tangential
 forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes. Oil films
-load their first body by their pressure; their shear is left out. Laps move the skin by the modes that they bend: what
-their cells yield by themselves is left out.
+load their first body by their pressure; their shear is left out. `laps` is what the forces s on the cells of laps do
+beside the global modes (`lap_loads`); where a body's file lacks it as too large, results say so (`lap_loads.left_out`).
+Pressure, traction and state of laps are those of `lap_faces`. Slip speed and wear are those of contacts: laps slip by
+distances, which `result.lap(name)` has.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import unknown_name
+from warpffrf.output.bodies.lap_faces import lap_faces
+from warpffrf.output.bodies.lap_loads import LapLoads
 from warpffrf.output.bodies.normal_loads import film_loads, normal_loads
 from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
 from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
@@ -25,6 +29,7 @@ from warpffrf.output.geometry.grid_places import rotate as rotate  # where it us
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 
 CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
+LAP_FIELDS = ("pressure", "traction", "state")  # and of its laps
 
 
 class Skin:
@@ -41,6 +46,8 @@ class Skin:
         self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
         films = film_loads(view.films.values(), history, body.name)
         self._films = [(load, SkinSurface(load.surface, self.points)) for load in films]
+        self._lap_loads = LapLoads(history, view, body.name)
+        self._laps = lap_faces(history, view, body.name, self.points, self.triangles)
         self._rubbing = {
             p.name: patch_on_skin(p, history, self._on[p.name], self.points, first=self._is_first(p))
             for p in self._pairs
@@ -67,28 +74,37 @@ class Skin:
                 u = u + tangential.recover(tangential_forces(pair, contact, self.history.bodies, i, first=first))
         for load, _ in self._films:
             u = u + load.surface.recover(load.forces(i))
+        on_laps, responses = self._lap_loads.forces(i), self.body.reduced.surface.laps
+        if on_laps is not None and responses is not None:
+            u = u + np.tensordot(on_laps.astype(responses.dtype), responses, axes=1)
         return u
 
     def pressure(self, i: int) -> np.ndarray:
-        """Pressure (n,) [Pa] of contacts and oil films at the skin's nodes, zero off their surfaces, at saved step
-        `i`."""
+        """Pressure (n,) [Pa] of contacts, oil films and laps at the skin's nodes, zero off their surfaces, at saved
+        step `i`."""
         p = np.zeros(len(self.points))
         for pair in self._pairs:
             on = self._on[pair.name]
             p[on.nodes] += self._loads[pair.name].pressure(i, on, self.points)
         for load, on in self._films:
             p[on.nodes] += load.pressure(i, on, self.points)
+        for face in self._laps:
+            p += face.pressure(i)
         return p
 
     @property
     def contact_fields(self) -> tuple[str, ...]:
-        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, none without contact or
-        oil film."""
-        return CONTACT_FIELDS if self._rubbing else CONTACT_FIELDS[:1] if self._pairs or self._films else ()
+        """Those of `CONTACT_FIELDS` that this body has: only pressure without friction, of laps with friction no slip
+        speed and wear, none without contact, oil film or lap."""
+        if self._rubbing:
+            return CONTACT_FIELDS
+        if any(face.rubs for face in self._laps):
+            return LAP_FIELDS
+        return CONTACT_FIELDS[:1] if self._pairs or self._films or self._laps else ()
 
     def traction(self, i: int) -> np.ndarray:
         """Tangential traction (n, 3) [Pa] on this body at the skin's nodes, user axes, at saved step `i`."""
-        parts = [patch.traction(i) for patch in self._rubbing.values()]
+        parts = [on.traction(i) for on in (*self._rubbing.values(), *self._laps)]
         return np.sum(parts, axis=0) if parts else np.zeros_like(self.points)
 
     def slip_speed(self, i: int) -> np.ndarray:
@@ -100,10 +116,13 @@ class Skin:
         return self.pressure(i).clip(min=0.0) * self.slip_speed(i)
 
     def state(self, i: int) -> np.ndarray:
-        """State (n,) of the cell that each of the skin's nodes lies in: 0 open, 1 stick, 2 slip; at saved step `i`."""
+        """State (n,) of the cell that each of the skin's nodes lies in, of laps of those around it: 0 open, 1 stick,
+        2 slip; at saved step `i`."""
         found = np.zeros(len(self.points), dtype=np.int8)
         for patch in self._rubbing.values():
             found = np.maximum(found, patch.nearest(i, patch.contact.friction.state[i]).astype(np.int8))
+        for face in self._laps:
+            found = np.maximum(found, face.state(i))
         return found
 
     def contact_field(self, name: str, i: int) -> np.ndarray:

@@ -1,12 +1,11 @@
 r"""Stress of one body over a run, at points that were named when it was reduced.
 
-    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)]
+    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i laps_i s_i(t)
 
 with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
 outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`); of oil films on the body
-their pressure, without their shear; laps act by the modes that they bend, without what their cells do near by. The
-tensor is in the axes
-of the body's user frame, which turns with the body; von Mises and principal stresses do not depend on axes.
+their pressure, without their shear; of laps the forces `s` on their cells (`lap_loads`). The tensor is in the axes of
+the body's user frame, which turns with the body; von Mises and principal stresses do not depend on axes.
 
 On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that
 pressure projected on its own hats. Both swing a little from node to node about their mean over a hat, which is what
@@ -29,6 +28,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history.history import History
+from warpffrf.output.bodies.lap_loads import LapLoads
 from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, film_loads, normal_loads
 from warpffrf.output.bodies.patch_on_skin import tangential_forces
 from warpffrf.output.bodies.patch_stress import PatchStress
@@ -116,10 +116,11 @@ def stress_result(result: Any, body: str, points: str) -> StressResult:
             is_fine = isinstance(load, CellLoads)
             loads.append(PatchStress(load, field, walls.get(load.surface.name)) if is_fine else load)
     loads += film_loads(view.films.values(), history, body)
+    laps = LapLoads(history, view, body)
     tensor = np.empty((len(history.time), len(field.points), 6))
     for i in range(len(tensor)):
         rubbing = tangential_surface_forces(history, view, body, i)
-        tensor[i] = field.evaluate(modal[i], surface_forces(loads, i), rubbing)
+        tensor[i] = field.evaluate(modal[i], surface_forces(loads, i), rubbing, laps.forces(i))
         for load in loads:
             if isinstance(load, PatchStress):
                 tensor[i] += load.at(i, load.forces(i))

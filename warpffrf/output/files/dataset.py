@@ -64,6 +64,7 @@ def to_xarray(result: Any) -> Any:
     laps = {name: result.lap(name) for name in history.laps}
     if laps:
         coords["along"], coords["frame_axis"] = ["t_1", "t_2"], ["n", "t_1", "t_2"]
+        coords["side"] = ["lap", "second_face"]
     yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
     groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
         ("body", BODY_FIELDS, history.bodies),

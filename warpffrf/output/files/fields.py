@@ -30,7 +30,9 @@ AXIS, QUATERNION = ("axis",), ("quaternion",)
 DIRECTION = ("direction",)  # e_theta and t_z of the first surface
 CHART_AXIS = ("chart_axis",)  # e_0 and e_1 of the first surface
 # Of the dimensions that all owners share.
-SIZES = {"axis": 3, "quaternion": 4, "direction": 2, "slip": 2, "chart_axis": 2, "along": 2, "frame_axis": 3}
+SIZES = {
+    "axis": 3, "quaternion": 4, "direction": 2, "slip": 2, "chart_axis": 2, "along": 2, "frame_axis": 3, "side": 2,
+}  # fmt: skip
 
 RUN_FIELDS = (
     Field("time", "time", "s", "none"),
@@ -174,6 +176,11 @@ LAP_CELLS = (
     Field("lap_frame", "frames", "1", f"{FIRST_USER}, rows n, t_1, t_2", ("lap_cell", "frame_axis", "axis"), False),
     Field("lap_area", "area", "m2", "none", LAP_CELL, stacked=False),
     Field("lap_partner", "partners", "m", "user frame of the second body, likewise", ("lap_cell", "axis"), False),
+    Field(
+        "lap_partner_frame", "partner_frames", "1", "second body, likewise", ("lap_cell", "frame_axis", "axis"), False
+    ),
+    Field("lap_share", "shares", "1", "of the force of a cell on one of a second flexible face", ("share",), False),
+    Field("lap_share_cell", "share_cells", "1", "numbers of both cells", ("share", "side"), False),
 )
 
 # Of the pairs that were run with friction: their own owners, `friction_pair`.

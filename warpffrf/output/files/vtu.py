@@ -7,8 +7,8 @@ body is one part.
 
 A lap is a part, too: the triangles that its cells consist of, on the first body with the displacement of its skin,
 with the cell data `pressure` and `traction` [Pa, world axes, on the second face], `gap` [m], `slip` [m, world axes, of
-the second face so far], `state`, `loss` [J/m2, so far] and `cell`, the number of the cell. What cells yield by
-themselves is not in the displacement.
+the second face so far], `state`, `loss` [J/m2, so far] and `cell`, the number of the cell. Bodies have pressure and,
+with friction, traction and state of their laps at the nodes.
 """
 
 from __future__ import annotations

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
+from warpffrf.model import rotation as rot
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.output.geometry.anchors import Anchor, scene_anchors
 
@@ -72,8 +74,10 @@ class LapView:
     """One lap: its bodies (of two faces of one body twice that body), the name of the first body's lap or face, that of
     the second face ("" of a pair), coefficient of friction [-], and its c cells at the initial pose: `cell` (c,) their
     numbers on the first face, `points` (c, 3) [m] and `frames` (c, 3, 3) with rows n, t_1, t_2 in user axes of the
-    first body, `area` (c,) [m2] that faces the second face, and `partners` (c, 3) [m] the same places in the user frame
-    of the second body."""
+    first body, `area` (c,) [m2] that faces the second face; `partners` (c, 3) [m] and `partner_frames` (c, 3, 3) the
+    same places and directions in the user frame of the second body; of a second flexible face the `shares` (k,) of the
+    forces of cells that cells of that face carry, and `share_cells` (k, 2) the numbers of both, in the lap and on the
+    face."""
 
     name: str
     first_body: BodyView
@@ -86,11 +90,26 @@ class LapView:
     frames: np.ndarray
     area: np.ndarray
     partners: np.ndarray
+    partner_frames: np.ndarray
+    shares: np.ndarray
+    share_cells: np.ndarray
 
     @property
     def first(self) -> Any:
         """`LapSurface` of the first body, whose cells these are."""
         return self.first_body.reduced.laps[self.first_surface_name]
+
+    @property
+    def second(self) -> Any:
+        """`LapSurface` of the second body, None of a pair and of a rigid surface."""
+        reduced = self.second_body.reduced
+        return reduced.laps[self.second_surface_name] if reduced is not None and self.second_surface_name else None
+
+    @property
+    def weights(self) -> sp.csr_matrix:
+        """The shares as a matrix (c, cells of the second face)."""
+        shape = len(self.cell), self.second.cells
+        return sp.csr_matrix((self.shares, (self.share_cells[:, 0], self.share_cells[:, 1])), shape=shape)
 
     @property
     def triangles(self) -> tuple[np.ndarray, np.ndarray]:
@@ -145,10 +164,13 @@ def scene_view(scene: Any) -> SceneView:
 def _lap(lap: Any, known: dict[str, BodyView]) -> LapView:
     cells = lap.cells()
     other = lap.a if lap.b is None else lap.b
+    turn = rot.matrix(other.body.rotation).T @ rot.matrix(lap.a.body.rotation)
+    shares = sp.coo_matrix((len(cells.cell), 0)) if cells.weights is None else cells.weights.tocoo()
     return LapView(
         lap.name, known[lap.a.body.name], lap.a.name, known[other.body.name], "" if lap.b is None else lap.b.name,
         lap.coefficient, cells.cell, cells.points, cells.frames, cells.area,
-        other.body.to_user(lap.a.body.to_world(cells.points)),
+        other.body.to_user(lap.a.body.to_world(cells.points)), cells.frames @ turn.T, shares.data,
+        np.stack([shares.row, shares.col], axis=1).astype(np.int64),
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from functools import cached_property
 import numpy as np
 
 from warpffrf.online.history.history import BodyHistory, LapHistory
+from warpffrf.output.bodies.lap_loads import left_out
 from warpffrf.output.geometry.scene_view import LapView
 from warpffrf.output.laps.sliding import of_user_frames, rigid_sliding
 from warpffrf.output.laps.slip_zone import ACROSS, SlipZone, slip_zone
@@ -158,8 +159,9 @@ class LapResult:
 
     def warnings(self) -> list[str]:
         """What makes results of this lap uncertain: faces that slid far beside their cells, whose partners are fixed,
-        and slip zones of few cells."""
-        found = []
+        slip zones of few cells, and skins that do not know what the lap does to them."""
+        bodies = (self.view.first_body, self.view.second_body)
+        found = left_out({body.name: body for body in bodies}.values())
         ratio = self.shift_distance / self.size
         if np.any(ratio > SLIDES):
             row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)

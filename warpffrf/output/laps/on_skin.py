@@ -7,8 +7,9 @@ from scipy.spatial import KDTree
 
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.geometry.scene_view import LapView
+from warpffrf.output.geometry.skin_nodes import SkinNodes
 
-NEAREST = 3  # nodes of the skin beside a corner; a corner on a node has its displacement
+NEAREST = 3  # nodes of the face beside a corner; a corner on a node has its displacement
 
 
 class LapOnSkin:
@@ -18,7 +19,11 @@ class LapOnSkin:
     def __init__(self, view: LapView, skin: Skin) -> None:
         self.skin = skin
         self.corners, self.cell = view.triangles
-        distance, self._nodes = KDTree(skin.points).query(self.corners.reshape(-1, 3), k=NEAREST)
+        own = np.flatnonzero(
+            SkinNodes(skin.points, skin.triangles).on(self.corners, self.cell, len(view.cell)).sum(axis=1)
+        )
+        distance, near = KDTree(skin.points[own]).query(self.corners.reshape(-1, 3), k=NEAREST)
+        self._nodes = own[near]
         least = 1e-12 * float(np.ptp(skin.points, axis=0).max())
         weight = 1.0 / np.maximum(distance, least) ** 2
         self._weight = weight / weight.sum(axis=1, keepdims=True)

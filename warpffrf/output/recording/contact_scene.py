@@ -50,9 +50,10 @@ def relief_name(field: str) -> str:
 class ContactColors:
     """Colours of the contact fields, one range for all pairs of a run; `fields` are those that some pair has."""
 
-    def __init__(self, contacts: list[Any], films: list[Any], rows: np.ndarray) -> None:
-        """films: their pressures have the colours of those of contacts."""
+    def __init__(self, contacts: list[Any], films: list[Any], laps: list[Any], rows: np.ndarray) -> None:
+        """films, laps: their pressures, and the tractions of laps, have the colours of those of contacts."""
         rubbing = [c.friction for c in contacts if c.has_friction]
+        pressing = "contact" if contacts else "film" if films else "lap"
         self.fields = (["pressure"] if contacts else []) + (list(FRICTION_FIELDS) if rubbing else [])
 
         def top(arrays: list[np.ndarray]) -> float:
@@ -60,13 +61,16 @@ class ContactColors:
 
         self._scales: dict[str, ColorScale | ColorClasses] = {
             "pressure": ColorScale(
-                f"{'contact' if contacts else 'film'} pressure [MPa]",
-                top([c.peak_pressure for c in contacts] + [f.pressure for f in films]),
+                f"{pressing} pressure [MPa]",
+                top([c.peak_pressure for c in contacts] + [o.pressure for o in (*films, *laps)]),
                 1e-6,
                 PRESSURE_STOPS,
             ),
             "traction": ColorScale(
-                "tangential traction [MPa]", top([f.traction_magnitude for f in rubbing]), 1e-6, TRACTION_STOPS
+                "tangential traction [MPa]",
+                top([o.traction_magnitude for o in (*rubbing, *laps)]),
+                1e-6,
+                TRACTION_STOPS,
             ),
             "slip": ColorScale("slip speed [mm/s]", top([f.slip_speed for f in rubbing]), 1e3, SLIP_STOPS),
             "wear": ColorScale(

@@ -28,8 +28,8 @@ EYE = 1.3  # eye to cells, in extents of the lap
 SIDEWAYS = 0.35  # of it, so that bent faces are seen as such
 LAP_TEXT = (
     "Cells of laps lie on their first body, in views of their own, as faces that touch hide them: their pressure, "
-    "which ones are open, stick and slip, and the energy per area that friction has taken so far. What cells yield by "
-    "themselves is not in the displacement that is drawn, only the modes of the bodies."
+    "which ones are open, stick and slip, and the energy per area that friction has taken so far. In a recording with "
+    "color='pressure', 'traction' or 'state' the faces of both bodies have the colours of the lap, too."
 )
 
 

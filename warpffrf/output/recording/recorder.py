@@ -24,6 +24,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.output_paths import checked_output_path, written_whole
+from warpffrf.output.bodies.lap_loads import left_out
 from warpffrf.output.geometry.thinning import vertex_normals
 from warpffrf.output.plots.colors import DISPLACEMENT_STOPS, ColorClasses, ColorScale, largest, legend_picture
 from warpffrf.output.recording import frames as fr
@@ -84,8 +85,8 @@ def record(
 ) -> RecordingInfo:
     """Write a .rrd of a Result (or History) that `rerun FILE` opens.
 
-    color: what the bodies' surfaces are coloured by: "displacement", or of their contacts and oil films "pressure", and
-    with friction "traction", "slip", "state" or "wear".
+    color: what the bodies' surfaces are coloured by: "displacement", or of their contacts, oil films and laps
+    "pressure", with friction "traction" and "state", and of contacts with friction "slip" and "wear".
 
     deformation_factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None; rigid
     motion is never magnified. At most `max_frames` saved rows are drawn, at most `max_points` points of each body's
@@ -166,17 +167,17 @@ class _Recorder:
         self.moved = ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
         self.top_force = largest([c.force_magnitude[rows[good]] for c in self.contacts])
         films = list(result.history.films.values())
-        self.color, self.contact_colors = color, ContactColors(self.contacts, films, rows[good])
+        laps = [result.lap(name) for name in result.lap_names]
+        self.color, self.contact_colors = color, ContactColors(self.contacts, films, laps, rows[good])
         self.skin_scale = self.moved if color == DISPLACEMENT else self.contact_colors.scale(color)
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]
-        laps = [result.lap(name) for name in result.lap_names]
         self.lap_colors = LapColors(laps, rows[good])
         skins = result.skins() if laps else {}
         self.lap_scenes = [LapScene(self, lap, skins[lap.view.first_body.name]) for lap in laps]
         self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
         fields = self.contact_colors.fields
-        by_film = [color] if color not in (DISPLACEMENT, *fields) else []  # nothing else shows the pressure of a film
-        shown = [self.contact_colors.scale(name) for name in (*fields, *by_film)]
+        on_skins = [color] if color not in (DISPLACEMENT, *fields) else []  # of films and laps alone
+        shown = [self.contact_colors.scale(name) for name in (*fields, *on_skins)]
         shown += [self.lap_colors.scale(name) for name in self.lap_colors.fields]
         self.scales: list[ColorScale | ColorClasses] = [self.moved] * bool(bodies and color == DISPLACEMENT) + shown
         self.notes = self._notes()
@@ -226,7 +227,7 @@ class _Recorder:
             full = len(self.result.view.bodies[name].reduced.surface.points)
             if count < full:
                 notes.append(f"surface of '{name}' drawn with {count} of {full} points")
-        return [*notes, *self.result.history.notes]
+        return [*notes, *left_out(self.result.view.bodies.values()), *self.result.history.notes]
 
     def _static(self) -> None:
         rr, log = self.rr, self.log_static

@@ -22,8 +22,10 @@ from warpffrf.verification.closed_forms.joints import (
     TwoLeaves,
     equivalent_damping,
 )
+from warpffrf.verification.closed_forms.leaf_spring import LeafSpring
 from warpffrf.verification.closed_forms.mindlin import MindlinLine, MindlinPoint, tangential_compliance
 from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_ratio
+from warpffrf.verification.closed_forms.turned_fit import TurnedFit
 
 __all__ = [
     "BarImpact",
@@ -32,12 +34,14 @@ __all__ = [
     "CarterRolling",
     "ConformalPin",
     "HertzImpact",
+    "LeafSpring",
     "LineContact",
     "MindlinLine",
     "MindlinPoint",
     "PointContact",
     "PressFit",
     "SlidingLine",
+    "TurnedFit",
     "TwoLeaves",
     "conformal_by_half_angle",
     "conformal_by_load",

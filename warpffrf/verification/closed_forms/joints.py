@@ -56,7 +56,7 @@ from warpffrf.model.material import Material
 Array = np.ndarray
 
 
-class _Masing(ABC):
+class Masing(ABC):
     """First loading b(F) and what Masing's rule makes of it."""
 
     @abstractmethod
@@ -82,7 +82,7 @@ def _positive(what: str, **values: float) -> None:
 
 
 @dataclass(frozen=True)
-class TwoLeaves(_Masing):
+class TwoLeaves(Masing):
     """Two equal leaves: length L, width b, thickness h of one [m], E [Pa], mu [-], pressure p [Pa] between them.
 
     Raises `InputError` for values that are not positive.
@@ -141,7 +141,7 @@ class TwoLeaves(_Masing):
 
 
 @dataclass(frozen=True)
-class BarOnBase(_Masing):
+class BarOnBase(Masing):
     """A bar of `stiffness` EA [N] and `length` L [m] on a rigid base that resists with at most `resistance` t [N/m].
 
     Raises `InputError` for values that are not positive, and for forces beyond t L, at which the bar slides away.

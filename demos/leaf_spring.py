@@ -1,0 +1,17 @@
+"""A leaf spring whose leaves rub: `python demos/leaf_spring.py [--out DIR] [--quick]`.
+
+The scene and the run are in `warpffrf/demos/leaf_spring.py`, so that an installed wheel has them too; this
+script is `warpffrf demo leaf-spring` for a checkout.
+"""
+
+from __future__ import annotations
+
+import sys
+
+from warpffrf.cli import main as command_line  # first: it settles the threads of the BLAS before NumPy is loaded
+from warpffrf.demos.leaf_spring import build, main
+
+__all__ = ["build", "main"]
+
+if __name__ == "__main__":
+    sys.exit(command_line(["demo", "leaf-spring", *sys.argv[1:]]))
