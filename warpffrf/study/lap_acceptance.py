@@ -57,8 +57,8 @@ cells, and falls with their number.
 that has died away, is left out of the angular momentum, as steps of an impact turn while they last.
 
 **The mass** swings on a spring at the end of the bar and loses energy by the slip of the bar alone. Load steps between
-the same displacements give D, and U as half of force times displacement, which counts what the bar yields as if it were
-elastic: some per cent of the displacement here, and most of what the damping is off.
+the same forces give D, and U as half of force times displacement; the damping is that by which the force of the spring
+falls from cycle to cycle.
 """
 
 

@@ -3,8 +3,9 @@
 Part of `warpffrf.study.lap_acceptance`. A pair of blocks that a spring holds together flies and turns about an axis of
 no symmetry: nothing acts on it from outside, so that momentum stays, and the same pair turned as a whole has the same
 forces, turned. A mass on a spring at the end of the bar of `lap_cases` swings with few per cent of damping by the
-slip of the bar: over a cycle its amplitude falls by pi 2 zeta, 2 zeta = D/(2 pi U) with the loss D and the energy U of
-the loop that load steps follow between the same displacements.
+slip of the bar. Over a cycle the force F of the spring falls by pi 2 zeta, 2 zeta = D/(2 pi U) with the loss D and the
+energy U = F x/2 of the loop that load steps follow between the same forces (`warpffrf.demos.lap_joint` derives it); the
+place of the mass falls faster, by secant over tangent of a joint that gets softer.
 """
 
 from __future__ import annotations
@@ -143,14 +144,12 @@ def ring_down_rows(cycles: int = 3, steps: int = 150) -> list[Row]:
         Stage("pull", 1.0, 0.25, kind="static"), Stage("swing", (cycles + 0.5) * period, period / steps)
     ]  # fmt: skip
     found = completed(simulate(scene, stages=stages, progress=False))
-    place = found.sensor("place").values[:, 0] - 1.0
-    moving = place[found.time >= 1.0]
-    tops = summits(moving)
+    stretch = (found.sensor("place").values - found.sensor("end").values)[:, 0]
+    tops = summits(SPRING * (stretch - stretch[0])[found.time >= 1.0])
     rows = []
     path = cycle(2)
     for number, (begin, end) in enumerate(zip(tops[:-1], tops[1:], strict=True)):
-        ratio, mean = begin / end, np.sqrt(begin * end)
-        peak = SWUNG * mean / moving[0]
+        ratio, peak = begin / end, float(np.sqrt(begin * end))
         loop = static(swinging(loads(path, peak)), len(path) - 1)
         lost = loop.lap("low").loss + loop.lap("high").loss
         reach = loop.sensor("place").values[-1, 0] - 1.0
