@@ -54,7 +54,7 @@ from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.marks import Marks
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.settle import ROUND_OFF, settle
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
 
@@ -447,7 +447,9 @@ def describe(bits: int, capacity: int) -> tuple[str, str]:
 
 
 def _no_load_path(engine: Engine) -> str:
-    """Name the body that did not come to rest."""
+    """Name the body that did not come to rest; where none moves, it is the iteration that does not get there."""
     moves = np.linalg.norm(engine.scratch.dx.numpy()[0], axis=-1)
+    if moves.max() <= ROUND_OFF * float(engine.compiled.model.length):
+        return f"no body moves any more, and yet the forces do not balance{STATIC_CURE}"
     body = engine.scene.bodies[int(np.argmax(moves))]
     return f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): {NO_LOAD_PATH}"
