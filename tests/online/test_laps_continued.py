@@ -86,7 +86,7 @@ def test_an_unfinished_run_goes_on(go: Callable[..., History]) -> None:
 
 
 def test_numbers_of_laps_are_made_anew() -> None:
-    """They belong to what an engine has evaluated last: of a tableau, a state that is put back leaves the table alone."""
+    """They belong to what an engine has evaluated last; of a tableau, a state that is put back leaves the table."""
     engine = Engine(rubbing())
     engine.evaluate_here()
     assert np.all(engine.scratch.lap_words.numpy()[..., int(READY)] == int(STANDS))
