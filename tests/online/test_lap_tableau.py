@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from lap_scenes import two_blocks
 from warpffrf_kernels.laps.forms import OPEN, SLIP, STICK
-from warpffrf_kernels.laps.tableau import MOST
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.vibrations.rubbing import LapForces
@@ -43,9 +42,7 @@ def conditions(modes: np.ndarray, aims: np.ndarray) -> tuple[np.ndarray, np.ndar
 
 @pytest.fixture(scope="module")
 def engine() -> Engine:
-    found = Engine(two_blocks((12, 8, 2), friction=FRICTION))
-    assert 3 * found.compiled.laps.gap.shape[0] > MOST
-    return found
+    return Engine(two_blocks((12, 8, 2), friction=FRICTION))
 
 
 def moved(engine: Engine, rng: np.random.Generator, sink: float, slide: float) -> Any:
@@ -59,7 +56,7 @@ def moved(engine: Engine, rng: np.random.Generator, sink: float, slide: float) -
 
 
 def test_forces_and_tangents_are_those_of_dense_matrices(engine: Engine) -> None:
-    """At twelve places one after the other, between which hundreds of lines change over."""
+    """At twelve places one after the other, between which many more lines change over than may differ."""
     rng = np.random.default_rng(4)
     G, J, gap = tables(engine)
     earlier, changed, seen = None, 0, set()
@@ -89,4 +86,8 @@ def test_forces_and_tangents_are_those_of_dense_matrices(engine: Engine) -> None
         changed += 0 if earlier is None else 3 * int(np.sum(modes != earlier))
         earlier = modes.copy()
         seen |= set(modes.tolist())
-    assert changed > 2 * MOST and seen == {int(OPEN), int(STICK), int(SLIP)}
+    assert changed > 2 * int(engine.compiled.laps.differing_start.numpy()[-1]) and seen == {
+        int(OPEN),
+        int(STICK),
+        int(SLIP),
+    }

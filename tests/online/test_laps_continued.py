@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from lap_scenes import two_blocks
+from warpffrf_kernels.laps.words import ANEW, READY, STANDS
 
 from warpffrf.model import signals
 from warpffrf.model.keeping import Source, Unfinished
@@ -84,10 +85,10 @@ def test_an_unfinished_run_goes_on(go: Callable[..., History]) -> None:
     assert_same_rows(whole, rest)
 
 
-def test_tableaus_are_made_anew() -> None:
-    """They belong to what an engine has evaluated last: a state that is put back has to leave them."""
+def test_numbers_of_laps_are_made_anew() -> None:
+    """They belong to what an engine has evaluated last; of a tableau, a state that is put back leaves the table."""
     engine = Engine(rubbing())
     engine.evaluate_here()
-    assert np.all(engine.scratch.lap_words.numpy()[..., 0] == 1)
+    assert np.all(engine.scratch.lap_words.numpy()[..., int(READY)] == int(STANDS))
     engine.resume(engine.checkpoint())
-    assert not np.any(engine.scratch.lap_words.numpy())
+    assert np.all(engine.scratch.lap_words.numpy()[..., int(READY)] == int(ANEW))

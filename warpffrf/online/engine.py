@@ -9,6 +9,7 @@ import numpy as np
 import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import DeviceArray
+from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha, Integrator
@@ -207,8 +208,8 @@ class Engine:
 
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Copies of all that the next step needs to go on bit for bit: the state and, with cells that travel with the
-        patch, what is kept of them from step to step. Tableaus of laps are not among them: they are made anew of the
-        forces of the state, and a run goes on to round-off of their solve."""
+        patch, what is kept of them from step to step. Tableaus of laps are not among them: their numbers are made anew
+        of the forces of the state, and a run goes on to round-off of their solve."""
         return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
@@ -228,10 +229,13 @@ class Engine:
             self.start_notes.append(NOT_KEPT)
 
     def put_back(self, values: Mapping[str, np.ndarray]) -> None:
-        """Overwrite the state of this engine. Tableaus of laps belong to what was evaluated last: they are made anew
+        """Overwrite the state of this engine. Numbers of laps belong to what was evaluated last: they are made anew
         of the forces of the state."""
         self.state.assign(values)
-        self.scratch.lap_words.zero_()
+        words = self.scratch.lap_words.numpy()
+        words[..., int(READY)] = np.where(words[..., int(READY)] == int(NONE), int(NONE), int(ANEW))
+        words[..., [int(HELD), int(AHEAD)]] = 0
+        self.scratch.lap_words.assign(words)
 
     def _kept(self) -> dict[str, DeviceArray]:
         """Arrays that are kept from step to step beside the state, each once: some stand in for others."""

@@ -10,9 +10,10 @@ The device does it all (`warpffrf_kernels.step.proximal`): a load step is an att
 and recorded like a step in time, and goes on bit for bit from a checkpoint. Halved steps leave no rows of their own.
 
 **Where it begins.** From the scene itself, or the result of `equilibrium`, the scene comes to rest first, under the
-loads of that time and without friction in joints and contacts (`start.settle`). From a static run it goes on, with the
-friction that this has left. From a run in time it goes on as well, without its velocities: the first load step ends at
-rest, whatever moved before, and the kinetic energy given up is in the numerical line of the ledger.
+loads of that time and without friction in joints and contacts (`start.settle`). From a static run, or the result of
+`equilibrium(friction=True)`, it goes on with the friction that this has left. From a run in time it goes on as well,
+without its velocities: the first load step ends at rest, whatever moved before, and the kinetic energy given up is in
+the numerical line of the ledger.
 
 **What a run in time makes of its end**: it starts at rest, see `warpffrf.online.run`.
 
@@ -30,11 +31,10 @@ import time
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.consistency import refuse_singular_mass
 from warpffrf.model.errors import InputError, require_count
-from warpffrf.model.friction import friction_notes
+from warpffrf.model.friction import RUBBED_REST, friction_notes
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.keeping import Keeper, Plan, Unfinished
 from warpffrf.model.progress import Progress
@@ -50,7 +50,8 @@ from warpffrf.online.marks import Marks
 from warpffrf.online.run import INTERRUPTED, check_load_paths, finish
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.free_motions import FreeMotions
-from warpffrf.online.start.settle import LAST, settle
+from warpffrf.online.start.loading import begin_loading, restless
+from warpffrf.online.start.settle import settle
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
 
@@ -109,17 +110,17 @@ def run_static(
         if not isinstance(start, History) or not (is_loaded(start.checkpoint) or is_dynamic(start.checkpoint)):
             engine.control(saved=0)
             engine.drained[:] = 0
-            notes.extend([*check_load_paths(scene), *friction_notes(scene, FROM_REST)])
+            notes.extend([*check_load_paths(scene), *friction_notes(scene, FROM_REST, RUBBED_REST)])
             if not settle(engine):
                 return finish(engine, begin, built, notes, "equilibrium: ")
             notes.extend(engine.start_notes)
-            _begin_loading(engine, step)
+            begin_loading(engine, step)
             engine.control(rejected=0, steps=0, iterations=0, worst=0, pending=0, pending_solves=0)
             engine.save_now()
             first_step, rejected = 0, 0
         elif is_dynamic(start.checkpoint):
             notes.extend(_without_velocities(engine))
-            _begin_loading(engine, step)
+            begin_loading(engine, step)
             first_step = 0
     # grids of contact make more of energies than a load step changes them by, where it closes or opens
     engine.control(every=save_every, downhill=int(engine.compiled.model.pairs.count == 0))
@@ -159,7 +160,7 @@ def run_static(
             engine.save_now()
         free.release()
         ended = time.perf_counter()
-        engine.not_at_rest = _restless(engine) if failed else ""
+        engine.not_at_rest = restless(engine) if failed else ""
         history = finish(engine, begin, built, notes, _where(engine) if failed else "", plan.rejected)
     history.stopping = bool(asked)
     history.marks = Marks(engine, made_with, step, first_step, last_step, static=True)
@@ -168,13 +169,6 @@ def run_static(
     if interrupted and history.status == "completed":
         history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history
-
-
-def _begin_loading(engine: Engine, step: float) -> None:
-    """A new count of load steps of `step` [s] from the present time on."""
-    engine.clock(start_time=engine.word("time"), tau=LAST * float(engine.compiled.model.length))
-    engine.enter(k.LOADING, step, target=0)
-    engine.control(careful=0, reason=0, shaken=0, spell=0, again=0)
 
 
 def _hold(engine: Engine, free: FreeMotions) -> None:
@@ -214,20 +208,3 @@ def _where(engine: Engine) -> str:
     whole = int(words["step"]) + (int(words["sub"]) + 1) / 2 ** int(words["level"])
     t = float(engine.word("start_time")[0]) + whole * float(engine.word("user_step")[0])
     return f"equilibrium at t = {t:.6g} s: "
-
-
-def _restless(engine: Engine) -> str:
-    """The body that went on moving, of a load step that did not come to rest."""
-    if not engine.word("status")[0] & int(k.RESTLESS):
-        return ""
-    scratch, bodies = engine.scratch, engine.compiled.model.bodies
-    count = len(engine.scene.bodies)
-    J = np.trace(bodies.inertia.numpy()[:count], axis1=1, axis2=2)
-    gyration = np.sqrt(J / (3.0 * bodies.mass.numpy()[:count]))
-    moves, turns = (
-        np.linalg.norm(d.numpy()[0] - c.numpy()[0], axis=-1)[:count]
-        for d, c in ((scratch.dx, scratch.centre_dx), (scratch.psi, scratch.centre_psi))
-    )
-    b = int(np.argmax(np.maximum(moves, gyration * turns)))
-    amount = f"{moves[b]:.3g} m" if moves[b] >= gyration[b] * turns[b] else f"{turns[b]:.3g} rad"
-    return f"body {engine.scene.bodies[b].name!r} does not come to rest ({amount} in the last proximal step)"

@@ -13,7 +13,7 @@ from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, r
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
-from warpffrf.model.friction import friction_notes
+from warpffrf.model.friction import RUBBED_REST, friction_notes
 from warpffrf.model.integrators import (
     CHECK_INTEGRATORS,
     EnergyMomentum,
@@ -54,7 +54,8 @@ from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.marks import Marks
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
-from warpffrf.online.start.settle import settle
+from warpffrf.online.start.rub_to_rest import refuse_without_rest, rub_to_rest
+from warpffrf.online.start.settle import ROUND_OFF, settle
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
 
@@ -207,7 +208,7 @@ def run(
         if start == "initial":
             notes.extend(overlap_notes(scene))
         if start == "equilibrium" or at_rest:
-            notes.extend(friction_notes(scene, "the equilibrium that the run starts from"))
+            notes.extend(friction_notes(scene, "the equilibrium that the run starts from", RUBBED_REST))
         if start == "equilibrium" and not settle(engine):
             return finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
@@ -277,16 +278,26 @@ def run(
 
 
 @TURN
-def find_equilibrium(scene: Scene, *, device: str = "cpu", settings: Settings | None = None) -> History:
-    """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row."""
+def find_equilibrium(
+    scene: Scene, *, friction: bool = False, device: str = "cpu", settings: Settings | None = None
+) -> History:
+    """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row.
+
+    friction: of joints and lumped contacts answers the slip from where the scene begins (`start.rub_to_rest`), as that
+    of laps does in any case. Raises InputError for wrong input.
+    """
     refuse_singular_mass(scene)
+    if friction:
+        refuse_without_rest(scene)
     refuse_touching(scene.films)
     begin = time.perf_counter()
     engine = Engine(scene, device=device, settings=settings)
     built = time.perf_counter()
     apart = check_load_paths(scene)
+    if not friction:
+        apart += friction_notes(scene, "the equilibrium", RUBBED_REST)
     films = FilmWatch(engine, 0, 0)
-    if settle(engine):
+    if rub_to_rest(engine) if friction else settle(engine):
         films.keep(engine)
         engine.save_now()
     notes = [*engine.compiled.notes, *apart, *engine.start_notes]
@@ -447,7 +458,9 @@ def describe(bits: int, capacity: int) -> tuple[str, str]:
 
 
 def _no_load_path(engine: Engine) -> str:
-    """Name the body that did not come to rest."""
+    """Name the body that did not come to rest; where none moves, it is the iteration that does not get there."""
     moves = np.linalg.norm(engine.scratch.dx.numpy()[0], axis=-1)
+    if moves.max() <= ROUND_OFF * float(engine.compiled.model.length):
+        return f"no body moves any more, and yet the forces do not balance{STATIC_CURE}"
     body = engine.scene.bodies[int(np.argmax(moves))]
     return f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): {NO_LOAD_PATH}"

@@ -312,6 +312,7 @@ def stage_file(results: str | os.PathLike[str], name: str) -> Path:
 def equilibrium(
     scene: Any,
     *,
+    friction: bool = False,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
     device: str = "cpu",
@@ -319,6 +320,9 @@ def equilibrium(
 ) -> Result:
     """The static state of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
 
+    friction: whether friction of joints and lumped contacts acts, and answers the slip from where the scene begins, as
+    that of laps does in any case (`warpffrf.online.start.rub_to_rest`). Runs that `start` from the Result, in time or
+    static, go on with it. Contact of surfaces with friction is refused then.
     Not converging is a status, not an exception; wrong input raises InputError. overwrite: replace files of an earlier
     call.
     """
@@ -326,7 +330,7 @@ def equilibrium(
     outputs = Outputs(overwrite)
     outputs.check(results, record)
     with terminated_as_interrupted(), outputs.locked(results) as whole:
-        return outputs.record(whole.written(Result(find_equilibrium(scene, device=device))), record)
+        return outputs.record(whole.written(Result(find_equilibrium(scene, friction=friction, device=device))), record)
 
 
 def _known(option: str, value: str, values: tuple[str, ...]) -> None:

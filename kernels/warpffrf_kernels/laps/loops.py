@@ -222,37 +222,40 @@ def substitute(
 ): ...
 
 
-# Lines x[at + r n : at + (r + 1) n], r < rank, become M^-1 of them in the units of M's
-# columns; lanes over stretches of columns.
+# Lines x[at + r n : at + (r + 1) n], r < rank, become M^-1 of them in the units of M's columns; lanes over stretches of
+# columns, of which 64 at a time stay in the cache.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
-    const int from = (int)((long long)n * lane / lanes), to = (int)((long long)n * (lane + 1) / lanes);
+    const int first = (int)((long long)n * lane / lanes), last = (int)((long long)n * (lane + 1) / lanes);
     const double* A = factor.data + at_factor;
     double* X = x.data + at;
-    for (int k = 0; k < rank; ++k) {
-        const int p = pivot.data[slots + k];
-        double* u = X + (size_t)k * n; double* v = X + (size_t)p * n;
-        if (p != k) for (int j = from; j < to; ++j) { const double f = u[j]; u[j] = v[j]; v[j] = f; }
-    }
-    for (int k = 0; k < rank; ++k)
-        for (int i = k + 1; i < rank; ++i) {
-            const double f = A[(size_t)k * most + i];
-            const double* u = X + (size_t)k * n; double* __restrict v = X + (size_t)i * n;
-            if (f != 0.0) for (int j = from; j < to; ++j) v[j] -= f * u[j];
+    for (int from = first; from < last; from += 64) {
+        const int many = last - from < 64 ? last - from : 64;
+        for (int k = 0; k < rank; ++k) {
+            const int p = pivot.data[slots + k];
+            double* u = X + (size_t)k * n + from; double* v = X + (size_t)p * n + from;
+            if (p != k) for (int j = 0; j < many; ++j) { const double f = u[j]; u[j] = v[j]; v[j] = f; }
         }
-    for (int k = rank - 1; k >= 0; --k) {
-        double* u = X + (size_t)k * n;
-        const double by = 1.0 / A[(size_t)k * most + k];
-        for (int j = from; j < to; ++j) u[j] *= by;
-        for (int i = 0; i < k; ++i) {
-            const double f = A[(size_t)k * most + i]; double* __restrict v = X + (size_t)i * n;
-            if (f != 0.0) for (int j = from; j < to; ++j) v[j] -= f * u[j];
+        for (int k = 0; k < rank; ++k)
+            for (int i = k + 1; i < rank; ++i) {
+                const double f = A[(size_t)k * most + i];
+                const double* u = X + (size_t)k * n + from; double* __restrict v = X + (size_t)i * n + from;
+                if (f != 0.0) for (int j = 0; j < many; ++j) v[j] -= f * u[j];
+            }
+        for (int k = rank - 1; k >= 0; --k) {
+            double* u = X + (size_t)k * n + from;
+            const double by = 1.0 / A[(size_t)k * most + k];
+            for (int j = 0; j < many; ++j) u[j] *= by;
+            for (int i = 0; i < k; ++i) {
+                const double f = A[(size_t)k * most + i]; double* __restrict v = X + (size_t)i * n + from;
+                if (f != 0.0) for (int j = 0; j < many; ++j) v[j] -= f * u[j];
+            }
         }
-    }
-    for (int k = 0; k < rank; ++k) {
-        double* u = X + (size_t)k * n;
-        const double by = units.data[2 * (slots + k) + 1];
-        for (int j = from; j < to; ++j) u[j] *= by;
+        for (int k = 0; k < rank; ++k) {
+            double* u = X + (size_t)k * n + from;
+            const double by = units.data[2 * (slots + k) + 1];
+            for (int j = 0; j < many; ++j) u[j] *= by;
+        }
     }
 """)
 def substitute_lines(

@@ -12,8 +12,8 @@ With A their lines in which u' is not u, R = a + b T the lines of b applied to t
     u_A = M^-1 (u'_A - R_Ao u'_o),       v = T_:A u_A + T_:o u'_o,       v' = c u + d v  of the cells themselves.
 
 M is as small as there are cells that differ, and its factors, in units in which forces and the lengths that they yield
-are alike, are all that a change costs: one that goes to and fro, or
-slips in another direction, leaves the table alone. When A has MOST lines, the table becomes that of the states of now,
+are alike, are all that a change costs: one that goes to and fro, or slips in another direction, leaves the table alone.
+When A has as many lines as it may, the table becomes that of the states of now,
 
     T'_:o = T_:o - T_:A M^-1 R_Ao,       T'_:A = T_:A M^-1,              and c u + d v of these in the cells' own lines,
 
@@ -39,7 +39,7 @@ from warpffrf_kernels.laps.words import COUNT, DIFFERING, FACTORED, RANK, ROOM
 
 wp.set_module_options(MODULE_OPTIONS)
 
-MOST = 256  # lines of cells that differ
+MOST = 512  # lines of cells that differ, and half of all where these are fewer
 
 
 # --- where numbers of a group stand

@@ -103,6 +103,30 @@ def inertia_left(
     return left
 
 
+@wp.func
+def lap_stiffness_of(model: Model, w: int, group: int, column: int, lap_stiffness: wp.array(dtype=real)) -> real:
+    """-T_zz of a coordinate of the motion of a group of laps, as the tangent of the last iteration had it."""
+    first = model.elements[0].laps[0].column_start[group]
+    columns = model.elements[0].laps[0].column_start[group + 1] - first
+    square = w * model.elements[0].laps[0].square_start[model.elements[0].laps[0].count]
+    square += model.elements[0].laps[0].square_start[group]
+    return wp.max(-lap_stiffness[square + (column - first) * (columns + 1)], real(0.0))
+
+
+@wp.func
+def stiffest_place(model: Model, w: int, group: int, lap_stiffness: wp.array(dtype=real)) -> real:
+    """Largest K_tt of the laps of a group [N/m]; 0 where none has a second body or the ground."""
+    most = real(0.0)
+    lap = model.elements[0].laps[0].lap_start[group]
+    while lap < model.elements[0].laps[0].lap_start[group + 1]:
+        at = model.elements[0].laps[0].rigid_column[lap]
+        if at >= 0:
+            for i in range(3):
+                most = wp.max(most, lap_stiffness_of(model, w, group, at + i, lap_stiffness))
+        lap += 1
+    return most
+
+
 @wp.kernel
 def balance(
     models: wp.array(dtype=Model),
@@ -132,6 +156,7 @@ def balance(
     lap_sum: wp.array2d(dtype=real),
     lap_off: wp.array2d(dtype=real),
     lap_depth: wp.array2d(dtype=real),
+    lap_stiffness: wp.array(dtype=real),
     gap_defect: wp.array2d(dtype=real),
     modal_residual: wp.array2d(dtype=real),
     modal_load: wp.array3d(dtype=real),
@@ -257,6 +282,15 @@ def balance(
         lap += 1
     lap = int(0)
     while lap < model.elements[0].laps[0].count:
+        stiffness = stiffest_place(model, w, lap, lap_stiffness)
+        off_place = ROUNDED * extent / model.limits.residual_tolerance
+        scale = wp.max(scale, off_place * stiffness)
+        n = model.elements[0].laps[0].column_start[lap]
+        while n < model.elements[0].laps[0].column_start[lap + 1]:
+            if model.elements[0].laps[0].column_mode[n] >= 0:
+                mode_stiffness = lap_stiffness_of(model, w, lap, n, lap_stiffness)
+                modal_scale = wp.max(modal_scale, off_place * wp.sqrt(stiffness * mode_stiffness))
+            n += 1
         worst = wp.max(worst, CLOSER * lap_off[w, lap])
         sum += lap_off[w, lap]
         lap += 1

@@ -24,9 +24,11 @@ from warpffrf.model.friction.table_coulomb import TableCoulomb
 
 FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb)}
 
+RUBBED_REST = "equilibrium(scene, friction=True) has that of joints and lumped contacts, from where the scene begins"
+
 __all__ = [
     "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb",
-    "as_constant_friction", "as_friction", "friction_notes",
+    "RUBBED_REST", "as_constant_friction", "as_friction", "friction_notes",
 ]  # fmt: skip
 
 
@@ -53,11 +55,12 @@ def as_constant_friction(value: Any, label: str) -> FrictionLaw:
     return law
 
 
-def friction_notes(scene: Any, state: str) -> list[str]:
-    """A note of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out."""
+def friction_notes(scene: Any, state: str, cure: str = "") -> list[str]:
+    """A note of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out; `cure`:
+    what has it."""
     contacts = (*scene.contacts, *scene.lumped_contacts)
     rubbing = [repr(contact.name) for contact in contacts if contact.friction.acts]
     rubbing += [repr(force.name) for force in scene.forces if hasattr(force, "slip")]
     if not rubbing:
         return []
-    return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer"]
+    return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer{cure and f'; {cure}'}"]

@@ -54,5 +54,5 @@ class Laps(Arrays):
     lap_depth: DeviceArray = reals(
         "world", "lap_group", unit="m", note="that the largest force yields", zero_without=True
     )
-    lap_stiffness: DeviceArray = reals("world", "lap_square", note="T_zz", run=True)
+    lap_stiffness: DeviceArray = reals("world", "lap_square", note="T_zz", run=True, carried=True)
     lap_followed: DeviceArray = reals("world", "lap_followed", note="T_zz B", run=True)

@@ -31,6 +31,7 @@ from warpffrf.online.compile.inertia import outer_modes
 Array = np.ndarray
 RIGID = int(motion.RIGID)
 MANY = 1500  # cells of a group
+FEWEST = 64  # lines of cells that may differ from those of a table
 DEPENDENT = 1e-10  # of the mean compliance of a force: what is left of it beside the others
 THIN = 1e-6  # of that mean: layer that is added then
 STIFF = 1e4  # times the stiffness of cells on their own: no deformation is left
@@ -120,7 +121,7 @@ def fill_laps(collector: Collector) -> None:
         values |= {name: ones[name] for name in values if name in ones}
         values |= {name: np.concatenate(parts[name]) for name in values if name in parts}
         lines, columns, outers = (np.array(ones[name]) for name in ("lines", "columns", "outers"))
-        most = np.minimum(lines - columns, MOST)
+        most = np.minimum(np.maximum((lines - columns) // 2, FEWEST), np.minimum(lines - columns, MOST))
         for name, sizes in (
             ("lap", ones["laps"]), ("cell", ones["cells"]), ("column", columns), ("line", lines), ("table", lines**2),
             ("square", columns**2), ("outer", outers), ("followed", outers * columns), ("differing", most),

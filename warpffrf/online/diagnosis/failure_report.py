@@ -63,8 +63,8 @@ def _array(owner: Arrays, name: str, world: int) -> np.ndarray:
 
 
 def largest_force(engine: Engine, world: int) -> float:
-    """The largest of weight, inertia force, multiplier of a length, contact force, and point force, as those of a bolt
-    cancel each other on a body [N]."""
+    """The largest of weight, inertia force, multiplier of a length, contact force, force of a lap, and point force, as
+    those of a bolt cancel each other on a body [N]."""
     m, scratch, state = engine.compiled.model, engine.scratch, engine.state
     B, R, P = m.bodies.count, m.rows.count, m.pairs.count
     rate = np.linalg.norm(_array(scratch, "v1_rate", world)[:B], axis=1)
@@ -74,7 +74,10 @@ def largest_force(engine: Engine, world: int) -> float:
     contact = np.linalg.norm(_array(scratch, "pair_wrench", world)[:P, :3], axis=1)
     lumped = _array(state, "lumped_force", world)[1, : engine.compiled.elements.lumped.places]
     points = np.linalg.norm(_array(state, "applied", world)[1, : m.forces.count], axis=1)
-    values = np.concatenate([forces, pulls, contact, lumped, points])
+    columns = engine.compiled.laps.rigid_column.numpy()[: engine.compiled.laps.laps]
+    push = _array(scratch, "lap_push", world)
+    laps = [np.linalg.norm(push[at : at + 3]) for at in columns if at >= 0]
+    values = np.concatenate([forces, pulls, contact, lumped, laps, points])
     return float(max(values[np.isfinite(values)], default=0.0)) + NO_FORCE
 
 

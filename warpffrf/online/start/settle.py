@@ -100,7 +100,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
                 too_long, failed_at, tau = tau, moved, tau / GROWTH
                 before = np.zeros(engine.worlds)
             continue
-        moved = engine.word("move")
+        moved = np.maximum(engine.word("move"), _turned(engine))
         left = np.array([left_over(engine, world)[0] for world in range(engine.worlds)])
         free.look()
         if np.all(left <= NEARLY):
@@ -121,6 +121,15 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             before = moved
         tau = longer
     return balanced and _at_rest(engine, free, creeping=True)
+
+
+def _turned(engine: Engine) -> np.ndarray:
+    """Largest turn of a body in the last step, at its radius of gyration (worlds,) [m]; one that turns about its centre
+    of mass does not move otherwise."""
+    bodies, count = engine.compiled.model.bodies, len(engine.scene.bodies)
+    gyration = np.sqrt(np.trace(bodies.inertia.numpy(), axis1=1, axis2=2)[:count] / (3.0 * bodies.mass.numpy()[:count]))
+    turns = np.linalg.norm(engine.scratch.psi.numpy()[:, :count], axis=-1)
+    return np.asarray((gyration * turns).max(axis=1, initial=0.0))
 
 
 def _films_steady(engine: Engine) -> bool:

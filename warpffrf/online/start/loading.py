@@ -1,0 +1,33 @@
+"""Load steps as the host begins them, and what it says of one that does not come to rest."""
+
+from __future__ import annotations
+
+import numpy as np
+from warpffrf_kernels.core import control as k
+
+from warpffrf.online.engine import Engine
+from warpffrf.online.start.settle import LAST
+
+
+def begin_loading(engine: Engine, step: float) -> None:
+    """A new count of load steps of `step` [s] from the present time on."""
+    engine.clock(start_time=engine.word("time"), tau=LAST * float(engine.compiled.model.length))
+    engine.enter(k.LOADING, step, target=0)
+    engine.control(careful=0, reason=0, shaken=0, spell=0, again=0)
+
+
+def restless(engine: Engine) -> str:
+    """The body that went on moving, of a load step that did not come to rest; else ""."""
+    if not engine.word("status")[0] & int(k.RESTLESS):
+        return ""
+    scratch, bodies = engine.scratch, engine.compiled.model.bodies
+    count = len(engine.scene.bodies)
+    J = np.trace(bodies.inertia.numpy()[:count], axis1=1, axis2=2)
+    gyration = np.sqrt(J / (3.0 * bodies.mass.numpy()[:count]))
+    moves, turns = (
+        np.linalg.norm(d.numpy()[0] - c.numpy()[0], axis=-1)[:count]
+        for d, c in ((scratch.dx, scratch.centre_dx), (scratch.psi, scratch.centre_psi))
+    )
+    b = int(np.argmax(np.maximum(moves, gyration * turns)))
+    amount = f"{moves[b]:.3g} m" if moves[b] >= gyration[b] * turns[b] else f"{turns[b]:.3g} rad"
+    return f"body {engine.scene.bodies[b].name!r} does not come to rest ({amount} in the last proximal step)"

@@ -1,0 +1,95 @@
+r"""The static state of a scene in which friction holds: one load step from where the scene begins.
+
+Friction at rest answers slip, and slip needs a place that it is counted from. An equilibrium has none of its own, so it
+is frictionless but for laps (`settle`), unless it is asked for with friction: then slip is counted from the *initial
+state*, the positions in which the scene was put together, with joints closed. With x_0 that state, a load step
+(`warpffrf_kernels.step.proximal`) finds x_1 with
+
+    R(x_1, t; slip = x_1 - x_0) = 0        under the loads and prescribed motions of the time t,
+
+all friction by its law with the loads that press at x_1: a joint, a lumped contact or a cell sticks where less than its
+bound holds x_0, and has slipped against its traction elsewhere. It is what loads do that grow together from nothing to
+what they are, as far as directions of slip stay what they are at the end; loads one after the other are a static run,
+which goes on from here.
+
+Halving such a step makes no sense, its loads do not depend on time: it is the last of 2^n parts of a step, n the depth
+at which steps are halved no more, and so goes on with shorter proximal steps at once.
+
+The books open at the state found: works before it are no part of the ledger.
+
+**Not for contact of surfaces.** Its tractions are found from slips and pressures near those of the state before, and
+from no pressure at all the iteration rarely gets there. Laws that give no force without a velocity are refused as well.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from warpffrf_kernels.core import control as k
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.scene import Scene
+from warpffrf.online.engine import Engine
+from warpffrf.online.history.history import ENERGY_LINES
+from warpffrf.online.start.loading import begin_loading, restless
+from warpffrf.online.start.settle import LEAST
+
+TAKES = 1.0  # s, for what asks for a rate
+ATTEMPTS = 8  # more than a load step is taken with shorter proximal steps
+CAREFUL = 2  # proximal steps begin 1e-4 times as long as they get
+WORKS = ("force_work", "drive_work", "damping", "contact_grid", "numerical", "friction")
+
+
+def refuse_without_rest(scene: Scene) -> None:
+    """Raises `InputError` for what an equilibrium with friction cannot have: films, contact of surfaces that rubs, and
+    laws of a slip velocity."""
+    if scene.films:
+        raise InputError(
+            f"equilibrium: film {scene.films[0].name!r} carries by sliding and squeezing, which friction=True has not; "
+            "leave friction out, then films slide as the scene begins"
+        )
+    for contact in scene.contacts:
+        if contact.friction.acts:
+            raise InputError(
+                f"equilibrium: friction of contact {contact.name!r} needs pressures that are there before it slips, "
+                "which friction=True has not; leave friction out, and go on with a static run, kind='static', in which "
+                "drives or loads change little by little"
+            )
+    laws = [(c.name, c.friction) for c in scene.lumped_contacts]
+    laws += [(force.name, force.friction) for force in scene.forces if hasattr(force, "slip")]
+    for name, law in laws:
+        if law.creep_limit > 0.0:
+            raise InputError(
+                f"equilibrium: regularised friction of {name!r} holds nothing at rest, it needs a slip velocity; give "
+                "laws.Coulomb, or leave friction=True out"
+            )
+
+
+def rub_to_rest(engine: Engine) -> bool:
+    """Bring every world of `engine` to its static state with friction at the present time; True on success. Why none
+    was found is in its status and, where a body goes on moving, in `engine.not_at_rest`."""
+    engine.rates_to_zero()
+    engine.static_step(LEAST * float(engine.compiled.model.length))  # closes joints, finds what overlaps
+    if np.any(engine.word("status")):
+        return False
+    engine.commit()
+    time = engine.word("time")
+    deep = engine.compiled.model.limits.max_level
+    whole = TAKES * 2.0**deep
+    begin_loading(engine, whole)
+    engine.clock(start_time=time - whole)
+    engine.control(level=deep, sub=2**deep - 1, careful=CAREFUL, target=1, every=2)  # one step leaves no row
+    # grids of contact make more of energies than a load step changes them by, where it closes or opens
+    engine.control(downhill=int(engine.compiled.model.pairs.count == 0))
+    engine.replay(ATTEMPTS)
+    engine.not_at_rest = restless(engine)
+    words = engine.state.ctl.numpy().copy()
+    words["status"] &= ~int(k.UNDERFLOW)  # no step was halved
+    engine.state.ctl.assign(words)
+    engine.control(step=0, sub=0, level=0, downhill=0, careful=0)
+    engine.clock(start_time=time, user_step=TAKES)
+    if np.any(engine.word("status")):
+        return False
+    energy = engine.state.energy.numpy().copy()
+    energy[:, :, [ENERGY_LINES.index(line) for line in WORKS]] = 0.0
+    engine.state.energy.assign(energy)
+    return True
