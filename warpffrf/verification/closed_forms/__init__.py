@@ -1,5 +1,5 @@
 """Closed forms of contact that simulations are held against: Hertz, Cattaneo-Mindlin, Carter, impact, conformal pin,
-joints that slide a little.
+joints that slide a little, large deflections.
 
 None of these files imports the engine, the kernels or the reduction.
 """
@@ -22,15 +22,23 @@ from warpffrf.verification.closed_forms.joints import (
     TwoLeaves,
     equivalent_damping,
 )
+from warpffrf.verification.closed_forms.large_deflections import (
+    LEVY_CLAMPED_SQUARE,
+    Elastica,
+    bar_force,
+    pinned_beam_frequency,
+)
 from warpffrf.verification.closed_forms.mindlin import MindlinLine, MindlinPoint, tangential_compliance
 from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_ratio
 
 __all__ = [
+    "LEVY_CLAMPED_SQUARE",
     "BarImpact",
     "BarOnBase",
     "BoltedJoint",
     "CarterRolling",
     "ConformalPin",
+    "Elastica",
     "HertzImpact",
     "LineContact",
     "MindlinLine",
@@ -39,6 +47,7 @@ __all__ = [
     "PressFit",
     "SlidingLine",
     "TwoLeaves",
+    "bar_force",
     "conformal_by_half_angle",
     "conformal_by_load",
     "contact_modulus",
@@ -46,5 +55,6 @@ __all__ = [
     "cylinder_approach",
     "equivalent_damping",
     "persson",
+    "pinned_beam_frequency",
     "tangential_compliance",
 ]
