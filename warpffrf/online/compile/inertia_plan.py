@@ -85,8 +85,6 @@ def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
         raise InputError(
             f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
         )
-    if stiffening is not None and stiffening.membrane is not None and len(stiffening.membrane):
-        notes.append(f"body {body.name!r}: its membrane energy is not used, it deflects as with stiffening=True")
     if level == "auto":
         if terms is None or not len(terms.first):
             notes.append(
