@@ -269,6 +269,15 @@ def reduce_mesh(
             "--stiffening", help="Also what turning and loads on interfaces add to the stiffness of the modes."
         ),
     ] = False,
+    membrane: Annotated[
+        bool,
+        typer.Option(
+            "--membrane", help="As --stiffening, with the membrane energy of plates and frames that deflect far."
+        ),
+    ] = False,
+    membrane_modes: Annotated[
+        int | None, typer.Option(help="How many modes, the lowest, have membrane energy; left out: up to 20.")
+    ] = None,
     centrifugal: Annotated[
         bool,
         typer.Option(
@@ -308,7 +317,8 @@ def reduce_mesh(
             expected_half_width=half_width,
             stress={name: name for name in stress or []},
             inertia_modes=inertia_modes,
-            stiffening=stiffening,
+            stiffening="membrane" if membrane else stiffening,
+            membrane_modes=membrane_modes,
             centrifugal=centrifugal,
             local_dynamics=local_dynamics,
             cache=cache,

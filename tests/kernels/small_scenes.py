@@ -93,6 +93,16 @@ def beam() -> ReducedBody:
 
 
 @functools.cache
+def plate() -> ReducedBody:
+    """A plate between two rigid ends, with membrane energy."""
+    made = mesh.box((0.2, 0.2, 0.004), (3, 3, 1), order=2)
+    return reduce(
+        made, STEEL, interfaces={"x_min": "rigid", "x_max": "rigid"}, modes=6, stiffening="membrane", cache=False,
+        progress=False,
+    )  # fmt: skip
+
+
+@functools.cache
 def ring() -> ReducedBody:
     """Contact on the inside; its grid matches no roller's."""
     made = mesh.roller(0.075, 0.055, 0.024, sectors=42, layers=2, axial=3, grading=1.0)
@@ -193,6 +203,16 @@ def beams() -> Scene:
     scene.add(forces.Pretension(tie, 20.0, lock_at=1e-4))
     scene.add(forces.SurfaceLoad(bars[0]["x_max"], 1e3))
     scene.add(forces.NodalLoad(bars[1]["middle"], (0.0, 0.0, 0.1)))
+    return scene
+
+
+def plates() -> Scene:
+    """A plate that hangs from one of its ends, beside a bar without membrane energy."""
+    scene = Scene(gravity=(0.0, 0.0, -9.81))
+    scene.add_body(beam(), name="bar", position=(1.0, 0.0, 0.0))
+    held = scene.add_body(plate(), name="plate", stiffening=True)
+    scene.add(joints.Fixed(scene.ground, held["x_min"]))
+    scene.add(forces.PointForce(held["x_max"], (0.0, 0.0, -50.0)))
     return scene
 
 
@@ -419,6 +439,7 @@ CASES: dict[str, Case] = {
     "bead": Case(lambda: meeting(BEAD, FLOOR, laws.HertzPoint(STEEL, STEEL), 0.01), 1e-5),
     "wheel": Case(lambda: meeting(WHEEL, FLOOR, laws.PalmgrenLine(0.01, 5), 0.01), 1e-5),
     "beams": Case(beams, 1e-4),
+    "plates": Case(plates, 1e-4),
     "rollers": Case(lambda: rollers(roller(), roller(sectors=42, outer_radius=0.035)), options=REST),
     "rollers, sudden": Case(lambda: rollers(roller(), roller(), ramp=5e-4), 1e-4, REST),
     "rollers, wide": Case(lambda: rollers(roller(), roller(), load=600e3), options=REST | {"step_error": 1e-9}),

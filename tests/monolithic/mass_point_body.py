@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
@@ -10,10 +12,11 @@ from warpffrf.model.reduced_body_data import DisplaySurface, Interface
 
 
 def mass_point_body(
-    modes: int, *, seed: int = 0, points: int = 9, lowest: float = 40.0, stiffening: bool = False
+    modes: int, *, seed: int = 0, points: int = 9, lowest: float = 40.0, stiffening: bool = False, squares: int = 0
 ) -> ReducedBody:
     """`points` masses in a box of 0.4 m with `modes` random displacement fields, free of rigid motion (Tisserand) and
-    M-orthonormal; frequencies from `lowest` [Hz] up; interfaces "left" and "right" move with random small parts."""
+    M-orthonormal; frequencies from `lowest` [Hz] up; interfaces "left" and "right" move with random small parts.
+    `squares` of membrane energy, that doubles the stiffness of the modes where they move by a millimetre or two."""
     rng = np.random.default_rng(seed)
     m = rng.uniform(0.1, 0.3, points)
     X = rng.uniform(-0.2, 0.2, (points, 3))
@@ -45,6 +48,9 @@ def mass_point_body(
         by_load[name] = 0.5 * (S + S.transpose(0, 2, 1))
     centrifugal = rng.normal(size=(6, modes, modes))
     geometric = GeometricStiffness(0.5 * (centrifugal + centrifugal.transpose(0, 2, 1)), by_load)
+    if squares:
+        forms = 100.0 * (2.0 * np.pi * lowest) * rng.normal(size=(squares, modes, modes))
+        geometric = replace(geometric, membrane=0.5 * (forms + forms.transpose(0, 2, 1)))
     terms = InertiaTerms(first, second, gyroscopic, geometric if stiffening else None)
     skin = DisplaySurface(X, np.zeros((0, 3), dtype=int), phi)
     frequencies = lowest * (1.0 + 0.4 * np.arange(modes))

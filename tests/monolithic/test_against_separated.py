@@ -91,10 +91,10 @@ def four_bar() -> Scene:
     return scene
 
 
-def flexible(level: str, stiffening: bool = False) -> Scene:
+def flexible(level: str, stiffening: bool = False, squares: int = 0) -> Scene:
     """A flexible body that is spun on an axle at one interface, with a bushing and a rigid body at the other."""
     scene = Scene(gravity=(0.0, 0.0, -9.81))
-    body = mass_point_body(5, stiffening=stiffening)
+    body = mass_point_body(5, stiffening=stiffening, squares=squares)
     a = scene.add_body(body, name="a", inertia=level, stiffening=stiffening, damping=0.01)
     pin = a["left"].world_point()
     axle = scene.add(joints.Revolute(scene.ground.at(pin), a["left"], axis=(0.0, 0.6, 0.8), name="axle"))
@@ -167,6 +167,16 @@ def test_springs_and_dampers_with_characteristics() -> None:
 
 def test_geometric_stiffening() -> None:
     check(flexible("full", stiffening=True), 0.05, 5e-4)
+
+
+def test_membrane_energy() -> None:
+    """Squares that stiffen the modes by as much as they are stiff themselves."""
+    scene = flexible("full", stiffening=True, squares=3)
+    check(scene, 0.05, 5e-4)
+    found = run(scene, 0.05, step=5e-4, progress=False)
+    body = scene.bodies[0].flexible
+    linear = 0.5 * (found.bodies["a"].modal ** 2) @ (2.0 * np.pi * body.frequencies) ** 2
+    assert (found.energy["strain"] - linear).max() > 0.1 * linear.max()
 
 
 def test_free_rigid_body_follows_its_closed_form() -> None:

@@ -216,5 +216,5 @@ def test_bodies_without_cells_are_refused() -> None:
     bare = from_matrices(sp.csr_matrix(M), sp.csr_matrix(K), mesh.points)
     with pytest.raises(InputError, match="stiffening=True needs the stresses in cells.*leave stiffening out"):
         reduce(bare, modes=2, stiffening=True, cache=False, progress=False)
-    with pytest.raises(InputError, match="stiffening must be True or False, got 'yes'"):
+    with pytest.raises(InputError, match="stiffening must be True or False, or 'membrane', got 'yes'"):
         reduce(mesh, STEEL, modes=2, stiffening="yes", cache=False, progress=False)  # pyright: ignore[reportArgumentType]

@@ -79,6 +79,8 @@ def quality_lines(report: dict[str, Any]) -> list[str]:
         )
     residual = q["static"]["worst_load_residual"]
     say("unit loads", "worst residual " + ("not measured" if residual is None else f"{residual:.2g}"))
+    if membrane := q.get("membrane"):
+        say("membrane", _membrane(membrane))
     for name, share in q["static"]["local_share"].items():
         say("local share", f"{name}: global modes alone miss up to {share:.1%} of a load's own compliance")
     for name, grid in q["contact_grid"].items():
@@ -142,7 +144,9 @@ def _inertia_terms(body: ReducedBodyData, terms: InertiaTerms, modes: int) -> st
         text += ", with the static response to turning"
     if terms.stiffening is None:
         return text
-    return f"{text}, stiffened by {', '.join(['turning', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
+    text += f", stiffened by {', '.join(['turning', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
+    forms = terms.stiffening.membrane
+    return text if forms is None else f"{text}, membrane energy in {len(forms)} squares"
 
 
 def _lap(name: str, s: LapSurface) -> str:
@@ -178,6 +182,15 @@ def _covered(f: dict[str, Any]) -> str:
     asked = [] if f["max_frequency"] is None else [f"max_frequency {f['max_frequency']:.6g} Hz"]
     asked += [] if f["modes_asked"] is None else [f"modes {f['modes_asked']}"]
     return text + (f" (asked for: {', '.join(asked)})" if asked else "")
+
+
+def _membrane(m: dict[str, Any]) -> str:
+    if not m["rank"]:
+        return f"no energy kept: motion relieves all but {1.0 - m['relieved']:.2g} of the second-order strain"
+    return (
+        f"{m['rank']} squares of {m['modes']} modes ({m['pairs']} products), error below {m['truncation']:.2g} of the "
+        f"largest; counts from a strain of {m['bending_strain']:.2g} on"
+    )
 
 
 def _percentages(values: list[float]) -> str:

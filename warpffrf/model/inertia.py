@@ -57,10 +57,12 @@ PRODUCTS = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (2, 0))  # order of the prod
 class GeometricStiffness:
     """Stiffness of the first k modes by prestress, symmetric: `centrifugal` (6, k, k) for w_x^2, w_y^2, w_z^2, w_x w_y,
     w_y w_z, w_z w_x, each times the product itself; `interfaces` name -> (6, k, k) per unit force (3) [N] and torque
-    (3) [N m] on the body at the interface's point, body (user) axes."""
+    (3) [N m] on the body at the interface's point, body (user) axes; `membrane` (R, k, k) [sqrt(J)/m^2], the forms of
+    the membrane energy (`warpffrf.model.membrane`), None of a body reduced without."""
 
     centrifugal: Array
     interfaces: dict[str, Array] = field(default_factory=dict)
+    membrane: Array | None = None
 
     def __post_init__(self) -> None:
         given = {"centrifugal": self.centrifugal, **{f"interface {n!r}": K for n, K in self.interfaces.items()}}
@@ -68,6 +70,8 @@ class GeometricStiffness:
             require_array(K, f"geometric stiffness, {name}", (6, None, None))
             if K.shape[1:] != 2 * (self.modes,):
                 raise InputError(f"geometric stiffness, {name}: shape {K.shape} is not (6, {self.modes}, {self.modes})")
+        if self.membrane is not None:
+            require_array(self.membrane, "membrane energy", (None, self.modes, self.modes))
 
     @property
     def modes(self) -> int:

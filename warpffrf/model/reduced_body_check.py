@@ -103,6 +103,11 @@ def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
     for cross in body.cross:
         yield from _cross_shapes(f"cross/{cross.target}/{cross.source}", body, cross)
     yield from _lap_shapes(body)
+    stiffening = None if body.inertia_terms is None else body.inertia_terms.stiffening
+    rank = 0 if stiffening is None or stiffening.membrane is None else len(stiffening.membrane)
+    for name, field in body.stress.items():
+        if field.membrane is not None:
+            yield f"stress/{name}/membrane", (rank, len(field.points), 6)
 
 
 def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str, Wanted]]:

@@ -35,7 +35,7 @@ from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 9  # 9: laps; 8: sealed; 7: far fields of tangential tractions; all older ones are read
+SCHEMA = 10  # 10: membrane energy; 9: laps; 8: sealed; 7: far fields of tangential tractions; all older ones are read
 SEALED_SINCE = 8
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
@@ -47,6 +47,7 @@ _PARTS = (
 _COMPLEX = ("transfer",)  # of harmonics
 _CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
 _PRESTRESSED = "inertia_terms/stiffening/interfaces/"
+_MEMBRANE = "inertia_terms/stiffening/membrane"
 _UNITS = {
     "center_of_mass": "m",
     "inertia": "kg m2",
@@ -67,6 +68,7 @@ _UNITS = {
     "transfer": "m/N",
     "lap_compliance": "m/N",
     "area": "m2",
+    "membrane": "J(1/2)/m2",
     "gap": "m",
     "triangles": "m",
 }
@@ -145,6 +147,8 @@ def _inertia_arrays(terms: InertiaTerms) -> dict[str, np.ndarray]:
     if (stiffening := terms.stiffening) is not None:
         arrays[_CENTRIFUGAL] = stiffening.centrifugal
         arrays.update({f"{_PRESTRESSED}{name}": K for name, K in stiffening.interfaces.items()})
+        if stiffening.membrane is not None:
+            arrays[_MEMBRANE] = stiffening.membrane
     return arrays
 
 
@@ -154,7 +158,7 @@ def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
         return None
     stiffening = None
     if _CENTRIFUGAL in arrays:
-        stiffening = GeometricStiffness(arrays[_CENTRIFUGAL], _under(arrays, _PRESTRESSED))
+        stiffening = GeometricStiffness(arrays[_CENTRIFUGAL], _under(arrays, _PRESTRESSED), arrays.get(_MEMBRANE))
     first, second, gyroscopic = (arrays[f"inertia_terms/{key}"] for key in _INERTIA)
     return InertiaTerms(first, second, gyroscopic, stiffening)
 

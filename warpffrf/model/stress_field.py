@@ -11,6 +11,7 @@ coefficients of the traction `t = sum_i psi_i s_i` that the forces stand for, an
 that follows from the traction alone, without any deformation: see `warpffrf.offline.stress.operator`. It makes the
 traction on a contact surface the one that was applied. Forces s on the cells of laps add `sum_i laps_i(x) s_i`, the
 response of the residual flexibility to them; on the faces of a lap themselves it is the stress of the finite elements.
+Amplitudes e of the membrane energy (`warpffrf.model.membrane`) add `sum_r membrane_r(x) e_r`.
 
 On a rotationally periodic body `T` is kept for the `p0` distinct places of the points in one sector, in the axes of
 that sector, per harmonic: `sigma_j = Re sum_k w_k e^{i k s_j phi} T_k f_k` at the place of point j, turned into user
@@ -188,6 +189,7 @@ class StressField:
     place: np.ndarray
     sector: np.ndarray
     laps: np.ndarray | None = None  # (N, p, 6) Pa/N, of each force on the body's laps; None without laps
+    membrane: np.ndarray | None = None  # (R, p, 6) Pa/J^(1/2), of each amplitude of the membrane energy; None without
 
     def evaluate(
         self,
@@ -195,10 +197,12 @@ class StressField:
         forces: dict[str, np.ndarray],
         tangential: dict[str, np.ndarray] | None = None,
         laps: np.ndarray | None = None,
+        membrane: np.ndarray | None = None,
     ) -> np.ndarray:
         """Stress (p, 6) [Pa], user axes, at global coordinates `q` (m,) under outward normal `forces` (columns, rows)
         and `tangential` ones (2, columns, rows) [N] on each contact surface that is loaded, and the forces `laps` (N,)
-        [N] on all cells of all laps, in the order of `ReducedBody.lap_compliance`.
+        [N] on all cells of all laps, in the order of `ReducedBody.lap_compliance`, and the amplitudes `membrane` (R,)
+        [sqrt(J)] of the membrane energy.
 
         Raises `InputError` for an unknown surface, or an array of another shape.
         """
@@ -207,7 +211,9 @@ class StressField:
             raise InputError(f"stress {self.name!r}: {len(self.modes)} modal coordinates are needed, got {q.shape}")
         stress = np.tensordot(q.astype(self.modes.dtype), self.modes, axes=1).astype(np.float64)
         if laps is not None and np.any(laps):
-            stress = stress + self._of_laps(np.asarray(laps, dtype=np.float64))
+            stress = stress + self._of("forces on laps", self.laps, laps)
+        if membrane is not None:
+            stress = stress + self._of("amplitudes of the membrane energy", self.membrane, membrane)
         for what, parts, loads in (("normal", self.normal, forces), ("tangential", self.tangential, tangential or {})):
             for name, load in loads.items():
                 if name not in parts:
@@ -222,11 +228,13 @@ class StressField:
                     stress = stress + self._response(part, load) + part.of_traction(load)
         return stress
 
-    def _of_laps(self, forces: np.ndarray) -> np.ndarray:
-        count = 0 if self.laps is None else len(self.laps)
-        if self.laps is None or forces.shape != (count,):
-            raise InputError(f"stress {self.name!r}: forces on laps must be ({count},), got {forces.shape}")
-        return np.tensordot(forces.astype(self.laps.dtype), self.laps, axes=1).astype(np.float64)
+    def _of(self, what: str, fields: np.ndarray | None, given: np.ndarray) -> np.ndarray:
+        """Sum of `fields` (N, p, 6) times `given` (N,); raises `InputError` for another number of them."""
+        given = np.asarray(given, dtype=np.float64)
+        count = 0 if fields is None else len(fields)
+        if fields is None or given.shape != (count,):
+            raise InputError(f"stress {self.name!r}: {what} must be ({count},), got {given.shape}")
+        return np.tensordot(given.astype(fields.dtype), fields, axes=1).astype(np.float64)
 
     def _response(self, part: LoadStress, load: np.ndarray) -> np.ndarray:
         """T f (p, 6) in user axes."""
@@ -257,6 +265,8 @@ class StressField:
         found = {"points": self.points, "modes": self.modes, "place": self.place, "sector": self.sector}
         if self.laps is not None:
             found["laps"] = self.laps
+        if self.membrane is not None:
+            found["membrane"] = self.membrane
         for root, part in self._loads.items():
             own = {f"{root}/own/{key}": getattr(part.own, key) for key in ("data", "indices", "indptr")}
             found.update(own, **{f"{root}/transfer": part.transfer.transfer, f"{root}/axes": part.transfer.axes})
@@ -291,5 +301,5 @@ class StressField:
             found[what][on] = replace(part, own=own)
         return cls(
             name, arrays["points"], arrays["modes"], found["normal"], found["tangential"], arrays["place"],
-            arrays["sector"], arrays.get("laps"),
+            arrays["sector"], arrays.get("laps"), arrays.get("membrane"),
         )  # fmt: skip

@@ -77,6 +77,23 @@ class LapProduct:
         return np.ascontiguousarray(seen.T).reshape(seen.shape[1], -1, components)
 
 
+@dataclass(frozen=True, eq=False)
+class MembraneTerms:
+    """Membrane energy of the first modes of a body.
+
+    `forms` L (R, k, k) [sqrt(J)/m^2], of k modes the first of which have entries; with the `modes` U (3 n, k),
+    `products` (R, k, k) and `motion` (3 n, R) [m/sqrt(J)] the strain of second order is
+    E2 = sum_r e_r (eps(motion_r) + sum_ij products_rij sym(H_i^T H_j)/2), `offline.inertia.membrane`.
+    `facts`: what the report says.
+    """
+
+    forms: np.ndarray
+    modes: np.ndarray
+    products: np.ndarray
+    motion: np.ndarray
+    facts: dict[str, Any]
+
+
 @dataclass
 class PathProduct:
     """Everything that a path computes. `observed_modes`: what each observer sees of the global modes, (rows, m), or on
@@ -96,6 +113,7 @@ class PathProduct:
     inertia_terms: InertiaTerms | None = None
     cross: list[CrossCompliance] = field(default_factory=list)  # of each surface under loads on each later one
     laps: LapProduct | None = None
+    membrane: MembraneTerms | None = None
 
 
 def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:

@@ -71,7 +71,7 @@ HALVING = 4.0  # energy lost by doubling the spacing over the error at the prese
 def quality(body: ReducedBody, surfaces: Sequence[SurfaceProduct], limits: Limits) -> dict[str, Any]:
     """Plain data for `body.report["quality"]`; `surfaces` in the order of `body.contact_surfaces`.
 
-    Reads `dependent_directions_dropped`, `worst_load_residual` and `basis` in `body.report`, where they are.
+    Reads `dependent_directions_dropped`, `worst_load_residual`, `basis` and `inertia` in `body.report`, where they are.
     """
     named = list(zip(body.contact_surfaces.values(), surfaces, strict=True))
     frequencies = covered_frequencies(body, limits)
@@ -82,6 +82,7 @@ def quality(body: ReducedBody, surfaces: Sequence[SurfaceProduct], limits: Limit
             "worst_load_residual": body.report.get("worst_load_residual"),
             "local_share": {s.name: local_share(p.window, p.residual_window) for s, p in named},
         },
+        "membrane": body.report.get("inertia", {}).get("membrane"),
         "contact_grid": {s.name: _judged_grid(s, p) for s, p in named},
         "memory": memory(body),
         "truncated": _truncated(body, limits, frequencies),

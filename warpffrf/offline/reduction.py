@@ -37,6 +37,7 @@ from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.general.path import reduce_general
 from warpffrf.offline.inertia.invariants import MODES
+from warpffrf.offline.inertia.membrane import membrane_notes
 from warpffrf.offline.interfaces.kinds import body_interfaces
 from warpffrf.offline.near_field.far import find_far_field, is_coarse
 from warpffrf.offline.paths import PathChoice, choose_path, resolve_shapes
@@ -72,7 +73,7 @@ def reduce(
     stress: Mapping[str, Any] | None = None,
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
-    stiffening: bool = False,
+    stiffening: bool | str = False,
     centrifugal: bool = False,
     periodic: bool | None = None,
     solver: str | None = None,
@@ -80,6 +81,7 @@ def reduce(
     sampling_error: float | None = None,
     patch_grid: bool | None = None,
     laps: Mapping[str, Any] | None = None,
+    membrane_modes: int | None = None,
     cache: bool = True,
     progress: bool = True,
 ) -> ReducedBody:
@@ -111,7 +113,11 @@ def reduce(
     inertia_modes: how many of the global modes, the lowest, get inertia terms (`warpffrf.model.inertia`): None: all up
         to 60. `report["inertia"]` says how many.
     stiffening: True: also the stiffness that these modes get from prestress by turning and by loads on the interfaces;
-        on the general path.
+        on the general path. "membrane": also the membrane energy of plates, frames and shells that deflect by their
+        thickness or more, `warpffrf.model.membrane`; cells that do not lock in bending, and enough bending modes, are
+        needed for it.
+    membrane_modes: how many modes, the lowest, have membrane energy; None: up to 20. n take n (n + 1)/2 static
+        responses.
     centrifugal: True: also the attachment modes of turning, the static responses to the products of the components of
         the angular velocity, so that growing and bending under the body's own rotation is exact at any number of modes.
         For rotors, discs, rings and blades that turn fast: the vibration modes of a round body hardly hold that shape.
@@ -169,6 +175,7 @@ def reduce(
         sampling_error=sampling_error,
         patch_grid=patch_grid,
         laps=laps,
+        membrane_modes=membrane_modes,
     )
     settings.check_against(mesh)
     assign(mesh, material)
@@ -213,7 +220,11 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     report["warnings"] += locking
     report["notes"] += _not_used(settings, cyclic)
     if settings.stiffening and given.cyclic is not None:
-        report["notes"].append("stiffening=True: the periodic body was reduced on the general path")
+        report["notes"].append(f"stiffening={settings.stiffening!r}: the periodic body was reduced on the general path")
+    if membrane := product.facts.get("membrane"):
+        notes, warnings = membrane_notes(membrane, mesh)
+        report["notes"] += notes
+        report["warnings"] += warnings
     report["notes"] += [*found.notes, *(note for plan in plans for note in plan.notes)]
     surfaces: dict[str, ContactSurface] = {}
     for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
@@ -356,6 +367,7 @@ def _product(
         return reduce_cyclic(mesh, assignment, joints, cyclic, limits, spacing, stages, **how)
     how |= {
         "stiffening": settings.stiffening,
+        "membrane_modes": settings.membrane_modes,
         "laps": settings.laps,
         "solver": settings.solver,
         "checkpoint": checkpoint,
@@ -517,7 +529,8 @@ def _report(
         "inertia": {
             "modes": covered,
             "of": len(product.omega),
-            "stiffening": settings.stiffening,
+            "stiffening": bool(settings.stiffening),
+            "membrane": facts.pop("membrane", None),
             "centrifugal": settings.centrifugal,
             "centrifugal_left_out": facts.pop("centrifugal_left_out"),
         },

@@ -15,6 +15,7 @@ from warpffrf.model.laps import LapCells
 from warpffrf.model.laps.lap_cells import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
+from warpffrf.offline.inertia.membrane import MEMBRANE
 from warpffrf.offline.inertia.stiffening import require_cells
 from warpffrf.offline.interfaces.kinds import INTERFACE_KINDS
 from warpffrf.offline.laps.claims import require_sets
@@ -44,7 +45,7 @@ class Settings:
     stress: dict[str, Any]
     local_dynamics: bool
     inertia_modes: int | None
-    stiffening: bool
+    stiffening: bool | str
     centrifugal: bool
     periodic: bool | None
     solver: str | None
@@ -52,6 +53,7 @@ class Settings:
     sampling_error: float | None = None
     patch_grid: bool | None = None
     laps: dict[str, LapCells] = field(default_factory=dict)
+    membrane_modes: int | None = None
 
     @classmethod
     def of(
@@ -71,7 +73,7 @@ class Settings:
         stress: Mapping[str, Any] | None,
         local_dynamics: bool,
         inertia_modes: int | None,
-        stiffening: bool,
+        stiffening: bool | str,
         centrifugal: bool,
         periodic: bool | None,
         solver: str | None,
@@ -79,6 +81,7 @@ class Settings:
         sampling_error: float | None = None,
         patch_grid: bool | None = None,
         laps: Mapping[str, Any] | None = None,
+        membrane_modes: int | None = None,
     ) -> Settings:
         """The settings behind the arguments of `reduce`, checked as far as they can be without the mesh."""
         options = basis_options(basis)
@@ -104,8 +107,10 @@ class Settings:
             )
         if not isinstance(local_dynamics, bool):
             raise InputError(f"reduce: local_dynamics must be True or False, got {local_dynamics!r}")
-        if not isinstance(stiffening, bool):
-            raise InputError(f"reduce: stiffening must be True or False, got {stiffening!r}")
+        if not isinstance(stiffening, bool) and stiffening != MEMBRANE:
+            raise InputError(f"reduce: stiffening must be True or False, or {MEMBRANE!r}, got {stiffening!r}")
+        if membrane_modes is not None:
+            membrane_modes = _membrane_modes(membrane_modes, stiffening)
         if not isinstance(centrifugal, bool):
             raise InputError(f"reduce: centrifugal must be True or False, got {centrifugal!r}")
         if patch_grid not in (None, True, False):
@@ -142,6 +147,7 @@ class Settings:
             sampling_error=sampling_error,
             patch_grid=patch_grid,
             laps=lap_cells(laps),
+            membrane_modes=membrane_modes,
         )
 
     def check_against(self, mesh: Mesh) -> None:
@@ -180,7 +186,7 @@ class Settings:
         if self.laps:
             return "laps: the compliance of their cells is computed on the general path"
         if self.stiffening:
-            return "stiffening=True: geometric stiffness is computed on the general path"
+            return f"stiffening={self.stiffening!r}: geometric stiffness is computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():
             return f"basis {self.basis.kind!r} with these options is made on the general path"
         other = [name for name, kind in self.interfaces.items() if kind != "rigid"]
@@ -207,6 +213,7 @@ class Settings:
             "local_dynamics": self.local_dynamics,
             "inertia_modes": self.inertia_modes,
             "stiffening": self.stiffening,
+            "membrane_modes": self.membrane_modes,
             "centrifugal": self.centrifugal,
             "periodic": self.periodic,
             "memory_limit": self.memory_limit,
@@ -233,6 +240,18 @@ def _refuse_sampling(error: float, traction: str) -> None:
         raise InputError(
             "reduce: sampling points are chosen for hats; use traction='hats', or leave sampling_error out"
         )
+
+
+def _membrane_modes(modes: Any, stiffening: bool | str) -> int:
+    """The number of modes with membrane energy; raises `InputError` for none, and where there is no such energy."""
+    if stiffening != MEMBRANE:
+        raise InputError(f"reduce: membrane_modes is a number of modes of stiffening={MEMBRANE!r}; ask for that, too")
+    count = _count(modes, "membrane_modes")
+    if not count:
+        raise InputError(
+            "reduce: membrane_modes=0 is a membrane basis without bending modes; give a number, or leave it out"
+        )
+    return count
 
 
 def _count(modes: Any, name: str) -> int:

@@ -30,6 +30,7 @@ class Bodies:
     dense_count: DeviceArray = integers("body", note="modes that are outer unknowns, the first ones")
     inertia_count: DeviceArray = integers("body", note="modes that carry inertia, the first of these")
     inertia_start: DeviceArray = integers("body", note="into the table of `Dense`")
+    square_start: DeviceArray = integers("body+1", note="first square of the membrane energy")
 
 
 @topic
@@ -59,6 +60,18 @@ class Dense:
     table: DeviceArray = reals(
         "inertia_entry", note="(9, count, count) a body: J2 in the order of J1, then G_ij with line j, column i"
     )
+
+
+@topic
+class Membrane:
+    """Squares of the membrane energy of bodies, each of one form L_r over the modes that carry inertia."""
+
+    count: int
+    lines: int  # entries of all lines L_r q
+    body: DeviceArray = integers("square")
+    table_start: DeviceArray = integers("square", note="into `table`")
+    line_start: DeviceArray = integers("square", note="where its line L_r q begins")
+    table: DeviceArray = reals("membrane_entry", unit="kg^-1 J^1/2 m^-2", note="(count, count) a square")
 
 
 @topic
@@ -559,6 +572,7 @@ class Model:
     bodies: Bodies
     modes: Modes
     dense: Dense
+    membrane: Membrane
     outer: Outer
     interfaces: Interfaces
     markers: Markers

@@ -77,6 +77,7 @@ def balance_energy(
     elastic_energy: wp.array3d(dtype=real),
     pair_loss: wp.array2d(dtype=real),
     extra_energy: wp.array2d(dtype=real),
+    membrane_amplitude: wp.array2d(dtype=real),
     friction_work: wp.array3d(dtype=real),
     slip_loss: wp.array2d(dtype=real),
     lumped_energy: wp.array3d(dtype=real),
@@ -126,6 +127,10 @@ def balance_energy(
         force_work += half * (load_on_modes[w, 0, n] + load_on_modes[w, 1, n]) * dq[w, n]
         last_work += load_on_modes[w, 1, n] * dq[w, n]
         n += 1
+    square = int(0)
+    while square < model.membrane.count:
+        strain += half * membrane_amplitude[w, square] * membrane_amplitude[w, square]
+        square += 1
     row = int(0)
     while row < model.rows.count:
         if model.rows.rigid[row] == 0:

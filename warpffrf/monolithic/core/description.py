@@ -21,7 +21,7 @@ from warpffrf.monolithic.core.rows import MarkerPlace
 @dataclass(frozen=True, eq=False)
 class BodyData:
     """A body: mass [kg], inertia (3, 3) about the centre of mass, stiffness and damping (m,) of its global modes (mass
-    1), and what deformation does to its inertia."""
+    1), what deformation does to its inertia, and the forms (R, k, k) of its membrane energy, None without."""
 
     name: str
     mass: float
@@ -30,6 +30,7 @@ class BodyData:
     stiffness: np.ndarray
     damping: np.ndarray
     terms: DeformationTerms | None
+    membrane: np.ndarray | None = None
 
     @property
     def gyration(self) -> float:
@@ -181,12 +182,13 @@ def _body(body: Any) -> BodyData:
     reduced = body.reduced
     omega = np.zeros(0) if reduced is None else 2.0 * np.pi * np.asarray(reduced.frequencies)
     zeta = np.zeros(0) if reduced is None else np.asarray(body.damping)
-    terms = None
+    terms = membrane = None
     if reduced is not None:
         terms = deformation_terms(reduced.inertia_terms, inertia_level(body), body.stiffening)
+        membrane = reduced.inertia_terms.stiffening.membrane if body.stiffening else None
     return BodyData(
         body.name, float(body.mass), np.asarray(body.inertia), np.asarray(body.center_of_mass), omega**2,
-        2.0 * zeta * omega, terms,
+        2.0 * zeta * omega, terms, membrane,
     )  # fmt: skip
 
 

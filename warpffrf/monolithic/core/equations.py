@@ -22,6 +22,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from warpffrf.monolithic.core.description import SceneData, SpringData
 from warpffrf.monolithic.core.inertia_forces import inertia_forces
 from warpffrf.monolithic.core.integrator import Formula
@@ -152,6 +153,11 @@ def balance(
             K[turn, some] += forces.turn_modes
             K[some, turn] += forces.modes_turn @ T
             K[some, some] += forces.modes_modes
+        if body.membrane is not None:
+            some = slice(6 * B + layout.mode_start[b], 6 * B + layout.mode_start[b] + body.membrane.shape[1])
+            residual[some] += membrane_gradient(body.membrane, q)
+            K[some, some] += membrane_tangent(body.membrane, q)
+            strain += membrane_energy(body.membrane, q)
         kinetic += 0.5 * body.mass * float(trial.v[b] @ trial.v[b]) + forces.energy + 0.5 * float(qd @ qd)
         strain += 0.5 * float(body.stiffness @ (q * q))
         gyration = body.gyration

@@ -87,6 +87,17 @@ def projected_dilatation(x: Array, kind: str, values: Array | None = None) -> Ar
     return np.matmul(_pressures(x, kind, values), at).reshape(e, len(values), k, 3)
 
 
+def projection(x: Array, kind: str, values: Array | None = None) -> Array:
+    """P (e, p, q): values at the points at which stiffness is integrated to those of the nearest polynomial, of cells
+    with node coordinates x (e, k, 3) [m], at points with shape functions `values` (p, k); None: at the same points."""
+    r = rule(kind, STIFFNESS_DEGREE[kind])
+    _, weight = physical_gradients(x, kind)
+    psi = _pressures(x, kind, r.values)
+    weighted = (psi * weight[:, :, None]).transpose(0, 2, 1)
+    at = psi if values is None else _pressures(x, kind, values)
+    return np.matmul(at, np.linalg.solve(np.matmul(weighted, psi), weighted))
+
+
 def _pressures(x: Array, kind: str, values: Array) -> Array:
     """psi (e, p, m) at reference points with shape functions `values` (p, k)."""
     powers = cell_kind(kind).dilatation

@@ -32,11 +32,13 @@ from warpffrf.offline.general.surface import GeneralSurface, cross_compliance
 from warpffrf.offline.general.unit_loads import ResponseSolver, UnitLoads, results_bytes
 from warpffrf.offline.inertia.centrifugal import covering_turning, left_out, turning_response
 from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms
-from warpffrf.offline.inertia.stiffening import centrifugal_acceleration, geometric_stiffness
+from warpffrf.offline.inertia.membrane import MEMBRANE, membrane_terms
+from warpffrf.offline.inertia.second_order import lifted_stiffness
+from warpffrf.offline.inertia.stiffening import Prestress, centrifugal_acceleration, prestress_stiffness
 from warpffrf.offline.interfaces.kinds import BodyInterface
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.laps.compliance import BodyLaps
-from warpffrf.offline.products import Limits, PathProduct, mass_properties
+from warpffrf.offline.products import Limits, MembraneTerms, PathProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual
 
@@ -60,7 +62,8 @@ def reduce_general(
     sloping: Collection[str] = (),
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
-    stiffening: bool = False,
+    stiffening: bool | str = False,
+    membrane_modes: int | None = None,
     centrifugal: bool = False,
     laps: Mapping[str, LapCells] | None = None,
     solver: str | None = None,
@@ -73,9 +76,10 @@ def reduce_general(
     tangential ones); `observers`: what is kept of modes and responses beside the skin;
     `sloping`: surfaces of which the compliance of slopes is kept;
     `local_dynamics`: the mass of the normal local modes is computed too; `inertia_modes`: how many modes get inertia
-    terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too; `centrifugal`:
-    attachment modes of turning too; `laps`: faces with cells, by name; `solver`: a name in
-    `solvers.SOLVERS`, None: the default; `checkpoint`: work file of finished parts, whose caller enters its context.
+    terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too, "membrane": and the membrane energy
+    of the first `membrane_modes` (None: `membrane.MODES`); `centrifugal`: attachment modes of turning too; `laps`:
+    faces with cells, by name; `solver`: a name in `solvers.SOLVERS`, None: the default; `checkpoint`: work file of
+    finished parts, whose caller enters its context.
     Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
     not installed.
     """
@@ -107,7 +111,7 @@ def reduce_general(
     system = InterfaceSystem(mesh.points, interfaces)
     T = system.T
     with progress.stage("factorisation"):
-        nodal_mass = M
+        nodal_stiffness, nodal_mass = K, M
         K, M = sp.csr_matrix(T.T @ K @ T), sp.csr_matrix(T.T @ M @ T)
         places = system.coordinates
         model = free_model(K, M, system.rigid(middle), system.pinned, places, solver=solver, memory_limit=limit)
@@ -134,11 +138,23 @@ def reduce_general(
         facts["centrifugal_left_out"] = lacking(float(omega[kept - 1]) if kept else 0.0)
         U = T @ Phi[:, :kept]
         terms = inertia_terms(nodal_mass, U, mesh.points, center)
+    membrane: MembraneTerms | None = None
     if stiffening:
         with progress.stage("geometric stiffness"):
-            stiffness = geometric_stiffness(mesh, assignment, model, system, nodal_mass, U, center)
-            terms = replace(terms, stiffening=stiffness)
-    del nodal_mass, U
+            prestress = Prestress.of(model, system, nodal_mass, center)
+            by_load = prestress_stiffness(mesh.points, mesh.cells, assignment, prestress.static, U)
+        if stiffening == MEMBRANE:
+            with progress.stage("membrane energy"):
+                turns = system.rotations(Phi[:, :kept])
+                by_load += lifted_stiffness(prestress, model, system, nodal_stiffness, nodal_mass, turns, kept)
+                membrane = membrane_terms(
+                    mesh, assignment, model, system, nodal_mass, U, omega[:kept], membrane_modes, turns,
+                    memory_limit=limit,
+                )  # fmt: skip
+                facts["membrane"] = membrane.facts
+        stiffness = prestress.by_load(by_load, None if membrane is None else membrane.forms)
+        terms = replace(terms, stiffening=stiffness)
+    del nodal_stiffness, nodal_mass, U
 
     with progress.stage("unit loads"):
         B = [s.loads() for s in contacts]
@@ -182,6 +198,7 @@ def reduce_general(
         inertia_terms=terms,
         cross=cross,
         laps=lap_product,
+        membrane=membrane,
     )
 
 

@@ -24,6 +24,7 @@ smoothed: what is left of equilibrium goes to zero with the mesh as fast as thei
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -52,23 +53,36 @@ def require_cells(mesh: Mesh, material: Any) -> None:
         )
 
 
-def geometric_stiffness(
-    mesh: Mesh,
-    assignment: Assignment,
-    model: ElasticModel,
-    system: InterfaceSystem,
-    M: Sparse,
-    U: Array,
-    center: Array,
-) -> GeometricStiffness:
-    """Stiffness of the modes `U` (3 n, k) at all nodes of the free constrained body `model` with the interfaces of
-    `system`; `M` (3 n, 3 n) [kg] nodal mass matrix, `center` (3,) [m] of mass."""
-    T = system.T
-    loads = [T.T @ (M @ centrifugal_acceleration(mesh.points, center)), *system.wrenches().values()]
-    static = np.asarray(T @ model.flexibility(np.concatenate(loads, axis=1)))
-    K = prestress_stiffness(mesh.points, mesh.cells, assignment, static, U)
-    named = {name: K[6 * (i + 1) : 6 * (i + 2)] for i, name in enumerate(system.wrenches())}
-    return GeometricStiffness(K[:6], named)
+@dataclass(frozen=True, eq=False)
+class Prestress:
+    """The loads that stiffen: turning (six products of its components), then six unit loads of each interface.
+
+    `loads` (n^, l) on the coordinates of the constrained model, of these `nodal` (3 n, l) on nodes, `static` (3 n, l)
+    [m] what the free body answers, `names` of the interfaces.
+    """
+
+    loads: Array
+    nodal: Array
+    static: Array
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, model: ElasticModel, system: InterfaceSystem, M: Sparse, center: Array) -> Prestress:
+        """Those of the free constrained body `model` with the interfaces of `system`; `M` (3 n, 3 n) [kg] nodal mass
+        matrix, `center` (3,) [m] of mass."""
+        turning = np.asarray(M @ centrifugal_acceleration(system.points, center))
+        wrenches = system.wrenches()
+        loads = np.concatenate([system.T.T @ turning, *wrenches.values()], axis=1)
+        static = np.asarray(system.T @ model.flexibility(loads))
+        nodal = np.zeros_like(static)
+        nodal[:, :6] = turning
+        return cls(loads, nodal, static, tuple(wrenches))
+
+    def by_load(self, K: Array, membrane: Array | None = None) -> GeometricStiffness:
+        """Stiffness K (l, k, k) of all loads, as the terms of turning and of each interface, and the `membrane` forms
+        beside them."""
+        named = {name: K[6 * (i + 1) : 6 * (i + 2)] for i, name in enumerate(self.names)}
+        return GeometricStiffness(K[:6], named, membrane)
 
 
 def centrifugal_acceleration(points: Array, center: Array) -> Array:

@@ -117,6 +117,11 @@ class InterfaceSystem:
                 first += 6
         return found
 
+    def rotations(self, Phi: Array) -> dict[str, Array]:
+        """Rotation (m, 3) [rad] of each rigid interface by name, of every column of Phi (n^, m)."""
+        named = zip(self.interfaces, self.motions(Phi), strict=True)
+        return {interface.name: motion[:, 3:] for interface, motion in named if interface.slaved}
+
     def products(self, Phi: Array) -> dict[str, Interface]:
         """The interfaces of a reduced body whose global modes are Phi (n^, m), by name."""
         found = {}

@@ -12,6 +12,7 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.stress_field import GridSpan, StressField
 from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes
 from warpffrf.offline.general.observers import Observer
+from warpffrf.offline.stress.membrane import membrane_stress
 from warpffrf.offline.stress.plan import StressPlan
 
 
@@ -50,6 +51,8 @@ class StressRecovery:
             field = plan.field(seen, contact, normal, tangential, sectors)
             if product.laps is not None:
                 field = replace(field, laps=product.laps.by_force(label, 6))
+            if product.membrane is not None:
+                field = replace(field, membrane=membrane_stress(plan, product.membrane))
             found[plan.name] = field
         return found
 

@@ -251,6 +251,16 @@ class StressPlan:
 
     # --- operators ---
 
+    @property
+    def cells(self) -> dict[str, Array]:
+        """The cells that are averaged, {kind: (m, k)}."""
+        return self._cells
+
+    @property
+    def of_cell(self) -> dict[str, Array]:
+        """The number of the material of each of `cells`."""
+        return self._assignment.of_cell
+
     def operator(self) -> Sparse:
         """S, csr (6 p, 3 n) [Pa/m]: nodal displacements (dof 3*node + component) to stress without `own`, user axes."""
         return self.operator_at(np.arange(len(self.points)))
@@ -302,6 +312,10 @@ class StressPlan:
                 normal = surface.shape.normal(*surface.shape.chart(place)[:2])
                 A[where] -= traction_correction(normal, poisson) @ traction_operator(normal)
         return at_slots, at_points
+
+    def without_traction(self, stress: Array) -> Array:
+        """Stresses (r, p, 6) at the points with no traction where these lie on contact surfaces."""
+        return np.einsum("pij,rpj->rpi", self._without_traction()[1], stress)
 
     def _sites(self, surface: _OnSurface) -> list[tuple[Array, Array, Array]]:
         """For the slots and the points on the surface: numbers, positions [m], Poisson ratios."""

@@ -60,6 +60,8 @@ NAMES = {
     "speed_cell": "cells, in scenes with a coefficient of friction that depends on the slip speed",
     "speed_pair": "pairs, in such scenes",
     "speed_outer": "outer unknowns, in such scenes",
+    "square": "squares of the membrane energy of bodies",
+    "square_line": "entries of their lines",
     "share": "cells of the second surface that one of the first overlaps",
     "surface_place": "places of the larger window",
     "patch_pair": "pairs, in scenes with patches of cells",
@@ -137,6 +139,7 @@ NAMES = {
     **dict.fromkeys(
         (
             "inertia_entry",
+            "membrane_entry",
             "stiffening_entry",
             "signal_entry",
             "held_entry",
@@ -188,6 +191,7 @@ NAMES = {
     "row_or_mode": "rows and modes",
     "stiffened_interface": "interfaces of bodies that their loads stiffen",
     "inertia_mode": "modes that carry inertia",
+    "square_mode": "modes that carry inertia, where bodies have membrane energy",
     "free_outer": "outer unknowns, in scenes without contact",
     "projected_row": "rows, where velocities are projected onto them",
     "projected_outer": "outer unknowns, where velocities are projected",
@@ -278,6 +282,8 @@ def sizes_of(
         "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
         "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
         "inertia_mode": int(m.bodies.inertia_count.numpy().sum()), "free_outer": 0 if P else outer,
+        "square": m.membrane.count, "square_line": m.membrane.lines,
+        "square_mode": m.dense.count if m.membrane.count else 0,
         "projected_row": rows if projected else 0, "projected_outer": outer if projected else 0,
         "layer_slot": S if layered else 0, "layer_outer": outer if layered else 0,
         "slot_beside": S if beside else 0, "outer_beside": outer if beside else 0,

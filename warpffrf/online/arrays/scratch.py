@@ -58,6 +58,8 @@ class Motion(Arrays):
     exact: DeviceArray = reals("world", "exact_mode", 9, note="step, exact coefficients for it", carried=True)
     inertia_sums: DeviceArray = reals("world", "dense", 21, note="of modes and rates, see `inertia`")
     extra_energy: DeviceArray = reals("world", "body", unit="J", note="kinetic, of inertia terms", zero_without=True)
+    membrane_slope: DeviceArray = reals("world", "square_line", note="L_r q, see `membrane`")
+    membrane_amplitude: DeviceArray = reals("world", "square", unit="J^1/2", note="q.L_r q/2", zero_without=True)
     interface_motion: DeviceArray = reals("world", "interface", 6, unit="m, rad")
     slope: DeviceArray = reals(
         "world",

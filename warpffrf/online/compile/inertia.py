@@ -44,7 +44,25 @@ def fill_inertia(collector: Collector, m: Model) -> None:
         m.bodies, dense_start=starts[:-1], dense_count=counts, inertia_count=carrying,
         inertia_start=np.cumsum([0] + [9 * n * n for n in carrying])[:-1],
     )  # fmt: skip
+    _fill_membrane(collector, m)
     collector.notes.extend(collector.inertia.notes)
+
+
+def _fill_membrane(collector: Collector, m: Model) -> None:
+    """Forms of the membrane energy of bodies that are stiffened, body by body."""
+    forms = []
+    for plan in collector.inertia.bodies:
+        found = None if plan.stiffening is None else plan.stiffening.membrane
+        forms.append(np.zeros((0, plan.count, plan.count)) if found is None else np.asarray(found))
+    ranks, counts = [len(L) for L in forms], [L.shape[1] for L in forms]
+    lines = np.concatenate([[0], np.cumsum(np.repeat(counts, ranks))]).astype(int)
+    entries = np.concatenate([[0], np.cumsum(np.repeat(np.square(counts), ranks))]).astype(int)
+    collector.fill(
+        m.membrane, count=sum(ranks), lines=int(lines[-1]), body=np.repeat(np.arange(len(forms)), ranks),
+        table_start=entries[:-1], line_start=lines[:-1],
+        table=np.concatenate([np.zeros(0), *(L.ravel() for L in forms)]),
+    )  # fmt: skip
+    collector.fill(m.bodies, square_start=np.cumsum([0, *ranks]))
 
 
 def outer_modes(collector: Collector) -> list[int]:

@@ -85,6 +85,11 @@ def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
         raise InputError(
             f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
         )
+    if stiffening is not None and stiffening.membrane is not None and len(stiffening.membrane):
+        notes.append(
+            f"body {body.name!r}: {len(stiffening.membrane)} squares of membrane energy act on its modes; stresses and "
+            "places in results have the part that is linear in the modes only"
+        )
     if level == "auto":
         if terms is None or not len(terms.first):
             notes.append(

@@ -201,6 +201,14 @@ def check_free(scene: Scene, integrator: str, *, loads: bool) -> None:
     torques pass where `loads`."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
+    for body in scene.bodies:
+        terms = None if body.reduced is None or not body.stiffening else body.reduced.inertia_terms
+        forms = None if terms is None or terms.stiffening is None else terms.stiffening.membrane
+        if forms is not None and len(forms):
+            raise InputError(
+                f"{integrator}: body {body.name!r} has membrane energy, which is not known here; add it with "
+                f"stiffening=False, or {CURE}"
+            )
     for item in [*scene.joints, *scene.drives, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps]:
         raise InputError(
             f"{integrator}: {item.kind} {item.name!r}: only scenes of free bodies can be integrated so; remove it, or "

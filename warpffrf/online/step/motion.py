@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.bodies import inertia, interfaces, motion
+from warpffrf_kernels.bodies import inertia, interfaces, membrane, motion
 from warpffrf_kernels.constraints import forces, rows
 from warpffrf_kernels.step import accuracy, commit, proximal, record
 
@@ -29,6 +29,8 @@ MOTION = Participant(
         blocks(inertia.uncondense, when="dense"),
         blocks(inertia.sum_modes, when="inertia_mode", **SUMS),
         blocks(inertia.add_inertia, when="inertia_mode", **SUMS),
+        blocks(membrane.stretch_fibres, when="square"),
+        blocks(membrane.add_membrane_forces, when="square_mode"),
         blocks(inertia.shorten_interfaces, when="stiffened_interface"),
         blocks(interfaces.move_interfaces, when="interface", **INTERFACES),
     ],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.bodies import inertia
+from warpffrf_kernels.bodies import inertia, membrane
 from warpffrf_kernels.constraints import geometric_stiffness
 from warpffrf_kernels.impulsive import impulsive_contact
 from warpffrf_kernels.linear import outer, outer_solve
@@ -23,6 +23,7 @@ OUTER = Participant(
     assemble=[
         blocks(outer.condense),
         blocks(inertia.couple_modes, when="inertia_mode"),
+        blocks(membrane.stiffen_membranes, when="square_mode"),
         threads(geometric_stiffness.stiffen, when="row", **INTERFACES),
         threads(geometric_stiffness.stiffen_applied, when="applied", **INTERFACES),
     ],

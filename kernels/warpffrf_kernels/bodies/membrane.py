@@ -1,0 +1,133 @@
+"""The membrane energy of bodies: what their fibres are stretched by of second order in the modes, as squares.
+
+    V4 = 1/2 sum_r e_r^2,      y_r = L_r q,      e_r = q.y_r/2,
+    unbalanced force on the modes   sum_r e_r y_r,      tangent   sum_r y_r y_r^T + e_r L_r,
+
+the L_r symmetric forms over the modes of a body that carry inertia, dense unknowns of the outer system (`inertia`). A
+square is one form of one body; its y_r is a line of `membrane_slope`. Neither the force nor the first part of the
+tangent is ever that of a spring that pushes.
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core.access import changed, out
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real
+
+wp.set_module_options(MODULE_OPTIONS)
+
+
+# z[at_z : at_z + n] += a x[at_x : at_x + n] + b y[at_y : at_y + n], by one lane
+@wp.func_native("""
+    double* __restrict p = z.data + at_z;
+    const double* __restrict s = x.data + at_x; const double* __restrict t = y.data + at_y;
+    for (int i = 0; i < n; ++i) p[i] += a * s[i] + b * t[i];
+""")
+def add_lines(
+    n: int,
+    a: real,
+    x: wp.array(dtype=real),
+    at_x: int,
+    b: real,
+    y: wp.array(dtype=real),
+    at_y: int,
+    z: wp.array(dtype=real),
+    at_z: int,
+): ...
+
+
+@wp.func
+def slope_line(model: Model, w: int, square: int) -> int:
+    """Where y_r of a square begins in `membrane_slope`, flat."""
+    return w * model.membrane.lines + model.membrane.line_start[square]
+
+
+@wp.kernel
+def stretch_fibres(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    q1: wp.array(dtype=real),
+    membrane_slope: out(wp.array(dtype=real)),
+    membrane_amplitude: out(wp.array2d(dtype=real)),
+):
+    """Lanes over squares: y_r and e_r."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    s = lane
+    while s < model.membrane.count:
+        b = model.membrane.body[s]
+        count = model.bodies.inertia_count[b]
+        modes = w * model.modes.count + model.bodies.modal_start[b]
+        line = slope_line(model, w, s)
+        i = int(0)
+        while i < count:
+            membrane_slope[line + i] = dot(
+                count, model.membrane.table, model.membrane.table_start[s] + i * count, q1, modes
+            )
+            i += 1
+        membrane_amplitude[w, s] = real(0.5) * dot(count, membrane_slope, line, q1, modes)
+        s += wp.block_dim()
+
+
+@wp.kernel
+def add_membrane_forces(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    membrane_slope: wp.array(dtype=real),
+    membrane_amplitude: wp.array2d(dtype=real),
+    modal_residual: changed(wp.array2d(dtype=real)),
+):
+    """Lanes over dense modes: unbalanced forces."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    d = lane
+    while d < model.dense.count:
+        b = model.dense.body[d]
+        i = d - model.bodies.dense_start[b]
+        if i < model.bodies.inertia_count[b]:
+            total = real(0.0)
+            s = model.bodies.square_start[b]
+            while s < model.bodies.square_start[b + 1]:
+                total += membrane_amplitude[w, s] * membrane_slope[slope_line(model, w, s) + i]
+                s += 1
+            m = model.dense.mode[d]
+            modal_residual[w, m] = modal_residual[w, m] + total
+        d += wp.block_dim()
+
+
+@wp.kernel
+def stiffen_membranes(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    membrane_slope: wp.array(dtype=real),
+    membrane_amplitude: wp.array2d(dtype=real),
+    tangent: changed(wp.array(dtype=real)),
+):
+    """Lanes over dense modes: their lines of the tangent."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+        return
+    d = lane
+    N = model.outer.count
+    while d < model.dense.count:
+        b = model.dense.body[d]
+        i = d - model.bodies.dense_start[b]
+        count = model.bodies.inertia_count[b]
+        if i < count:
+            at = (w * N + 6 * model.bodies.count + d) * N + 6 * model.bodies.count + model.bodies.dense_start[b]
+            s = model.bodies.square_start[b]
+            while s < model.bodies.square_start[b + 1]:
+                line = slope_line(model, w, s)
+                form = model.membrane.table_start[s] + i * count
+                add_lines(
+                    count, membrane_slope[line + i], membrane_slope, line, membrane_amplitude[w, s],
+                    model.membrane.table, form, tangent, at,
+                )  # fmt: skip
+                s += 1
+        d += wp.block_dim()

@@ -1,0 +1,149 @@
+r"""The membrane energy of a body as a sum of few squares: what no motion along itself relieves.
+
+With the second-order strain E2 of `second_order`, which is orthogonal to that of every mode, the elastic energy is
+
+    V = |z|^2/2 + V4 + ...,      z_i = omega_i q_i,      V4 = 1/2 int E2 . C E2 dV = 1/2 r.A r,
+
+r the products of z of `second_order.Pairs`, A (P, P) the Gram matrix of the strains of unit pairs in the energy, summed
+over cells: symmetric and never negative, whatever round-off does to the fields; as K4 - a.K_f^+ a/2, the same by
+algebra, it would be the small difference of large numbers. By its eigenvalues A v_r = lambda_r v_r
+
+    V4 = 1/2 sum_r e_r^2,      e_r = sqrt(lambda_r) v_r.r = q.L_r q/2,      L_r = 2 sqrt(lambda_r) Omega S_r Omega,
+
+S_r the symmetric matrix of v_r.r. Eigenvalues below `TRUNCATION` of the largest are left out; as |r| = |z|^2, what that
+changes of V4 is below this fraction of the largest V4 of all states of the same V2. What is left out of V altogether:
+
+* terms int sigma . H(phi)^T H(Theta) of bending stress, smaller than those kept by thickness over length, and those of
+  fourth order of a body that bends without stretching; both go with the square of rotations from the mean axes;
+* inertia of Theta.
+
+**No bending.** Stretching counts in a mode from the amplitude on at which its energy (eta/2) . C (eta/2) is that of the
+linear strain: with kappa_i this energy, twice, at z_i = 1, it is z_i^2 = 1/kappa_i, and the strain, as a uniform one of
+the same energy, 1/sqrt(kappa_i int E dV): about (t/L)^2 of a plate, a fraction of one of a solid. If that is above
+`BENDING` in all modes, none bends, and the terms would be for strains for which the material is not right.
+
+**All relieved.** A beam whose ends move freely has next to no V4; what its mesh leaves is not kept: nothing, if the
+largest eigenvalue is below `RELIEVED` of the largest kappa.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh import Mesh
+from warpffrf.offline.elastic import ElasticModel
+from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
+from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe.reference import physical_gradients
+from warpffrf.offline.inertia.second_order import SecondOrderStrain, second_order_motion
+from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.products import MembraneTerms
+
+Array = np.ndarray
+MEMBRANE = "membrane"  # the word for it in `reduce(stiffening=)`
+MODES = 20  # that carry membrane energy where nobody says otherwise: 210 pairs, each a field of displacements
+TRUNCATION = 1e-2  # of the largest eigenvalue: a plate's deflection changes by less than 0.05 %
+BENDING = 0.1  # strain, see the module docstring: a beam five times as long as thick has 0.02, a cube 0.24
+RELIEVED = 5e-3  # of stretching alone: a free beam ten times as long as thick keeps 1e-4, a free plate 5e-2
+LOCKING = ("hex8", "wedge6", "tet4")  # linear cells: their second-order strain is relieved on average at best
+
+
+def membrane_terms(
+    mesh: Mesh,
+    assignment: Assignment,
+    model: ElasticModel,
+    system: InterfaceSystem,
+    M: Sparse,
+    U: Array,
+    omega: Array,
+    modes: int | None,
+    rotations: Mapping[str, Array],
+    *,
+    memory_limit: int,
+    chunk_bytes: int = CHUNK_BYTES,
+) -> MembraneTerms:
+    """Membrane energy of the first `modes` (None: up to `MODES`) of the modes `U` (3 n, k) of frequencies `omega` (k,)
+    [rad/s]; `rotations` (k, 3) [rad] of each rigid interface by these modes, `M` (3 n, 3 n) [kg] nodal mass matrix.
+
+    Raises `InputError` where none of the modes bends, or more are asked for than there are, and for a memory limit that
+    is too small.
+    """
+    covered = len(omega)
+    count = min(MODES, covered) if modes is None else modes
+    if count > covered:
+        raise InputError(
+            f"reduce: membrane_modes={count}, of a body with {covered} modes that have inertia terms; ask for fewer, "
+            "or raise modes and inertia_modes"
+        )
+    scale = omega[:count]
+    strain = SecondOrderStrain(mesh.points, mesh.cells, assignment, U[:, :count] / scale, chunk_bytes)
+    pairs = strain.pairs
+    turned = {name: turn[:count] / scale[:, None] for name, turn in rotations.items()}
+    theta, bare = second_order_motion(strain, model, system, M, turned, memory_limit=memory_limit)
+    kappa = bare[pairs.first == pairs.second]
+    bending = _require_bending(mesh, assignment, kappa)
+    A = strain.energies(theta)
+    values, vectors = np.linalg.eigh(A)
+    values, vectors = values[::-1], vectors[:, ::-1]
+    kept = int(np.sum(values > TRUNCATION * values[0])) if values[0] > RELIEVED * kappa.max() else 0
+    vectors = vectors[:, :kept] * np.sign(vectors[np.abs(vectors[:, :kept]).argmax(axis=0), np.arange(kept)])
+    S, root = pairs.forms(vectors), np.sqrt(values[:kept])
+    whole = (slice(None), slice(None, count), slice(None, count))
+    forms, products = np.zeros((2, kept, covered, covered))
+    both = np.outer(scale, scale)
+    forms[whole] = 2.0 * root[:, None, None] * (S * both)
+    products[whole] = S / both / root[:, None, None]
+    facts = {
+        "modes": count,
+        "pairs": len(pairs),
+        "rank": kept,
+        "truncation": float(max(values[kept], 0.0) / values[0]) if 0 < kept < len(values) else 0.0,
+        "share_left_out": float(values[kept:].clip(0.0).sum() / values.clip(0.0).sum()) if kept else 1.0,
+        "least_eigenvalue": float(values[-1] / values[0]),
+        "relieved": float(1.0 - values[0] / kappa.max()),
+        "bending_strain": bending,
+    }
+    return MembraneTerms(forms, U, products, theta @ (vectors / root), facts)
+
+
+def membrane_notes(facts: Mapping[str, Any], mesh: Mesh) -> tuple[list[str], list[str]]:
+    """Notes and warnings on the `facts` of membrane terms."""
+    notes = [
+        f"stiffening='membrane': {facts['rank']} squares for {facts['pairs']} products of {facts['modes']} modes, what "
+        f"is left out is below {facts['truncation']:.2g} of the largest membrane energy; the inertia of second-order "
+        "motion is neglected"
+    ]
+    if not facts["rank"]:
+        notes = [
+            f"stiffening='membrane': the motion of the body relieves all but {1.0 - facts['relieved']:.2g} of its "
+            "membrane strain, no membrane energy is kept; stiffening=True does the same for less"
+        ]
+    linear = [kind for kind in mesh.cells if kind in LOCKING]
+    warnings = [
+        f"stiffening='membrane': {', '.join(linear)} cells cannot relieve second-order strain within themselves, the "
+        "body is too stiff at large deflections; use hex20, hex27, wedge15 or tet10 cells"
+    ]
+    return notes, warnings if linear else []
+
+
+def _require_bending(mesh: Mesh, assignment: Assignment, kappa: Array) -> float:
+    """The least strain at which stretching counts (module docstring), of `kappa` (m,) [1/J] of the modes."""
+    stiffness = 0.0  # int E dV [J]
+    for kind, cells in mesh.cells.items():
+        _, weight = physical_gradients(mesh.points[cells], kind)
+        E = np.array([m.youngs_modulus for m in assignment.materials])[assignment.of_cell[kind]]
+        stiffness += float(E @ weight.sum(axis=1))
+    least = float(1.0 / np.sqrt(kappa.max() * stiffness)) if len(kappa) and kappa.max() > 0.0 else np.inf
+    if least > BENDING:
+        linear = [kind for kind in mesh.cells if kind in LOCKING]
+        locking = f"use quadratic cells, as {', '.join(linear)} cells lock in bending, " if linear else ""
+        raise InputError(
+            f"stiffening='membrane': a membrane basis without bending modes: stretching counts in none of the first "
+            f"{len(kappa)} modes below a strain of {least:.2g}; {locking}ask for more vibration modes "
+            "(modes=, membrane_modes=), or leave stiffening='membrane' out for a body that does not bend"
+        )
+    return least
