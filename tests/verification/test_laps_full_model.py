@@ -18,9 +18,10 @@ from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.verification.closed_forms import TwoLeaves
+from warpffrf.verification.finite_elements.meshes import matrices
 from warpffrf.verification.laps.cells import Cells, facet_cells, gathered, node_cells, together
 from warpffrf.verification.laps.dynamics import Scheme, peaks, released
-from warpffrf.verification.laps.full_model import FullModel, Part, matrices
+from warpffrf.verification.laps.full_model import FullModel, Part
 from warpffrf.verification.laps.quasi_static import StaticLap
 from warpffrf.verification.laps.sheets import ROOT, graded_stack, one_body, stack
 

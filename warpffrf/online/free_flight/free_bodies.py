@@ -16,8 +16,8 @@ As G_ij is antisymmetric, sum qdot_i qdot_j G_ij = 0, and what remains is
     H^T wdot + qddot = b,          b_i = f_i - k_i q_i - c_i qdot_i + w.P_i w/2 + 2 sum_j w.G_ij qdot_j.
 
 The modes are eliminated: (J - H H^T) wdot = a - H b. Geometric stiffening by rotation, sum w_a w_b Kc_ab, is a part of
--J2; that by interface loads F adds -sum F_k Kf_k q to f, and moves the interface by -q.Kf_k q/2. Modes beyond the first k,
-which carry no inertia terms, are oscillators.
+-J2; that by interface loads F adds -sum F_k Kf_k q to f, and moves the interface by -q.Kf_k q/2. Modes beyond the first
+k, which carry no inertia terms, are oscillators.
 """
 
 from __future__ import annotations

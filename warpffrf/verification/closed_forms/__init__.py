@@ -1,5 +1,5 @@
 """Closed forms of contact that simulations are held against: Hertz, Cattaneo-Mindlin, Carter, impact, conformal pin,
-joints that slide a little.
+joints that slide a little, large deflections.
 
 None of these files imports the engine, the kernels or the reduction.
 """
@@ -22,17 +22,25 @@ from warpffrf.verification.closed_forms.joints import (
     TwoLeaves,
     equivalent_damping,
 )
+from warpffrf.verification.closed_forms.large_deflections import (
+    LEVY_CLAMPED_SQUARE,
+    Elastica,
+    bar_force,
+    pinned_beam_frequency,
+)
 from warpffrf.verification.closed_forms.leaf_spring import LeafSpring
 from warpffrf.verification.closed_forms.mindlin import MindlinLine, MindlinPoint, tangential_compliance
 from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_ratio
 from warpffrf.verification.closed_forms.turned_fit import TurnedFit
 
 __all__ = [
+    "LEVY_CLAMPED_SQUARE",
     "BarImpact",
     "BarOnBase",
     "BoltedJoint",
     "CarterRolling",
     "ConformalPin",
+    "Elastica",
     "HertzImpact",
     "LeafSpring",
     "LineContact",
@@ -43,6 +51,7 @@ __all__ = [
     "SlidingLine",
     "TurnedFit",
     "TwoLeaves",
+    "bar_force",
     "conformal_by_half_angle",
     "conformal_by_load",
     "contact_modulus",
@@ -50,5 +59,6 @@ __all__ = [
     "cylinder_approach",
     "equivalent_damping",
     "persson",
+    "pinned_beam_frequency",
     "tangential_compliance",
 ]

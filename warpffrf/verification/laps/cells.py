@@ -17,7 +17,8 @@ import scipy.sparse as sp
 from scipy.spatial import KDTree
 
 from warpffrf.model.errors import InputError
-from warpffrf.verification.laps.full_model import FullModel, facet_shares
+from warpffrf.verification.finite_elements.meshes import facet_shares
+from warpffrf.verification.laps.full_model import FullModel
 
 Array = np.ndarray
 SAME_PLACE = 1e-6  # of the size of a facet: partners are this close along the face; along the normal there is a gap

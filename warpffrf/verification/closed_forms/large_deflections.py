@@ -1,0 +1,103 @@
+r"""Deflections that are not small: a cantilever, a pinned beam that vibrates, a clamped plate, a bar that is stretched.
+
+**Elastica** (K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272). A cantilever that does not stretch, EI
+along L, bends under a dead force P across its tip: EI theta'' = -P cos theta, theta(0) = 0, theta'(L) = 0. With theta_0
+at the tip, k^2 = (1 + sin theta_0)/2 and sin phi = 1/(k sqrt 2)
+
+    sqrt(P L^2/EI) = K(k) - F(phi, k),
+    w/L = 1 - 2 (E(k) - E(phi, k))/sqrt(P L^2/EI),        1 - u/L = sqrt(2 sin theta_0/(P L^2/EI)),
+
+w the tip's way along the force, u that back to the root.
+
+**Pinned beam** (S. Woinowsky-Krieger, J. Appl. Mech. 17 (1950) 35). Both ends are held apart at L, so that the first
+mode A sin(pi x/L) stretches the beam by (pi A/2 L)^2: with r the radius of gyration, x'' + w0^2 (x + x^3/(4 r^2)) = 0,
+
+    f/f0 = pi sqrt(1 + b)/(2 K(m)),      b = (A/r)^2/4,      m = b/(2 (1 + b)).
+
+**Clamped square plate** (S. Levy, NACA Report 740 (1942), table of centre deflections). Pressure q, edge a, thickness
+t, nu = 0.316; the edges are held but may move along themselves; his error is at most 2 %.
+
+**Bar** of St. Venant-Kirchhoff's material, stretched to L (1 + e), free to contract. The stress S across it is zero
+where its strain is -nu E, so that S = E_Y E along it, E = e + e^2/2, and the force on its undeformed section is
+
+    P = A E_Y (1 + e) (e + e^2/2),      its least, a limit point, at 1 + e = 1/sqrt 3:  P = -A E_Y/(3 sqrt 3).
+
+A bar whose width is held has M = E_Y (1 - nu)/((1 + nu)(1 - 2 nu)) in the place of E_Y.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
+
+from warpffrf.model.errors import require_number
+
+STEEPEST = 0.5 * np.pi - 1e-9  # rad, of the tip of a cantilever: it takes an infinite force to turn it to pi/2
+LIMIT_STRETCH = 1.0 / np.sqrt(3.0)
+# of the plate: q a^4/(E t^4) -> w/t at its centre
+LEVY_CLAMPED_SQUARE = {
+    17.79: 0.237,
+    38.3: 0.471,
+    63.4: 0.695,
+    95.0: 0.912,
+    134.9: 1.121,
+    184.0: 1.323,
+    245.0: 1.521,
+    318.0: 1.714,
+    402.0: 1.902,
+}
+LEVY_POISSON = 0.316
+
+
+@dataclass(frozen=True)
+class Elastica:
+    """A cantilever under a dead force across its tip; `load` P L^2/(E I). Raises `InputError` for a load not above
+    zero."""
+
+    load: float
+
+    def __post_init__(self) -> None:
+        require_number(self.load, "elastica: load", positive=True)
+
+    @cached_property
+    def tip_angle(self) -> float:
+        """theta_0 [rad]."""
+
+        def excess(angle: float) -> float:
+            m, phi = self._modulus(angle)
+            return float(ellipk(m) - ellipkinc(phi, m)) - np.sqrt(self.load)
+
+        return float(brentq(excess, 0.0, STEEPEST, xtol=1e-15, rtol=1e-14))  # type: ignore[arg-type]
+
+    @property
+    def deflection(self) -> float:
+        """w/L, the way of the tip along the force."""
+        m, phi = self._modulus(self.tip_angle)
+        return float(1.0 - 2.0 * (ellipe(m) - ellipeinc(phi, m)) / np.sqrt(self.load))
+
+    @property
+    def shortening(self) -> float:
+        """u/L, the way of the tip towards the root."""
+        return float(1.0 - np.sqrt(2.0 * np.sin(self.tip_angle) / self.load))
+
+    @staticmethod
+    def _modulus(angle: float) -> tuple[float, float]:
+        """k^2 and phi."""
+        m = 0.5 * (1.0 + np.sin(angle))
+        return m, float(np.arcsin(1.0 / np.sqrt(2.0 * m)))
+
+
+def pinned_beam_frequency(amplitude: float) -> float:
+    """f/f0 of the first mode at an `amplitude` A/r, r the radius of gyration of the section."""
+    b = 0.25 * require_number(amplitude, "pinned beam: amplitude") ** 2
+    return float(np.pi * np.sqrt(1.0 + b) / (2.0 * ellipk(0.5 * b / (1.0 + b))))
+
+
+def bar_force(strain: np.ndarray | float) -> np.ndarray:
+    """P/(A E_Y) of a bar stretched to 1 + `strain` times its length."""
+    e = np.asarray(strain, dtype=float)
+    return (1.0 + e) * (e + 0.5 * e**2)
