@@ -240,7 +240,7 @@ def test_stiffening_is_a_stiffness_times_products_of_the_angular_velocity(body: 
         L_rate = one.inertia(q, one.slopes(q)) @ rates.w + rates.qd @ one.coupling(q)
         found.append((L_rate, rates.qd + one.coupling(q) @ rates.w))
         J = one.inertia(q, one.slopes(q))
-        arm = one.loads[0].arm + q @ one.loads[0].shift
+        arm = one.loads[0].arm + q @ one.loads[0].shift - 0.5 * stiffening * np.einsum("i,cij,j->c", q, F[:3], q)
         assert L_rate == pytest.approx(np.cross(arm, force) - np.cross(w, J @ w), abs=1e-10)
     load = {"tip": np.concatenate([force, np.zeros(3)])}
     assert found[1][1] - found[0][1] == pytest.approx(-stiff.matrix(w, load) @ q, abs=1e-10)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ import pytest
 from recordings import columns
 
 import warpffrf as wf
+from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.scene_view import BodyView
 from warpffrf.output.recording.glyphs import inertia_box, rigid_size
@@ -59,14 +61,25 @@ def test_a_disc_is_drawn_with_some_thickness_and_an_unknown_inertia_not_at_all()
 
 
 def test_an_anchor_follows_the_motion_of_its_interface(body: Any) -> None:
+    def view(reduced: Any, *, stiffening: bool = False) -> BodyView:
+        return BodyView("lower", reduced, 1.0, np.zeros(3), stiffening=stiffening)
+
     reduced = body
     interface = reduced.interfaces["bore"]
     interface.modes[0] = [1.0, 0.0, 0.0, 0.0, 0.0, 2.0]
     anchor = Anchor("joint", "axle", "lower", "bore", interface.point + [0.0, 0.5, 0.0], True)
     # translation q along x and rotation 2 q about z, which moves the point at y = 0.5 by -2 q 0.5 along x
-    assert anchor.local(reduced, np.array([0.1, 0.0]), 3.0) - anchor.point == pytest.approx([0.3 - 0.3, 0.0, 0.0])
+    assert anchor.local(view(reduced), np.array([0.1, 0.0]), 3.0) - anchor.point == pytest.approx([0.3 - 0.3, 0.0, 0.0])
+    # where loads stiffen the body it comes back along x by q K q/2 besides
+    K = np.zeros((6, 1, 1))
+    K[0] = 4.0
+    terms = InertiaTerms(np.zeros((1, 3, 3)), np.zeros((1, 1, 3, 3)), np.zeros((1, 1, 3)),
+                         GeometricStiffness(K, {"bore": K}))  # fmt: skip
+    bent = view(replace(reduced, inertia_terms=terms), stiffening=True)
+    moved = anchor.local(bent, np.array([0.1, 0.0]), 3.0) - anchor.point
+    assert moved == pytest.approx([-3.0 * 0.5 * 4.0 * 0.1**2, 0.0, 0.0])
     interface.modes[0] = 0.0
-    assert anchor.local(None, np.zeros(0), 3.0) is anchor.point
+    assert anchor.local(view(None), np.zeros(0), 3.0) is anchor.point
     again = Anchor.of(anchor.describe())
     assert again.describe() == anchor.describe()
 

@@ -11,6 +11,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
+from warpffrf.model.interface_motion import interface_motion, interface_slope
 from warpffrf.online.vibrations.eigenmodes import SceneModes
 from warpffrf.online.vibrations.rubbing import Cycle, equivalent, rubbing_mode
 
@@ -140,8 +141,9 @@ def _displacement(modes: SceneModes, i: int, port: Any) -> float:
     shape, A = modes.shapes[name][i], rot.matrix(modes.rotation[name])
     place, own = port.point, np.zeros(3)
     if port.interface_name is not None and len(shape.modal):
-        traces = port.body.reduced.interfaces[port.interface_name].modes[:, :3]
-        place, own = place + modes.modal[name] @ traces, np.real(shape.modal) @ traces
+        q = modes.modal[name]
+        place = place + interface_motion(port.body, port.interface_name, q)[:3]
+        own = np.real(shape.modal) @ interface_slope(port.body, port.interface_name, q)[:, :3]
     moved = np.real(shape.translation) + np.cross(np.real(shape.rotation), A @ place) + A @ own
     size = float(np.linalg.norm(moved))
     if size <= STILL * max(float(np.linalg.norm(np.real(s[i].translation))) for s in modes.shapes.values()):

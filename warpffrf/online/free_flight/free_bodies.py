@@ -16,8 +16,8 @@ As G_ij is antisymmetric, sum qdot_i qdot_j G_ij = 0, and what remains is
     H^T wdot + qddot = b,          b_i = f_i - k_i q_i - c_i qdot_i + w.P_i w/2 + 2 sum_j w.G_ij qdot_j.
 
 The modes are eliminated: (J - H H^T) wdot = a - H b. Geometric stiffening by rotation, sum w_a w_b Kc_ab, is a part of
--J2; that by interface loads F adds -sum F_k Kf_k q to f. Modes beyond the first k, which carry no inertia terms, are
-oscillators.
+-J2; that by interface loads F adds -sum F_k Kf_k q to f, and moves the interface by -q.Kf_k q/2. Modes beyond the first
+k, which carry no inertia terms, are oscillators.
 """
 
 from __future__ import annotations
@@ -72,6 +72,13 @@ class AppliedLoad:
     shift: Array
     turn: Array
     stiffening: Array | None
+
+    def shortening(self, q: Array) -> Array:
+        """Motion (3,) [m] of the point of second order in q (m,)."""
+        if self.stiffening is None:
+            return np.zeros(3)
+        k = self.stiffening.shape[1]
+        return -0.5 * (self.stiffening[:3] @ q[:k]) @ q[:k]
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +156,7 @@ class FreeBody:
             value = np.array([float(signal(t)) for signal in applied.load.components])
             local = value if applied.load.frame == "body" else A.T @ value
             if applied.load.what == "force":
-                arm = applied.arm + state.q @ applied.shift
+                arm = applied.arm + state.q @ applied.shift + applied.shortening(state.q)
                 force += A @ local
                 torque += np.cross(arm, local)
                 modal += applied.shift @ local

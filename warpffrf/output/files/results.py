@@ -344,7 +344,7 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
         inertia = None if body.inertia is None else np.asarray(body.inertia).tolist()
         bodies.append(
             {"name": body.name, "mass": body.mass, "center_of_mass": center, "inertia": inertia, "reduced": digest,
-             "shapes": _described(body)}
+             "shapes": _described(body), "stiffening": body.stiffening}
         )  # fmt: skip
     group.attrs["bodies"] = json.dumps(bodies)
     for kind, found in (("pairs", view.pairs), ("lumped", view.lumped)):
@@ -391,7 +391,7 @@ def _get_scene(file: Any) -> SceneView:
         b["name"]: BodyView(
             b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
             np.array(b["inertia"]) if b.get("inertia") is not None else None,  # older files do not say
-            _shapes(b.get("shapes", {})),
+            _shapes(b.get("shapes", {})), b.get("stiffening", False),
         )
         for b in json.loads(group.attrs["bodies"])
     }  # fmt: skip

@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.interface_motion import interface_motion
+
 
 @dataclass(frozen=True, eq=False)
 class Anchor:
@@ -34,13 +36,14 @@ class Anchor:
         kind, name, body, interface, point, loaded = data
         return cls(kind, name, body, interface, np.array(point, dtype=float), bool(loaded))
 
-    def local(self, reduced: Any, modal: np.ndarray, factor: float) -> np.ndarray:
-        """The place (3,) [m, user frame] with the interface's motion times `factor` at modal coordinates (m,)."""
-        if self.interface is None or reduced is None or not len(modal):
+    def local(self, body: Any, modal: np.ndarray, factor: float) -> np.ndarray:
+        """The place (3,) [m, user frame] on `body`, its `BodyView`, with the interface's motion times `factor` at modal
+        coordinates (m,)."""
+        if self.interface is None or body.reduced is None or not len(modal):
             return self.point
-        interface = reduced.interfaces[self.interface]
-        motion = factor * (modal @ interface.modes)
-        return self.point + motion[:3] + np.cross(motion[3:], self.point - interface.point)
+        motion = factor * interface_motion(body, self.interface, modal)
+        arm = self.point - body.reduced.interfaces[self.interface].point
+        return self.point + motion[:3] + np.cross(motion[3:], arm)
 
 
 def scene_anchors(scene: Any) -> tuple[Anchor, ...]:

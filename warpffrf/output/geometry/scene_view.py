@@ -22,7 +22,8 @@ GROUND = "ground"
 @dataclass(frozen=True)
 class BodyView:
     """One body: its name, its reduced body (None when rigid), mass [kg], centre of mass [m, user frame] and inertia
-    about it [kg m2, user axes]; None in an older results file. `shapes`: what a rigid one touches with, by name."""
+    about it [kg m2, user axes]; None in an older results file. `shapes`: what a rigid one touches with, by name;
+    `stiffening`: whether loads stiffen it, and its deflections shorten it."""
 
     name: str
     reduced: Any
@@ -30,6 +31,7 @@ class BodyView:
     center_of_mass: np.ndarray
     inertia: np.ndarray | None = None
     shapes: dict[str, Any] = field(default_factory=dict)
+    stiffening: bool = False
 
     def surface(self, name: str) -> Any:
         """The body's contact surface called `name`: a `ContactSurface`, of a rigid body a `RigidSurface`."""
@@ -143,7 +145,7 @@ def scene_view(scene: Any) -> SceneView:
     bodies = {
         body.name: BodyView(
             body.name, body.reduced, float(body.mass), np.asarray(body.center_of_mass, dtype=float),
-            np.asarray(body.inertia, dtype=float), shapes.get(body.name, {}),
+            np.asarray(body.inertia, dtype=float), shapes.get(body.name, {}), bool(body.stiffening),
         )
         for body in scene.bodies
     }  # fmt: skip

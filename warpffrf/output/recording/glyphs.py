@@ -122,8 +122,7 @@ class Glyphs:
         if anchor.body is None:
             return anchor.point
         motion = self.result.history.bodies[anchor.body]
-        reduced = self.result.view.bodies[anchor.body].reduced
-        local = anchor.local(reduced, motion.modal[i], self.recorder.factor)
+        local = anchor.local(self.result.view.bodies[anchor.body], motion.modal[i], self.recorder.factor)
         return motion.position[i] + rotate(motion.rotation[i], local[None])[0]
 
 
