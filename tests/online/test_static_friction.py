@@ -21,6 +21,7 @@ from warpffrf.verification.scenes.rollers import roller_body
 
 ORIGIN = (0.0, 0.0, 0.0)
 STIFFNESS, BOUND, LOAD = 1000.0, 20.0, 50.0  # N/m, N, N
+RADIUS, PRESS = 0.05, 3e4  # m, N: of a roller
 ROUND_OFF = 1e-12
 TIMES, SIGNS = [0.0, 1.0, 3.0, 5.0], np.array([0.0, 1.0, -1.0, 1.0])
 
@@ -210,3 +211,29 @@ def test_history_is_committed_by_whole_steps_alone() -> None:
         engine.enter(mode, 0.1)
         engine.replay(1)
         assert engine.word("accept")[0] == 1 and engine.word("commit")[0] == 1
+
+
+def test_a_patch_that_sticks_holds_a_force() -> None:
+    """A roller pressed on a plane and pulled along it by nearly what friction bears: tractions are the pull, at last not
+    more than mu times the press."""
+    scene = Scene(gravity=ORIGIN)
+    floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, -RADIUS), outward=(0, 0, 1)), name="floor")
+    body = roller_body(
+        120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=False, cache=True
+    )
+    roller = scene.add_body(body, name="roller")
+    place = roller["bore"].world_point()
+    slide, cart = (
+        scene.add_rigid_body(1.0, (1e-3, 1e-3, 1e-3), name=name, position=place) for name in ("slide", "cart")
+    )
+    scene.add(joints.Prismatic(scene.ground.at(place), slide.at(ORIGIN), axis=(0, 0, 1), name="lift"))
+    scene.add(joints.Prismatic(slide.at(ORIGIN), cart.at(ORIGIN), axis=(1, 0, 0), name="way"))
+    scene.add(joints.Fixed(cart.at(ORIGIN), roller["bore"], name="grip"))
+    scene.add(Contact(roller["rim"], floor, friction=0.3, name="nip", grid="material"))
+    scene.add(forces.PointForce(cart.at(ORIGIN), (Table([0.0, 1.0], [0.0, 0.27 * PRESS]), 0.0, -PRESS)))
+    result = static(scene, 1.0, 0.25)
+    force = result.history.contacts["nip"].force
+    np.testing.assert_allclose(np.abs(force[:, 0]), 0.27 * PRESS * result.time, atol=1e-7 * PRESS)
+    np.testing.assert_allclose(np.abs(force[:, 2]), PRESS, rtol=1e-7)
+    x = result.history.bodies["cart"].position[:, 0]
+    assert np.all(np.diff(x, 2) > 0.0), "the patch gives more where more of it slips"

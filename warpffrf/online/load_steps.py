@@ -21,8 +21,9 @@ the numerical line of the ledger.
 nothing. Friction laws that depend on the slip speed take what slides in a load step over the time that it stands for;
 regularised friction of lumped contacts, which needs a velocity, does not act, with a note.
 
-**Free motions.** What contact leaves free is held where it is, as in an equilibrium (`start.free_motions`), and looked
-for before every load step, from the state alone: a run that is taken up again goes on bit for bit.
+**Free motions.** What contact and its friction leave free is held where it is, as in an equilibrium
+(`start.free_motions`), and looked for before every load step, from the state alone: a run that is taken up again goes
+on bit for bit.
 """
 
 from __future__ import annotations
@@ -99,7 +100,7 @@ def run_static(
     engine = Engine(scene, **made_with)
     built = time.perf_counter()
     notes = [*engine.compiled.notes, *uneven, *_without_friction(scene), *untested_warp_note()]
-    free = FreeMotions(engine)
+    free = FreeMotions(engine, rubs=True)
     first_step, rejected = 0, 0
     if isinstance(start, Unfinished):
         first_step = go_on(engine, start, step)

@@ -7,6 +7,12 @@ and L z = 0: a roller about its axle, whatever it is pressed on, a ball about an
 plane. They are the right singular vectors of (C, L), lines of length one in coordinates weighed by mass, with singular
 values below FREE.
 
+Load steps with friction (`rubs`) go on from a state under pressure, and what presses there resists slip, too, up to its
+bound. With T the gradients of slips of cells under pressure, of closed lumped contacts and of joints that rub, and N
+the motions above, those are free whose slips T N y are, in the mean square, below STICKS: a roller that rolls on a
+patch of half-width a moves it by (a/R)^2/2. Where friction does not hold against the loads it is the load step that
+finds no equilibrium.
+
 Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
 `motion`), beside which it stays where it is. What acts along it must be next to nothing: a load that drives it finds no
 equilibrium, and is not held.
@@ -25,6 +31,7 @@ from warpffrf.online.engine import Engine
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5
+STICKS = 3e-3  # the same of slips: patches of half-widths up to a fifteenth of a radius roll
 TURNED = 1e-5  # of the largest force, at the radius of gyration: what the same offset makes of it
 PULLED = 1e-8  # of the largest force, along a free translation: ten times what Newton's method may leave over
 HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 a step
@@ -37,10 +44,10 @@ STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an 
 
 
 class FreeMotions:
-    """Those of the worlds of an engine at the state of its last evaluation."""
+    """Those of the worlds of an engine at the state of its last evaluation; rubs: friction counts as what resists."""
 
-    def __init__(self, engine: Engine) -> None:
-        self.engine = engine
+    def __init__(self, engine: Engine, *, rubs: bool = False) -> None:
+        self.engine, self.rubs = engine, rubs
         self.found: list[np.ndarray] = [np.zeros((0, 6 * len(engine.scene.bodies)))] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
 
@@ -58,6 +65,8 @@ class FreeMotions:
         for world in range(self.engine.worlds):
             weight = self._weight()
             motions = free_motions(self.engine, world, weight)
+            if self.rubs:
+                motions = slipping(self.engine, world, weight, motions)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
             along = (motions @ (self._forces(world) / weight)) * scale
             force = np.abs(along)
@@ -205,21 +214,71 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     return vectors[rank:]
 
 
-def _lumped_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
-    """Of the gaps of closed places of lumped contacts, by the rigid coordinates (places, size)."""
+def slipping(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> np.ndarray:
+    """Those combinations of `motions`, lines of `free_motions`, that nothing under pressure has to slip for."""
+    size = len(weight)
+    rows = [_joint_slips(engine, world, size), _lumped_gradients(engine, world, size, slips=True)]
+    lines = np.vstack([*rows, *_cell_slips(engine, world, size)]) / weight
+    length = np.linalg.norm(lines, axis=1, keepdims=True)
+    lines = lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
+    if not len(lines) or not len(motions):
+        return motions
+    _, values, vectors = np.linalg.svd(lines @ motions.T / np.sqrt(len(lines)), full_matrices=True)
+    return vectors[int(np.count_nonzero(values > STICKS)) :] @ motions
+
+
+def _joint_slips(engine: Engine, world: int, size: int) -> np.ndarray:
+    """Of the coordinates of joints that rub and may stick, by the rigid coordinates (rows, size)."""
+    table = engine.compiled.slips
+    rows = [
+        row
+        for law, own in zip(table.laws.values(), table.rows.values(), strict=True)
+        if law.friction.creep_limit == 0.0
+        for row in own
+    ]
+    return np.asarray(engine.scratch.C.numpy()[world][rows, :size]).reshape(len(rows), size)
+
+
+def _cell_slips(engine: Engine, world: int, size: int) -> list[np.ndarray]:
+    """Of the cells under pressure of each pair that rubs, by the rigid coordinates (2 cells, size)."""
+    m, scratch = engine.compiled.model, engine.scratch
+    found = []
+    for pair in np.flatnonzero(m.pairs.friction.numpy()[: m.pairs.count] > 0.0):
+        rows = int(m.surfaces.rows.numpy()[m.pairs.first.numpy()[pair]])
+        pressed = engine.state.active.numpy()[world, pair] != 0
+        wrench = scratch.cell_wrench.numpy()[world, pair]
+        cells = np.flatnonzero(pressed & (scratch.cell_area.numpy()[world, pair, : len(pressed)] > 0.0))
+        first = (cells // rows) * 2 * rows + cells % rows
+        found.append(_of_wrenches(engine, world, int(pair), wrench[np.concatenate([first, first + rows])], size))
+    return found
+
+
+def _lumped_gradients(engine: Engine, world: int, size: int, *, slips: bool = False) -> np.ndarray:
+    """Of the gaps of closed places of lumped contacts, by the rigid coordinates (places, size); slips: of the slips of
+    those that may stick (2 places, size)."""
     m, state, scratch = engine.compiled.model, engine.state, engine.scratch
     lumped = engine.compiled.elements.lumped
     closed = np.flatnonzero(state.lumped_force.numpy()[world, 1, : lumped.places] > 0.0)
     n, x = (getattr(state, name).numpy()[world, 1] for name in ("lumped_normal", "lumped_at"))
     axes, r, body = scratch.axes.numpy()[world], scratch.r1.numpy()[world], m.surfaces.body.numpy()
-    lines = np.zeros((len(closed), size))
-    for line, place in zip(lines, closed, strict=True):
+    ways = [(place, n[place]) for place in closed]
+    if slips:
+        laws = [c.friction for c in engine.scene.lumped_contacts]
+        sticks = [laws[c].acts and laws[c].creep_limit == 0.0 for c in lumped.contact.numpy()[closed]]
+        ways = [
+            (place, t)
+            for place, rubs in zip(closed, sticks, strict=True)
+            if rubs
+            for t in np.linalg.svd(n[place][None])[2][1:]
+        ]
+    lines = np.zeros((len(ways), size))
+    for line, (place, way) in zip(lines, ways, strict=True):
         contact = lumped.contact.numpy()[place]
         for sign, surface in ((1.0, lumped.first.numpy()[contact]), (-1.0, lumped.second.numpy()[contact])):
             b = int(body[surface])
             if b >= 0:
-                moment = np.cross(x[place] - r[b], n[place]) @ axes[b]
-                line[6 * b : 6 * b + 6] = sign * np.concatenate([n[place], moment])
+                moment = np.cross(x[place] - r[b], way) @ axes[b]
+                line[6 * b : 6 * b + 6] = sign * np.concatenate([way, moment])
     return lines
 
 
@@ -229,22 +288,29 @@ def _gap_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
     active = (engine.state.active.numpy()[world] != 0) & (scratch.area.numpy()[world] > 0.0)
     wrench = scratch.wrench.numpy()[world]
     families = m.pairs.family.numpy()
-    axes, r = scratch.axes.numpy()[world], scratch.r1.numpy()[world]
     lines = []
     for pair in range(m.pairs.count):
         at = active[pair, : wrench.shape[1]]
         own = wrench[pair][at]
         if families[pair] == AT_POINTS:
             own = own + scratch.more_wrench.numpy()[world, pair][at]
-        line = np.zeros((len(own), size))
-        A, B = (int(m.surfaces.body.numpy()[s.numpy()[pair]]) for s in (m.pairs.first, m.pairs.second))
-        force, moment = own[:, :3], own[:, 3:]
-        line[:, 6 * A : 6 * A + 6] = np.hstack([force, moment @ axes[A]])
-        if B >= 0:
-            about_b = moment + np.cross(r[A] - r[B], force)
-            line[:, 6 * B : 6 * B + 6] -= np.hstack([force, about_b @ axes[B]])
-        lines.append(line)
+        lines.append(_of_wrenches(engine, world, pair, own, size))
     return np.vstack(lines)
+
+
+def _of_wrenches(engine: Engine, world: int, pair: int, own: np.ndarray, size: int) -> np.ndarray:
+    """Gradients, by the rigid coordinates (n, size), of what the wrenches `own` (n, 6) on the first body of a pair work
+    against: force and torque about its centre of mass, world axes."""
+    m, scratch = engine.compiled.model, engine.scratch
+    axes, r = scratch.axes.numpy()[world], scratch.r1.numpy()[world]
+    line = np.zeros((len(own), size))
+    A, B = (int(m.surfaces.body.numpy()[s.numpy()[pair]]) for s in (m.pairs.first, m.pairs.second))
+    force, moment = own[:, :3], own[:, 3:]
+    line[:, 6 * A : 6 * A + 6] = np.hstack([force, moment @ axes[A]])
+    if B >= 0:
+        about_b = moment + np.cross(r[A] - r[B], force)
+        line[:, 6 * B : 6 * B + 6] -= np.hstack([force, about_b @ axes[B]])
+    return line
 
 
 def _named(names: list[str]) -> str:
