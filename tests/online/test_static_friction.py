@@ -21,7 +21,7 @@ from warpffrf.verification.scenes.rollers import roller_body
 
 ORIGIN = (0.0, 0.0, 0.0)
 STIFFNESS, BOUND, LOAD = 1000.0, 20.0, 50.0  # N/m, N, N
-RADIUS, PRESS = 0.05, 3e4  # m, N: of a roller
+RADIUS, CLAMP = 0.05, 3e4  # m, N: of a roller
 ROUND_OFF = 1e-12
 TIMES, SIGNS = [0.0, 1.0, 3.0, 5.0], np.array([0.0, 1.0, -1.0, 1.0])
 
@@ -230,10 +230,10 @@ def test_a_patch_that_sticks_holds_a_force() -> None:
     scene.add(joints.Prismatic(slide.at(ORIGIN), cart.at(ORIGIN), axis=(1, 0, 0), name="way"))
     scene.add(joints.Fixed(cart.at(ORIGIN), roller["bore"], name="grip"))
     scene.add(Contact(roller["rim"], floor, friction=0.3, name="nip", grid="material"))
-    scene.add(forces.PointForce(cart.at(ORIGIN), (Table([0.0, 1.0], [0.0, 0.27 * PRESS]), 0.0, -PRESS)))
+    scene.add(forces.PointForce(cart.at(ORIGIN), (Table([0.0, 1.0], [0.0, 0.27 * CLAMP]), 0.0, -CLAMP)))
     result = static(scene, 1.0, 0.25)
     force = result.history.contacts["nip"].force
-    np.testing.assert_allclose(np.abs(force[:, 0]), 0.27 * PRESS * result.time, atol=1e-7 * PRESS)
-    np.testing.assert_allclose(np.abs(force[:, 2]), PRESS, rtol=1e-7)
+    np.testing.assert_allclose(np.abs(force[:, 0]), 0.27 * CLAMP * result.time, atol=1e-7 * CLAMP)
+    np.testing.assert_allclose(np.abs(force[:, 2]), CLAMP, rtol=1e-7)
     x = result.history.bodies["cart"].position[:, 0]
     assert np.all(np.diff(x, 2) > 0.0), "the patch gives more where more of it slips"
