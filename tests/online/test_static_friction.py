@@ -214,8 +214,7 @@ def test_history_is_committed_by_whole_steps_alone() -> None:
 
 
 def test_a_patch_that_sticks_holds_a_force() -> None:
-    """A roller pressed on a plane and pulled along it by nearly what friction bears: tractions are the pull, at last not
-    more than mu times the press."""
+    """A roller pressed on a plane and pulled along it by nearly what friction bears: the tractions are the pull."""
     scene = Scene(gravity=ORIGIN)
     floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, -RADIUS), outward=(0, 0, 1)), name="floor")
     body = roller_body(

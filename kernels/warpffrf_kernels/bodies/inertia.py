@@ -216,20 +216,20 @@ def couple_modes(
     row_pull: wp.array3d(dtype=real),
     tangent: changed(wp.array(dtype=real)),
 ):
-    """Lanes over dense modes: 2 VEL w.G_ij + wdot.G_ij - w.J2_ij w in line j, column i, and the geometric stiffness of
-    the forces at interfaces.
+    """Per world, lanes over the entries of a line, line by line: 2 VEL w.G_ij + wdot.G_ij - w.J2_ij w in line j,
+    column i, and the geometric stiffness of the forces at interfaces.
     """
-    w, lane = wp.tid()
+    w, _ = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
-    d = lane
+    d = int(0)
     N = model.outer.count
     while d < model.dense.count:
         b = model.dense.body[d]
         count = model.bodies.inertia_count[b]
         if d - model.bodies.dense_start[b] >= count:
-            d += wp.block_dim()
+            d += 1
             continue
         s = omega1[w, b]
         line = (w * N + 6 * model.bodies.count + d) * N + 6 * model.bodies.count + model.bodies.dense_start[b]
@@ -254,7 +254,7 @@ def couple_modes(
                         pull = -lam[w, row] * row_pull[w, 2 * row + side, c]
                         axpy(count, pull, model.interfaces.stiffening, begin + c * stride, tangent, line)
             row += 1
-        d += wp.block_dim()
+        d += 1
 
 
 @wp.kernel
