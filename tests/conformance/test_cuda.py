@@ -153,6 +153,7 @@ np.savez(sys.argv[2], lanes=lanes.numpy()[0], **made)
 """
 
 
+@pytest.mark.slow
 def test_one_lane_and_64_lanes_agree_on_cells_that_travel(tmp_path: Path) -> None:
     one, blocks = both(ROLLING, tmp_path)
     assert (int(one["lanes"]), int(blocks["lanes"])) == (1, BLOCK)

@@ -38,8 +38,8 @@ def calls(monkeypatch: pytest.MonkeyPatch, history: History) -> list[tuple[Any, 
         made.append((scene, duration, options))
         return history
 
-    def find_equilibrium(scene: Any, *, device: str) -> History:
-        made.append((scene, device))
+    def find_equilibrium(scene: Any, *, device: str, friction: bool) -> History:
+        made.append((scene, device, friction))
         return history
 
     monkeypatch.setattr(module, "run", run)
@@ -120,5 +120,5 @@ def test_unknown_options_list_the_known(calls: list, scene: SceneOfHistory, opti
 
 def test_equilibrium_is_a_result(calls: list, scene: SceneOfHistory, tmp_path: Path) -> None:
     result = equilibrium(scene, results=tmp_path / "e.h5")
-    assert isinstance(result, Result) and calls == [(scene, "cpu")]
+    assert isinstance(result, Result) and calls == [(scene, "cpu", False)]
     assert (tmp_path / "e.h5").exists()
