@@ -76,6 +76,7 @@ class Engine:
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
         self.not_at_rest = ""  # why `settle` found no static state, where it knows
+        self.given_off = 0.0  # J, by the jumps of a static run, see `snap_through`
 
     def _allocate(self) -> None:
         """Scratch arrays and the graph that works on them."""

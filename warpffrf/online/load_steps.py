@@ -15,6 +15,9 @@ loads of that time and without friction in joints and contacts (`start.settle`).
 without its velocities: the first load step ends at rest, whatever moved before, and the kinetic energy given up is in
 the numerical line of the ledger.
 
+**Limit points.** A load step that fails although it has been halved as often as allowed, as no equilibrium is near,
+goes downhill to another one, and the jump is named in the notes (`warpffrf.online.snap_through`).
+
 **What a run in time makes of its end**: it starts at rest, see `warpffrf.online.run`.
 
 **What has no meaning at rest** is refused, with the cure: films, which carry by sliding and squeezing. Dampers carry
@@ -50,6 +53,7 @@ from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.marks import Marks
 from warpffrf.online.run import INTERRUPTED, check_load_paths, finish
 from warpffrf.online.settings import Settings
+from warpffrf.online.snap_through import snap_through
 from warpffrf.online.start.free_motions import FreeMotions
 from warpffrf.online.start.loading import begin_loading, restless
 from warpffrf.online.start.settle import settle
@@ -78,7 +82,8 @@ def run_static(
     """Equilibria of `scene` for `duration` [s] in load steps of `step` [s]; arguments as of `online.run`.
 
     start: "initial" and "equilibrium" are alike here. A load step that finds no equilibrium, however much it is halved,
-    ends the run with its reason in `History.status`. Raises InputError for wrong input, and for scenes with films.
+    and none to jump to, ends the run with its reason in `History.status`. Raises InputError for wrong input, and for
+    scenes with films.
     """
     if scene.films:
         raise InputError(
@@ -137,7 +142,14 @@ def run_static(
     try:
         chunk = 1 if free.possible else 4
         done = first_step
-        while done < last_step and not np.any(engine.word("status")):
+        while done < last_step:
+            if np.any(engine.word("status")):
+                jump = snap_through(engine)
+                if jump is None:
+                    break
+                notes.append(jump.note())
+                done = int(engine.word("step").min())
+                continue
             _hold(engine, free)
             engine.control(target=min(done + chunk, last_step))
             seconds = engine.replay(MOST_ATTEMPTS * chunk)

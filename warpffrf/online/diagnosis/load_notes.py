@@ -2,7 +2,7 @@
 
 The work of a load step is booked by the trapezoidal rule, which is exact where displacements are in proportion to loads
 and errs with the cube of the step elsewhere. What is missing is the numerical line. It is also what a structure loses
-that snaps from one equilibrium to another, which no smaller step brings back.
+that snaps from one equilibrium to another, which no smaller step brings back; jumps that were named have said so.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def load_notes(engine: Engine, energy: dict[str, np.ndarray]) -> list[str]:
     mass = max((body.mass for body in engine.scene.bodies), default=0.0)
     idle = IDLE * mass * (float(engine.compiled.model.length) / float(engine.word("tau")[0])) ** 2
     defect = energy["numerical"] + energy["contact_grid"]
-    open_end = float(np.abs(defect - defect[0]).max())
+    open_end = float(np.abs(defect - defect[0]).max()) - engine.given_off
     if open_end <= max(OFF * hand, idle, round_off_energy(engine)):
         return []
     return [
