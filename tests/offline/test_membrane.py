@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import h5py
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -17,6 +18,8 @@ from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.elements import CELL_KINDS
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.sealed_file import seal
+from warpffrf.model.second_order_motion import motion_of, skin_displacement
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import free_model
 from warpffrf.offline.fe.assembly import assemble
@@ -29,6 +32,7 @@ from warpffrf.offline.inertia.second_order import SecondOrderStrain, lifted_stif
 from warpffrf.offline.inertia.stiffening import Prestress, prestress_stiffness
 from warpffrf.offline.interfaces.kinds import AverageInterface, body_interfaces
 from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.output.geometry.scene_view import BodyView
 from warpffrf.verification.large_deflections.body import StVenantKirchhoffBody
 
 SIDE, THICK = 0.4, 4e-3  # m
@@ -268,13 +272,19 @@ def test_file_and_report(tmp_path) -> None:
         forms = one.inertia_terms.stiffening.membrane
         assert forms is not None and forms.shape[1:] == 2 * (len(body.frequencies),)
         assert not forms[:, 2:].any() and forms[:, :2, :2].any()
+        motion, second = one.inertia_terms.stiffening.motion, one.surface.second_order
+        assert motion is not None and second is not None
+        assert len(motion.forms) == len(second) == body.report["inertia"]["membrane"]["shapes"] == 3
+        assert not motion.forms[:, 2:].any()
         field = one.stress["top"].membrane
         assert field is not None and field.shape == (len(forms), len(one.stress["top"].points), 6)
     facts = body.report["quality"]["membrane"]
     assert facts == body.report["inertia"]["membrane"] and facts["modes"] == 2 and facts["pairs"] == 3
     assert f"membrane energy in {facts['rank']} squares" in body.info()
     assert f"{facts['rank']} squares of 2 modes (3 products), error below" in body.info()
-    assert any("inertia of second-order motion is neglected" in note for note in body.report["notes"])
+    assert any(
+        "second-order motion on 3 shapes" in note and "inertia is neglected" in note for note in body.report["notes"]
+    )
     with pytest.raises(InputError, match="amplitudes of the membrane energy must be"):
         body.stress["top"].evaluate(np.zeros(len(body.frequencies)), {}, membrane=np.zeros(99))
 
@@ -314,3 +324,53 @@ def test_bad_input() -> None:
     bare = from_matrices(sp.csr_matrix(M), sp.csr_matrix(K), mesh.points)
     with pytest.raises(InputError, match="needs the stresses in cells"):
         reduce(bare, modes=2, stiffening="membrane", cache=False, progress=False)
+
+
+def without_forms(body: ReducedBody) -> ReducedBody:
+    """The body without amplitudes of its second-order motion."""
+    assert body.inertia_terms is not None and body.inertia_terms.stiffening is not None
+    stiffening = dataclasses.replace(body.inertia_terms.stiffening, motion=None)
+    return dataclasses.replace(body, inertia_terms=dataclasses.replace(body.inertia_terms, stiffening=stiffening))
+
+
+@pytest.mark.parametrize("kept", ["forms", "shapes"])
+def test_half_of_a_second_order_motion_is_refused(kept, tmp_path) -> None:
+    """Forms without shapes are shown by nothing, shapes without forms have no amplitudes."""
+    body = made_plate(membrane_modes=2)
+    if kept == "forms":
+        half = dataclasses.replace(body, surface=dataclasses.replace(body.surface, second_order=None))
+    else:
+        half = without_forms(body)
+    path = half.save(tmp_path / "plate.h5")
+    with pytest.raises(InputError, match=r"second.order"):
+        ReducedBody.load(path)
+
+
+def test_files_of_schema_10_have_no_second_order_motion(tmp_path) -> None:
+    """They hold membrane energy, and pictures of them what is linear in the modes."""
+    body = made_plate(membrane_modes=2)
+    old = without_forms(dataclasses.replace(body, surface=dataclasses.replace(body.surface, second_order=None)))
+    path = old.save(tmp_path / "plate.h5")
+    with h5py.File(path, "r+") as file:
+        file.attrs["schema"] = 10
+    seal(path)
+    again = ReducedBody.load(path)
+    view = BodyView("plate", again, again.mass, again.center_of_mass, stiffening=True)
+    assert motion_of(view) is None
+    q = np.linspace(1.0, 2.0, len(again.frequencies))
+    np.testing.assert_array_equal(skin_displacement(view, q), np.tensordot(q, again.surface.modes, 1))
+
+
+def test_shapes_are_those_of_all_pairs(rimmed) -> None:
+    """Orthonormal in the mass; the motion of random states to the fraction stated of the largest root mean square of
+    the same strain energy."""
+    terms, rng = rimmed.terms(), np.random.default_rng(8)
+    gram = terms.shapes.T @ (rimmed.M @ terms.shapes)
+    np.testing.assert_allclose(gram, np.eye(len(gram)), atol=1e-9)
+    largest = np.sqrt(np.linalg.eigvalsh(rimmed.theta.T @ (rimmed.M @ rimmed.theta))[-1])
+    for _ in range(20):
+        z = rng.standard_normal(8)
+        exact = rimmed.theta @ rimmed.strain.pairs.products(z)
+        error = exact - terms.shapes @ terms.second_order.amplitudes(z / rimmed.omega)
+        assert np.sqrt(error @ (rimmed.M @ error)) <= 1.000001 * terms.facts["motion_left_out"] * largest * (z @ z)
+    np.testing.assert_allclose(terms.second_order.overlap, rimmed.U.T @ (rimmed.M @ terms.shapes), atol=1e-12)

@@ -185,11 +185,14 @@ def _covered(f: dict[str, Any]) -> str:
 
 
 def _membrane(m: dict[str, Any]) -> str:
+    moved = ""  # of files before schema 11
+    if "shapes" in m:
+        moved = f"; motion on {m['shapes']} shapes, error below {m['motion_left_out']:.2g} of the largest"
     if not m["rank"]:
-        return f"no energy kept: motion relieves all but {1.0 - m['relieved']:.2g} of the second-order strain"
+        return f"no energy kept: motion relieves all but {1.0 - m['relieved']:.2g} of the second-order strain{moved}"
     return (
         f"{m['rank']} squares of {m['modes']} modes ({m['pairs']} products), error below {m['truncation']:.2g} of the "
-        f"largest; counts from a strain of {m['bending_strain']:.2g} on"
+        f"largest; counts from a strain of {m['bending_strain']:.2g} on{moved}"
     )
 
 

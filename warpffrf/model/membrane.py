@@ -14,6 +14,8 @@ sqrt(J).
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 Array = np.ndarray
@@ -23,6 +25,15 @@ def membrane_amplitudes(forms: Array, q: Array) -> Array:
     """e_r (R,) [sqrt(J)] of the `forms` L (R, k, k) at the first k of the coordinates q (m,) [m]."""
     q = q[: forms.shape[1]]
     return 0.5 * (forms @ q) @ q
+
+
+def membrane_forms(body: Any) -> Array | None:
+    """L (R, k, k) of a body that loads stiffen, None of others, and of one without membrane energy.
+
+    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.interface_motion`.
+    """
+    terms = body.reduced.inertia_terms if body.stiffening and body.reduced is not None else None
+    return None if terms is None or terms.stiffening is None else terms.stiffening.membrane
 
 
 def membrane_energy(forms: Array, q: Array) -> float:

@@ -108,6 +108,11 @@ def _shapes(body: ReducedBodyData) -> Iterator[tuple[str, Wanted]]:
     for name, field in body.stress.items():
         if field.membrane is not None:
             yield f"stress/{name}/membrane", (rank, len(field.points), 6)
+    motion = None if stiffening is None else stiffening.motion
+    if motion is not None and body.surface.second_order is None:
+        raise InputError("second-order motion has amplitudes, but the surface has no shapes of it")
+    if body.surface.second_order is not None:
+        yield "surface/second_order", (0 if motion is None else len(motion.forms), n, 3)
 
 
 def _contact_shapes(root: str, s: ContactSurface, m: int) -> Iterator[tuple[str, Wanted]]:

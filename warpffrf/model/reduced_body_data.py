@@ -35,12 +35,14 @@ class Interface:
 class DisplaySurface:
     """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n, 3)
     [m/N], what each of the N forces on the body's laps does beyond the global modes, user axes; None where there are no
-    laps, or where that was left out as too large."""
+    laps, or where that was left out as too large; `second_order` (R, n, 3), the shapes of second-order motion
+    (`warpffrf.model.second_order_motion`), None of a body without."""
 
     points: np.ndarray
     triangles: np.ndarray
     modes: np.ndarray
     laps: np.ndarray | None = None
+    second_order: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)

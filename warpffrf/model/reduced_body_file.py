@@ -30,12 +30,13 @@ from warpffrf.model.reduced_body_check import check_body
 from warpffrf.model.reduced_body_data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.sampling import Sampling
 from warpffrf.model.sealed_file import require_seal, verify, written_sealed
+from warpffrf.model.second_order_motion import SecondOrderMotion
 from warpffrf.model.stress_field import StressField
 from warpffrf.model.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 10  # 10: membrane energy; 9: laps; 8: sealed; 7: far fields of tangential tractions; all older ones are read
+SCHEMA = 11  # 11: second-order motion; 10: membrane energy; 9: laps; 8: sealed; all older ones are read
 SEALED_SINCE = 8
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
@@ -48,6 +49,7 @@ _COMPLEX = ("transfer",)  # of harmonics
 _CENTRIFUGAL = "inertia_terms/stiffening/centrifugal"
 _PRESTRESSED = "inertia_terms/stiffening/interfaces/"
 _MEMBRANE = "inertia_terms/stiffening/membrane"
+_MOTION = "inertia_terms/stiffening/motion/"
 _UNITS = {
     "center_of_mass": "m",
     "inertia": "kg m2",
@@ -69,6 +71,7 @@ _UNITS = {
     "lap_compliance": "m/N",
     "area": "m2",
     "membrane": "J(1/2)/m2",
+    "forms": "1/m",
     "gap": "m",
     "triangles": "m",
 }
@@ -85,6 +88,8 @@ def _flatten(body: ReducedBodyData) -> tuple[dict[str, np.ndarray], dict[str, An
     }
     if body.surface.laps is not None:
         arrays["surface/laps"] = body.surface.laps
+    if body.surface.second_order is not None:
+        arrays["surface/second_order"] = body.surface.second_order
     facts: dict[str, Any] = {"mass": float(body.mass), "interfaces": {}, "contact_surfaces": {}}
     for name, interface in body.interfaces.items():
         arrays[f"interfaces/{name}/point"] = interface.point
@@ -149,6 +154,8 @@ def _inertia_arrays(terms: InertiaTerms) -> dict[str, np.ndarray]:
         arrays.update({f"{_PRESTRESSED}{name}": K for name, K in stiffening.interfaces.items()})
         if stiffening.membrane is not None:
             arrays[_MEMBRANE] = stiffening.membrane
+        if (motion := stiffening.motion) is not None:
+            arrays.update({f"{_MOTION}forms": motion.forms, f"{_MOTION}overlap": motion.overlap})
     return arrays
 
 
@@ -158,7 +165,10 @@ def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
         return None
     stiffening = None
     if _CENTRIFUGAL in arrays:
-        stiffening = GeometricStiffness(arrays[_CENTRIFUGAL], _under(arrays, _PRESTRESSED), arrays.get(_MEMBRANE))
+        motion = SecondOrderMotion(**found) if (found := _under(arrays, _MOTION)) else None
+        stiffening = GeometricStiffness(
+            arrays[_CENTRIFUGAL], _under(arrays, _PRESTRESSED), arrays.get(_MEMBRANE), motion
+        )
     first, second, gyroscopic = (arrays[f"inertia_terms/{key}"] for key in _INERTIA)
     return InertiaTerms(first, second, gyroscopic, stiffening)
 
@@ -268,8 +278,12 @@ def _restore(
         },
         contact_surfaces=contact,
         surface=DisplaySurface(
-            arrays["surface/points"], arrays["surface/triangles"], arrays["surface/modes"], arrays.get("surface/laps")
-        ),
+            arrays["surface/points"],
+            arrays["surface/triangles"],
+            arrays["surface/modes"],
+            arrays.get("surface/laps"),
+            arrays.get("surface/second_order"),
+        ),  # fmt: skip
         stress=stress,
         report=report,
         provenance=provenance,

@@ -14,6 +14,7 @@ from warpffrf.model.laps import LapSurface
 from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.recovery import Recovery
 from warpffrf.model.reduced_body_data import Interface
+from warpffrf.model.second_order_motion import SecondOrderMotion
 from warpffrf.model.tangential import Tangential
 
 
@@ -84,13 +85,15 @@ class MembraneTerms:
     `forms` L (R, k, k) [sqrt(J)/m^2], of k modes the first of which have entries; with the `modes` U (3 n, k),
     `products` (R, k, k) and `motion` (3 n, R) [m/sqrt(J)] the strain of second order is
     E2 = sum_r e_r (eps(motion_r) + sum_ij products_rij sym(H_i^T H_j)/2), `offline.inertia.membrane`.
-    `facts`: what the report says.
+    `second_order`: the motion of second order of all points, on the `shapes` (3 n, S). `facts`: what the report says.
     """
 
     forms: np.ndarray
     modes: np.ndarray
     products: np.ndarray
     motion: np.ndarray
+    second_order: SecondOrderMotion
+    shapes: np.ndarray
     facts: dict[str, Any]
 
 
@@ -114,6 +117,7 @@ class PathProduct:
     cross: list[CrossCompliance] = field(default_factory=list)  # of each surface under loads on each later one
     laps: LapProduct | None = None
     membrane: MembraneTerms | None = None
+    skin_second_order: np.ndarray | None = None  # (S, n, 3), of the shapes of `membrane`
 
 
 def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarray, np.ndarray]:

@@ -291,6 +291,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
             product.skin_triangles,
             np.ascontiguousarray(product.skin_modes),
             None if product.laps is None else product.laps.by_force(SKIN, 3),
+            product.skin_second_order,
         ),
         stress=recovery.fields(product, surfaces),
         report=report,

@@ -9,6 +9,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.second_order_motion import skin_displacement, skin_variation
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
 from warpffrf.output.result import Result
@@ -67,13 +68,13 @@ class Modes:
         """Mode i at the skin points (n, 3) of a flexible body, complex, world axes; of a rigid body at its user origin
         (1, 3)."""
         shape = self.shape(i, body)
-        reduced = self.scene.body(body).reduced
-        if reduced is None:
+        scene_body = self.scene.body(body)
+        if scene_body.reduced is None:
             return shape.translation[None].copy()
         A = rot.matrix(self.found.rotation[body])
-        static = np.tensordot(self.found.modal[body], reduced.surface.modes, 1)
-        moved = (reduced.surface.points + static) @ A.T
-        elastic = np.tensordot(shape.modal, reduced.surface.modes, 1) @ A.T
+        q = self.found.modal[body]
+        moved = (scene_body.reduced.surface.points + skin_displacement(scene_body, q)) @ A.T
+        elastic = skin_variation(scene_body, q, shape.modal) @ A.T
         return shape.translation + np.cross(shape.rotation, moved) + elastic
 
     def energy_shares(self, i: int) -> dict[str, float]:

@@ -152,7 +152,9 @@ def reduce_general(
                     memory_limit=limit,
                 )  # fmt: skip
                 facts["membrane"] = membrane.facts
-        stiffness = prestress.by_load(by_load, None if membrane is None else membrane.forms)
+        stiffness = prestress.by_load(by_load)
+        if membrane is not None:
+            stiffness = replace(stiffness, membrane=membrane.forms, motion=membrane.second_order)
         terms = replace(terms, stiffening=stiffness)
     del nodal_stiffness, nodal_mass, U
 
@@ -183,6 +185,7 @@ def reduce_general(
     if responses is not None:
         facts |= {"block": responses.width, "threads": responses.workers}
     modes = {o.name: o.operator @ shape for o in [seen[0], *observers]}
+    bent = None if membrane is None else (seen[0].operator @ membrane.shapes).T.reshape(-1, len(skin), 3)
     return PathProduct(
         mass=mass,
         center=center,
@@ -199,6 +202,7 @@ def reduce_general(
         cross=cross,
         laps=lap_product,
         membrane=membrane,
+        skin_second_order=None if bent is None else bent.astype(np.float32),
     )
 
 

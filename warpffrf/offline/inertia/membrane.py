@@ -40,6 +40,7 @@ from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.fe.reference import physical_gradients
 from warpffrf.offline.inertia.second_order import SecondOrderStrain, second_order_motion
+from warpffrf.offline.inertia.second_order_shapes import second_order_shapes
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import MembraneTerms
 
@@ -86,6 +87,7 @@ def membrane_terms(
     theta, bare = second_order_motion(strain, model, system, M, turned, memory_limit=memory_limit)
     kappa = bare[pairs.first == pairs.second]
     bending = _require_bending(mesh, assignment, kappa)
+    moved = second_order_shapes(pairs, theta, scale, M, U)
     A = strain.energies(theta)
     values, vectors = np.linalg.eigh(A)
     values, vectors = values[::-1], vectors[:, ::-1]
@@ -106,21 +108,26 @@ def membrane_terms(
         "least_eigenvalue": float(values[-1] / values[0]),
         "relieved": float(1.0 - values[0] / kappa.max()),
         "bending_strain": bending,
+        **moved.facts,
     }
-    return MembraneTerms(forms, U, products, theta @ (vectors / root), facts)
+    return MembraneTerms(forms, U, products, theta @ (vectors / root), moved.motion, moved.shapes, facts)
 
 
 def membrane_notes(facts: Mapping[str, Any], mesh: Mesh) -> tuple[list[str], list[str]]:
     """Notes and warnings on the `facts` of membrane terms."""
+    moved = (
+        f"second-order motion on {facts['shapes']} shapes, what is left out is below {facts['motion_left_out']:.2g} of "
+        "the largest; its inertia is neglected"
+    )
     notes = [
         f"stiffening='membrane': {facts['rank']} squares for {facts['pairs']} products of {facts['modes']} modes, what "
-        f"is left out is below {facts['truncation']:.2g} of the largest membrane energy; the inertia of second-order "
-        "motion is neglected"
+        f"is left out is below {facts['truncation']:.2g} of the largest membrane energy; {moved}"
     ]
     if not facts["rank"]:
         notes = [
             f"stiffening='membrane': the motion of the body relieves all but {1.0 - facts['relieved']:.2g} of its "
-            "membrane strain, no membrane energy is kept; stiffening=True does the same for less"
+            "membrane strain, no membrane energy is kept; stiffening=True does the same for less, but for pictures; "
+            f"{moved}"
         ]
     linear = [kind for kind in mesh.cells if kind in LOCKING]
     warnings = [

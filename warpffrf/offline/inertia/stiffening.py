@@ -78,11 +78,10 @@ class Prestress:
         nodal[:, :6] = turning
         return cls(loads, nodal, static, tuple(wrenches))
 
-    def by_load(self, K: Array, membrane: Array | None = None) -> GeometricStiffness:
-        """Stiffness K (l, k, k) of all loads, as the terms of turning and of each interface, and the `membrane` forms
-        beside them."""
+    def by_load(self, K: Array) -> GeometricStiffness:
+        """Stiffness K (l, k, k) of all loads, as the terms of turning and of each interface."""
         named = {name: K[6 * (i + 1) : 6 * (i + 2)] for i, name in enumerate(self.names)}
-        return GeometricStiffness(K[:6], named, membrane)
+        return GeometricStiffness(K[:6], named)
 
 
 def centrifugal_acceleration(points: Array, center: Array) -> Array:

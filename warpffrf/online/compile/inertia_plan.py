@@ -87,8 +87,8 @@ def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
         )
     if stiffening is not None and stiffening.membrane is not None and len(stiffening.membrane):
         notes.append(
-            f"body {body.name!r}: {len(stiffening.membrane)} squares of membrane energy act on its modes; stresses and "
-            "places in results have the part that is linear in the modes only"
+            f"body {body.name!r}: {len(stiffening.membrane)} squares of membrane energy act on its modes"
+            + ("" if stiffening.motion is not None else "; its file is of before second-order motion, which pictures of it lack")
         )
     if level == "auto":
         if terms is None or not len(terms.first):

@@ -1,7 +1,8 @@
 r"""The deformed skin of a body at a saved step, and the pressure on it.
 
-    x_user = X + Phi_g(X) q + recover(f) + sum_i laps_i(X) s_i
+    x_user = X + Phi_g(X) q + Theta(q, q)(X) + recover(f) + sum_i laps_i(X) s_i
 
+Theta is the motion of second order of bodies with membrane energy that loads stiffen (`model.second_order_motion`).
 `recover` is the local modes' response to outward hat forces, those of `normal_loads`; with friction the tangential
 forces of `patch_on_skin` are recovered in the same way, of bodies that were reduced with tangential modes. Oil films
 load their first body by their pressure; their shear is left out. `laps` is what the forces s on the cells of laps do
@@ -18,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import unknown_name
+from warpffrf.model.second_order_motion import skin_displacement
 from warpffrf.output.bodies.lap_faces import lap_faces
 from warpffrf.output.bodies.lap_loads import LapLoads
 from warpffrf.output.bodies.normal_loads import film_loads, normal_loads
@@ -40,7 +42,6 @@ class Skin:
         self.body = body
         self.points = np.asarray(body.reduced.surface.points, dtype=float)  # (n, 3) m, user frame, undeformed
         self.triangles = np.asarray(body.reduced.surface.triangles)  # (t, 3)
-        self._modes = body.reduced.surface.modes  # (m, n, 3)
         self._pairs = [p for p in view.pairs.values() if body.name in (p.first_body.name, p.second_body.name)]
         self._on = {p.name: SkinSurface(self._surface(p), self.points) for p in self._pairs}
         self._loads = {p.name: normal_loads(p, history, first=self._is_first(p)) for p in self._pairs}
@@ -63,7 +64,7 @@ class Skin:
     def displacement(self, i: int) -> np.ndarray:
         """Elastic displacement (n, 3) [m] in user axes at saved step `i`."""
         q = self.history.bodies[self.body.name].modal[i]
-        u = np.einsum("m,mnd->nd", q, self._modes) if len(q) else np.zeros_like(self.points)
+        u = skin_displacement(self.body, q)
         for pair in self._pairs:
             forces = self._loads[pair.name].forces(i)
             if np.any(forces):

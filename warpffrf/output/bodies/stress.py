@@ -1,11 +1,14 @@
 r"""Stress of one body over a run, at points that were named when it was reduced.
 
-    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i laps_i s_i(t)
+    sigma(t) = sum_i modes_i q_i(t) + sum_pairs [T f(t) + W s(t)] + sum_i laps_i s_i(t) + sum_r membrane_r e_r(t)
 
 with the global coordinates `q`, and of every contact pair that the body takes part in, as first or as second body, the
 outward hat forces `f` and, with friction, the tangential forces of the cells (`StressField`); of oil films on the body
-their pressure, without their shear; of laps the forces `s` on their cells (`lap_loads`). The tensor is in the axes of
-the body's user frame, which turns with the body; von Mises and principal stresses do not depend on axes.
+their pressure, without their shear; of laps the forces `s` on their cells (`lap_loads`); of a body with membrane energy
+that loads stiffen its amplitudes `e_r = q.L_r q/2`. The tensor is in the axes of the body's user frame, which turns
+with the body; von Mises and principal stresses do not depend on axes. With membrane energy it is the second
+Piola-Kirchhoff stress: along fibres of the undeformed body, which turn with it, and Cauchy's stress but for a fraction
+of the size of strains.
 
 On a pair's first body the traction is the pressure that the contact found, hat by hat; on the second it is that
 pressure projected on its own hats. Both swing a little from node to node about their mean over a hat, which is what
@@ -26,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.membrane import membrane_amplitudes, membrane_forms
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.lap_loads import LapLoads
@@ -107,7 +111,7 @@ def stress_result(result: Any, body: str, points: str) -> StressResult:
     history, view = result.history, result.view
     field = stress_field(view, body, points)
     modal = history.bodies[body].modal
-    reduced = view.bodies[body].reduced
+    reduced, squares = view.bodies[body].reduced, membrane_forms(view.bodies[body])
     walls = reduced.provenance.get("contact_walls", {})
     loads: list[NormalLoads | PatchStress] = []
     for pair in view.pairs.values():
@@ -120,7 +124,8 @@ def stress_result(result: Any, body: str, points: str) -> StressResult:
     tensor = np.empty((len(history.time), len(field.points), 6))
     for i in range(len(tensor)):
         rubbing = tangential_surface_forces(history, view, body, i)
-        tensor[i] = field.evaluate(modal[i], surface_forces(loads, i), rubbing, laps.forces(i))
+        stretched = None if squares is None else membrane_amplitudes(squares, modal[i])
+        tensor[i] = field.evaluate(modal[i], surface_forces(loads, i), rubbing, laps.forces(i), stretched)
         for load in loads:
             if isinstance(load, PatchStress):
                 tensor[i] += load.at(i, load.forces(i))
