@@ -18,6 +18,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.reduced_body import ReducedBody, library_versions
 from warpffrf.model.reduced_body_data import DisplaySurface
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
@@ -56,6 +57,7 @@ BLAS_THREADS = 1
 SPACING_NOTED = 0.1  # of the spacing asked for: a difference that a user wants to know of
 
 
+@named_arguments
 def reduce(
     mesh: Mesh,
     material: Material | Mapping[str, Material] | None = None,
