@@ -49,7 +49,10 @@ def test_what_users_may_give() -> None:
         (lambda: LapCells("a", by="nodes", size=1.0), "size gathers facets; leave it out for cells by nodes"),
         (lambda: lap_cells(["a"]), "laps must be"),  # pyright: ignore[reportArgumentType]
         (lambda: lap_cells({"lap": 3}), "got 3 for 'lap'"),
-        (lambda: lap_cells({"lap": {"first": "a", "sizes": 1.0}}), "'sizes' does not exist; known: 'first', 'second'"),
+        (
+            lambda: lap_cells({"lap": {"first": "a", "sizes": 1.0}}),
+            "'sizes' does not exist; did you mean 'size'\\? known: 'first', 'second'",
+        ),
         (lambda: lap_cells({"lap": {"second": "a"}}), "'lap' needs first"),
         (lambda: lap_cells({1: "a"}), "laps must be"),  # pyright: ignore[reportArgumentType]
     ],

@@ -17,6 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,6 +80,7 @@ class _Modal(Basis):
         self._positive("mode_tolerance")
 
 
+@named_arguments
 @dataclass(frozen=True, kw_only=True)
 class FreeFree(_Modal):
     """Vibration modes of the free body (interfaces free to move) and inertia-relief attachment modes: the default."""
@@ -90,6 +92,7 @@ class FreeFree(_Modal):
     }
 
 
+@named_arguments
 @dataclass(frozen=True, kw_only=True)
 class CraigBampton(_Modal):
     """Vibration modes of the body with all interfaces held, and constraint modes (Craig and Bampton 1968)."""
@@ -101,6 +104,7 @@ class CraigBampton(_Modal):
     }
 
 
+@named_arguments
 @dataclass(frozen=True, kw_only=True)
 class CraigChang(_Modal):
     """Free vibration modes and residual-flexibility attachment modes (Craig and Chang 1977; Rubin 1975)."""
@@ -109,6 +113,7 @@ class CraigChang(_Modal):
     takes: ClassVar[Mapping[str, str]] = FreeFree.takes
 
 
+@named_arguments
 @dataclass(frozen=True, kw_only=True)
 class Krylov(Basis):
     """Moment matching: block Krylov spaces of the interface loads about `expansion_points` [Hz].
@@ -145,6 +150,7 @@ class Krylov(Basis):
             raise InputError("basis 'krylov': max_frequency only sets default expansion points; give one or the other")
 
 
+@named_arguments
 @dataclass(frozen=True, kw_only=True)
 class Balanced(_Modal):
     """Balanced truncation of the second-order system from interface loads to interface motion (position-velocity
@@ -179,6 +185,7 @@ class Balanced(_Modal):
             raise InputError("basis 'balanced': max_frequency and pool_modes both set the pool; give one of them")
 
 
+@named_arguments
 @dataclass(frozen=True, kw_only=True, eq=False)
 class POD(Basis):
     """Proper orthogonal decomposition of snapshots, in the inner product of the mass matrix.
@@ -241,6 +248,7 @@ class POD(Basis):
             )
 
 
+@named_arguments
 @dataclass(frozen=True, kw_only=True)
 class TrialVectorDerivatives(_Modal):
     """Vibration modes of the free body and joint modes of two faces `first` and `second` (facet sets of the mesh) that

@@ -13,6 +13,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_array, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.rigid_surface import RigidSurface
 
 if TYPE_CHECKING:
@@ -143,12 +144,12 @@ class _Posed:
 
     @property
     def rotation(self) -> np.ndarray:
-        """Unit quaternion (x, y, z, w), user frame to world, at the start."""
+        """Unit quaternion (x, y, z, w), user frame to world, at the start; any form of `rotation` may be set."""
         return self._rotation
 
     @rotation.setter
     def rotation(self, value: Any) -> None:
-        self._rotation = rot.unit_quaternion(value, f"{self.name}: rotation")
+        self._rotation = rot.orientation(value, f"{self.name}: rotation")
 
     def to_world(self, points: Any) -> np.ndarray:
         """Points (..., 3) [m] of the user frame in the world, at the initial pose."""
@@ -159,6 +160,7 @@ class _Posed:
         return (np.asarray(points, float) - self.position) @ rot.matrix(self.rotation)
 
 
+@named_arguments
 class Ground(_Posed):
     """The world as a body: it does not move. Use it bare in a joint, or `ground.at(point)`; `ground.surface(...)` for
     contact."""
@@ -183,6 +185,7 @@ class Ground(_Posed):
         )
 
 
+@named_arguments
 class Body(_Posed):
     """One body of a scene; made by `Scene.add_body` and `Scene.add_rigid_body`.
 

@@ -17,6 +17,7 @@ from warpffrf.model.errors import InputError, require_count, require_number, unk
 from warpffrf.model.far_field import LONGEST, UNUSABLE
 from warpffrf.model.friction import FrictionLaw, as_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
+from warpffrf.model.named_arguments import named_arguments
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
@@ -26,6 +27,7 @@ CELL_ERROR = 0.005  # of force and largest pressure: what half-space and mesh le
 CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow no rule
 
 
+@named_arguments
 class Contact:
     """Contact between two contact surfaces, `body["rim"]` each; the first must be of a flexible body.
 

@@ -15,12 +15,14 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 
 # ratio on the highest modes: they ring against the massless contact compliance after a load step
 CHATTER_DAMPING = 0.10
 CHATTER_FRACTION = 0.5  # of the highest retained frequency, above which the default damping acts
 
 
+@named_arguments
 @dataclass(frozen=True)
 class DampingBands:
     """Ratios by frequency band: `bands` are pairs (upper limit [Hz], ratio) by rising limits, the last limit infinite.
@@ -59,6 +61,7 @@ class DampingBands:
         return ratios[np.searchsorted(limits, np.asarray(frequencies, float), side="right").clip(max=len(ratios) - 1)]
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Rayleigh:
     """Damping matrix alpha M + beta K: zeta = alpha/(2 omega) + beta omega/2.

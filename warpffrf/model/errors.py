@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from typing import Any
 
 import numpy as np
@@ -67,6 +68,12 @@ def require_direction(value: Any, name: str) -> np.ndarray:
 
 
 def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
-    """The error for a name that does not exist: it lists those that do."""
-    names = ", ".join(repr(k) for k in known) or "none"
-    return InputError(f"{kind} {name!r} does not exist; known: {names}")
+    """The error for a name that does not exist: it says the nearest of those that do, and lists them."""
+    return InputError(f"{kind} {name!r} does not exist{suggestion(str(name), list(known))}")
+
+
+def suggestion(name: str, known: Sequence[str]) -> str:
+    """ "; did you mean 'x'? known: ..." for a name that does not exist."""
+    close = get_close_matches(name, known, n=1)
+    listed = ", ".join(repr(k) for k in known) or "none"
+    return (f"; did you mean {close[0]!r}?" if close else ";") + f" known: {listed}"

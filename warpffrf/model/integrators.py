@@ -32,6 +32,7 @@ from typing import NamedTuple
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.named_arguments import named_arguments
 
 LEAST_ALPHA = -1.0 / 3.0  # HHT is unconditionally stable down to here
 
@@ -45,6 +46,7 @@ class Coefficients(NamedTuple):
     gamma: float
 
 
+@named_arguments
 @dataclass(frozen=True)
 class GeneralizedAlpha:
     """Second order, unconditionally stable for linear systems, with dissipation by choice.
@@ -72,6 +74,7 @@ class GeneralizedAlpha:
         return Coefficients(alpha_m, alpha_f, 0.25 * (gamma + 0.5) ** 2, gamma)
 
 
+@named_arguments
 @dataclass(frozen=True)
 class HHT:
     """HHT-I3, the method of Hilber, Hughes and Taylor with joints at position level; second order.
@@ -95,6 +98,7 @@ class HHT:
         return Coefficients(0.0, -self.alpha, 0.25 * (1.0 - self.alpha) ** 2, 0.5 - self.alpha)
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Newmark:
     """Newmark's method. Second order for gamma = 1/2 only, first order and dissipative above.
@@ -126,6 +130,7 @@ class Newmark:
         return Coefficients(0.0, 0.0, float(self.beta), float(self.gamma))
 
 
+@named_arguments
 @dataclass(frozen=True)
 class RungeKutta4:
     """The classical explicit Runge-Kutta method of order 4, on the host, for checks: scenes of free bodies under
@@ -133,6 +138,7 @@ class RungeKutta4:
     (`warpffrf.online.free_flight.runge_kutta`)."""
 
 
+@named_arguments
 @dataclass(frozen=True)
 class EnergyMomentum:
     """Energy- and momentum-conserving steps of second order, on the host, for checks: scenes of free bodies, gravity

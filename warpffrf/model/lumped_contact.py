@@ -16,12 +16,14 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import as_constant_friction
 from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.nearest import Nearest, lamina_gap, nearest
 
 OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.overlap` has it
 STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single place
 
 
+@named_arguments
 class LumpedContact:
     """Contact between the surfaces of two rigid bodies, or of one and the ground, by a law of force against approach.
 

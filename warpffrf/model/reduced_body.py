@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.body_summary import summary
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.output_paths import checked_output_path
 from warpffrf.model.reduced_body_data import ReducedBodyData
 from warpffrf.model.reduced_body_file import content_hash, read_reduced_body, write_reduced_body
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class ReducedBody(ReducedBodyData):
     """A flexible body, reduced: mass properties, global modes, interfaces, contact surfaces, skin, and how it was made.

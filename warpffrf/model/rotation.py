@@ -1,17 +1,88 @@
 """Unit quaternions (x, y, z, w) and rotation matrices, as the description of a scene needs them.
 
 The matrix of a quaternion q = (v, w) maps body axes to world axes: A x = x + 2 w (v x x) + 2 v x (v x x).
+
+A pose may be given as `orientation` reads it, everywhere where a `rotation` is asked for:
+
+    (x, y, z, w)                          unit quaternion, the real part last
+    a matrix (3, 3)                       body axes in its columns
+    {"axis": (0, 1, 0), "angle": 0.3}     turned about an axis, right-handed [rad]
+    {"xyz": (0.1, 0.2, 0.3)}              Euler angles [rad]: about the fixed axes x, y, z, one after the other;
+                                          {"ZYX": ...} in capitals about the axes that turn with the body
+    scipy.spatial.transform.Rotation
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_array
+from warpffrf.model.errors import InputError, require_array, require_direction, require_number
+from warpffrf.model.plausibility import angle_doubts, quaternion_doubts, warn
 
 UNIT_TOLERANCE = 1e-6  # |q| - 1 of a quaternion typed with six digits; larger is a mistake, not rounding
+
+
+FORMS = (
+    "a quaternion (x, y, z, w), a matrix (3, 3), a scipy Rotation, {'axis': (0, 1, 0), 'angle': 0.3} or Euler angles "
+    "{'xyz': (0.1, 0.2, 0.3)}, angles in rad"
+)
+
+
+def orientation(value: Any, name: str) -> np.ndarray:
+    """`value`, a pose in one of the forms of the module, as a unit quaternion (x, y, z, w).
+
+    Raises `InputError` naming `name` for anything else, a matrix that is no rotation, a quaternion that is not of
+    length 1. Warns of angles that look like degrees, and of (1, 0, 0, 0), which is half a turn here.
+    """
+    if hasattr(value, "as_quat"):
+        return unit_quaternion(value.as_quat(), name)
+    if isinstance(value, Mapping):
+        return _described(dict(value), name)
+    try:
+        shape = np.shape(value)
+    except ValueError:  # rows of several lengths
+        shape = ()
+    if shape == (3, 3):
+        return _of_matrix(require_array(value, name, (3, 3)), name)
+    if shape != (4,):
+        raise InputError(f"{name} must be {FORMS}; got {'shape ' + str(shape) if shape else repr(value)}")
+    q = unit_quaternion(value, name)
+    warn(quaternion_doubts(q, name))
+    return q
+
+
+def _described(value: dict[Any, Any], name: str) -> np.ndarray:
+    """The unit quaternion of an axis and an angle, or of Euler angles."""
+    if set(value) == {"axis", "angle"}:
+        angle = require_number(value["angle"], f"{name}: angle")
+        warn(angle_doubts([angle], name))
+        axis = require_direction(value["axis"], f"{name}: axis")
+        return np.array([*(np.sin(0.5 * angle) * axis), np.cos(0.5 * angle)])
+    order = str(next(iter(value), ""))
+    if len(value) != 1 or not 1 <= len(order) <= 3 or not (set(order) <= set("xyz") or set(order) <= set("XYZ")):
+        raise InputError(f"{name} must be {FORMS}; got {value!r}")
+    given = value[order] if len(order) > 1 or np.ndim(value[order]) else [value[order]]
+    angles = require_array(given, f"{name}: {order}", (len(order),))
+    warn(angle_doubts(angles, name))
+    A = np.eye(3)
+    for letter, angle in zip(order, angles, strict=True):
+        turn = rotation_vector_matrix(angle * np.eye(3)["xyz".index(letter.lower())])
+        A = A @ turn if order.isupper() else turn @ A
+    return quaternion(A)
+
+
+def _of_matrix(A: np.ndarray, name: str) -> np.ndarray:
+    off = float(np.abs(A.T @ A - np.eye(3)).max())
+    if off > UNIT_TOLERANCE:
+        raise InputError(
+            f"{name}: the matrix is no rotation, its columns are not unit vectors at right angles ({off:.3g})"
+        )
+    if np.linalg.det(A) < 0.0:
+        raise InputError(f"{name}: the matrix is a reflection, its determinant is -1; turn the sign of one axis")
+    return quaternion(A)
 
 
 def unit_quaternion(value: Any, name: str) -> np.ndarray:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from warpffrf.model.assembly import joined_bodies, shift_bodies
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
 from warpffrf.model.claims import refuse_double_claims, refuse_double_laps
 from warpffrf.model.contact import Contact
@@ -20,6 +21,8 @@ from warpffrf.model.gap import closing_distance
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
+from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.plausibility import gravity_doubts, warn
 from warpffrf.model.sensors import JointReaction, Sensor
 
 if TYPE_CHECKING:
@@ -33,6 +36,7 @@ _ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors change nothing in a run,
 Item = TypeVar("Item")
 
 
+@named_arguments
 class Scene:
     """A machine: bodies with poses, and what connects and loads them.
 
@@ -43,6 +47,7 @@ class Scene:
 
     def __init__(self, *, gravity: Any = (0.0, 0.0, 0.0)) -> None:
         self.gravity = require_array(gravity, "scene: gravity", (3,))
+        warn(gravity_doubts(self.gravity))
         self.ground = Ground()
         self.bodies: list[Body] = []
         self.joints: list[Joint] = []
@@ -69,11 +74,13 @@ class Scene:
     ) -> Body:
         """Add a flexible body (one `ReducedBody` may be added many times); returns its handle.
 
-        position [m], rotation: pose of the user frame (the frame of the mesh file); velocity [m/s] of its origin and
-        angular_velocity [rad/s]. damping: ratios of the global modes, a number, an array (m,), a function of the
-        frequencies [Hz] such as DampingBands or Rayleigh (`warpffrf.model.damping`), "1/10/100" for 1 % below 100 Hz,
-        10 % below 1 kHz and 100 % above, or None for 10 % above half the highest retained frequency and none below: the
-        highest modes ring against the massless contact compliance after a load step. The energy it takes is counted.
+        position [m], rotation: pose of the user frame (the frame of the mesh file), rotation a quaternion (x, y, z, w),
+        a matrix (3, 3), {"axis": (0, 1, 0), "angle": 0.3} [rad], Euler angles {"xyz": (0.1, 0.2, 0.3)} [rad] or a scipy
+        Rotation (`warpffrf.model.rotation`); velocity [m/s] of its origin and angular_velocity [rad/s]. damping: ratios
+        of the global modes, a number, an array (m,), a function of the frequencies [Hz] such as DampingBands or
+        Rayleigh (`warpffrf.model.damping`), "1/10/100" for 1 % below 100 Hz, 10 % below 1 kHz and 100 % above, or None
+        for 10 % above half the highest retained frequency and none below: the highest modes ring against the massless
+        contact compliance after a load step. The energy it takes is counted.
 
         inertia: what turning and deforming do to each other, "constant" (nothing), "deformed" (inertia of the deformed
         body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
@@ -153,7 +160,7 @@ class Scene:
             raise InputError(f"scene: {thing.kind} {thing.name!r} is in the scene already")
         for port in thing.ports:
             if port.body is not self.ground and not any(port.body is b for b in self.bodies):
-                raise InputError(f"{thing.kind} {thing.name!r}: body {port.body.name!r} belongs to another scene")
+                raise InputError(self._stranger(thing, port))
         if isinstance(thing, (Drive, JointSpringDamper, Pretension, JointReaction)):
             self._check_driven_joint(thing)
         if isinstance(thing, Lap):
@@ -205,22 +212,53 @@ class Scene:
             raise InputError(f"place: both ports are on body {port.body.name!r}")
         port.body.position = port.body.position + (onto.world_point() - port.world_point())
 
-    def close_gap(self, contact: Contact, *, along: Any = (0.0, 0.0, 1.0), gap: float = 0.0) -> float:
+    def close_gap(
+        self,
+        contact: Contact,
+        *,
+        along: Any = (0.0, 0.0, 1.0),
+        gap: float = 0.0,
+        with_bodies: Sequence[Body] | None = None,
+    ) -> float:
         """Shift the second body of `contact` along `along` (world) until the smallest undeformed gap is `gap` [m].
 
         A negative gap is an interference, to be taken up by deformation. Returns the distance moved [m]. The true
         surfaces are used; several touches: the first one coming from far out on the side of `along`, of a pin in a bore
         the first one from where it is. The ground stays: opposite it the first body is moved, the other way.
+
+        with_bodies: what moves with that body. None: whatever joints take along, so that an assembly stays together: a
+        follower with its roller, but not the guide along which it slides (`assembly.joined_bodies`); where joints lead
+        to the other body of the contact as well, and with `()`, it moves alone.
         """
         if not isinstance(contact, Contact):
             raise InputError(f"close_gap: a contact pair is needed, got {contact!r}")
         distance = closing_distance(contact, along, gap)
         shift = distance * require_direction(along, "close_gap: along")
-        if isinstance(contact.b.body, Ground):
-            contact.a.body.position = contact.a.body.position - shift
+        a, b = (port.body for port in contact.ports)
+        body, stays, shift = (a, b, -shift) if isinstance(b, Ground) else (b, a, shift)
+        if with_bodies is None:
+            moved = joined_bodies(self, body, stays, shift)
         else:
-            contact.b.body.position = contact.b.body.position + shift
+            moved = [body, *self._along(contact, body, stays, with_bodies)]
+        shift_bodies(self, moved, shift)
         return distance
+
+    def _along(self, contact: Contact, body: Body, stays: Body | Ground, others: Any) -> list[Body]:
+        """The bodies that `close_gap` is told to move too."""
+        given = list(others) if isinstance(others, (list, tuple, set)) else [others]
+        for other in given:
+            if not any(other is known for known in self.bodies):
+                names = ", ".join(repr(known.name) for known in self.bodies)
+                raise InputError(
+                    f"close_gap: with_bodies takes bodies of this scene, scene.body(name) with name one of {names}; "
+                    f"got {getattr(other, 'name', None) or other!r}"
+                )
+            if other is stays:
+                raise InputError(
+                    f"close_gap: moving both bodies of contact {contact.name!r} never closes its gap; leave "
+                    f"{stays.name!r} out of with_bodies"
+                )
+        return [other for other in given if other is not body]
 
     def check(self) -> SceneCheck:
         """Masses, degrees of freedom, redundant constraints and initial gaps; print it for a table.
@@ -249,6 +287,17 @@ class Scene:
             if body.reduced is not None:
                 _add_reduced(digest, body.reduced)
         return digest.hexdigest()
+
+    def _stranger(self, thing: Any, port: Any) -> str:
+        """What is wrong with a port of a body that is not in this scene, and the cure."""
+        label = f"{thing.kind} {thing.name!r}" if thing.name else f"{thing.kind}, without a name yet,"
+        where, name = port.label, port.body.name
+        if any(name == body.name for body in self.bodies):
+            cure = f"this scene has a body of that name, take its port: scene.body({name!r})[...]"
+        else:
+            known = ", ".join(repr(body.name) for body in self.bodies) or "none"
+            cure = f"add it with scene.add_body(..., name={name!r}), or take a body of this one: {known}"
+        return f"{label}: body {name!r} belongs to another scene, with its port {where}; {cure}"
 
     @staticmethod
     def _check_new_name(name: str, taken: list[str], kind: str) -> None:

@@ -11,6 +11,7 @@ from typing import Any
 from warpffrf.model.bodies import Body, Ground, Port, as_port
 from warpffrf.model.errors import InputError, require_count, unknown_name
 from warpffrf.model.joints import Joint
+from warpffrf.model.named_arguments import named_arguments
 
 FRAMES = ("world", "body")
 AXES = ("x", "y", "z")
@@ -35,6 +36,7 @@ class Sensor:
         return f"{self.kind} sensor {name!r}" if name else f"{self.kind} sensor"
 
 
+@named_arguments
 class _PortSensor(Sensor):
     """Motion of a port: on an interface, of the interface as it deforms."""
 
@@ -78,6 +80,7 @@ class Acceleration(_PortSensor):
     unit = "m/s2"
 
 
+@named_arguments
 class JointReaction(Sensor):
     """Reaction of a joint and its drives on the second body (T, 6): force [N], torque [N m] about the joint point on
     the second body, world axes."""
@@ -97,6 +100,7 @@ class JointReaction(Sensor):
         return self.joint.ports
 
 
+@named_arguments
 class InterfaceForce(Sensor):
     """What joints, springs, bushings and concentrated loads at a port together exert on its body (T, 6): force [N],
     torque [N m] about the port as it moves, world axes. An item acts at the port if it was given the same interface, or
@@ -118,6 +122,7 @@ class InterfaceForce(Sensor):
         return (self.port,)
 
 
+@named_arguments
 class Stress(Sensor):
     """Stress of a flexible body at one of the points named when it was reduced (`reduce(..., stress={name: points})`).
 

@@ -18,11 +18,13 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.named_arguments import named_arguments
 
 TERMS = 8  # coefficients of a piece: degree up to 7
 SAMPLES = 9  # points of a piece where it is looked at
 
 
+@named_arguments
 class Signal:
     """A function of time [s]; call it with a time or an array of times."""
 
@@ -99,6 +101,7 @@ def _shifted(c: np.ndarray, d: float) -> np.ndarray:
     return out
 
 
+@named_arguments
 class Polynomial(Signal):
     """A signal given by its pieces: `breaks` (n+1,) [s] increasing, `coefficients` (n, up to 8)."""
 
@@ -116,6 +119,7 @@ class Polynomial(Signal):
         return self.breaks, self.coefficients
 
 
+@named_arguments
 class Constant(Signal):
     """The same value at all times."""
 
@@ -128,6 +132,7 @@ class Constant(Signal):
         return np.array([0.0, 1.0]), c
 
 
+@named_arguments
 class _Transition(Signal):
     """From one value to another within `duration` after `delay` [s]; shapes differ in their polynomial in x in [0,
     1]."""
@@ -166,6 +171,7 @@ class SmoothStep(_Transition):
     shape = (0.0, 0.0, 10.0, -15.0, 6.0)
 
 
+@named_arguments
 class Table(Signal):
     """Values at increasing times [s], joined linearly or by a cubic spline; the end values hold outside.
 

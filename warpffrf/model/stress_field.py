@@ -28,6 +28,7 @@ import numpy as np
 
 from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.recovery import Recovery
 
 _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
@@ -35,6 +36,7 @@ _FIRST, _SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
 SUMMED = 8  # points a place up to which a harmonic sum a point costs less than a fast transform over all sectors
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False)
 class StressPoints:
     """Points (p, 3) [m, user frame], or the name of a facet set, whose stress is averaged over the cells of one

@@ -18,6 +18,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
+from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.plausibility import warn
 from warpffrf.model.reduced_body import ReducedBody, library_versions
 from warpffrf.model.reduced_body_data import DisplaySurface
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
@@ -31,6 +33,7 @@ from warpffrf.offline.contact.slopes import may_slope
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
+from warpffrf.offline.doubts import input_doubts, too_low
 from warpffrf.offline.fe.dilatation import formulation_notes
 from warpffrf.offline.fe.materials import Assignment, assign, facet_material, other_material
 from warpffrf.offline.general.checkpoint import Checkpoint
@@ -56,6 +59,7 @@ BLAS_THREADS = 1
 SPACING_NOTED = 0.1  # of the spacing asked for: a difference that a user wants to know of
 
 
+@named_arguments
 def reduce(
     mesh: Mesh,
     material: Material | Mapping[str, Material] | None = None,
@@ -185,14 +189,17 @@ def reduce(
         body.report["cached"] = True
         body.report["seconds_cached"] = time.perf_counter() - start
         logger.info("reduced body taken from the cache, %.2f s", body.report["seconds_cached"])
-        _log_warnings(body)
+        warn(body.report["warnings"])
         return body
+    doubts = input_doubts(mesh, settings)
+    warn(doubts)  # before the work begins
     with one_thread(), Checkpoint(body_cache.work_file(key) if cache else None) as checkpoint:
         body = _reduced(mesh, settings, checkpoint, Progress(progress))
         body.provenance.update(settings=described, key=key, versions=library_versions(LIBRARIES))
         body.provenance["content_hash"] = body.content_hash()
         body.report["seconds"] = time.perf_counter() - start
-        _log_warnings(body)
+        warn(body.report["warnings"])
+        body.report["warnings"] = doubts + body.report["warnings"]
         if cache and (fault := body_cache.store(key, body)):
             body.report["warnings"].append(fault)
     return body
@@ -496,11 +503,6 @@ def _other_spacing(name: str, shape: Any, s: SurfaceProduct, settings: Settings)
     ]
 
 
-def _log_warnings(body: ReducedBody) -> None:
-    for text in body.report["warnings"]:
-        logger.warning("%s", text)
-
-
 def _report(
     product: PathProduct, choice: PathChoice, mesh: Mesh, settings: Settings, stages: Progress
 ) -> dict[str, Any]:
@@ -515,7 +517,6 @@ def _report(
             f"centrifugal=True: {covered} modes have inertia terms, that they hold the response to turning; "
             f"inertia_modes={MODES} would be faster, and leave some of it out"
         )
-    known = settings.material if isinstance(settings.material, Material | Mapping) else None
     return {
         "path": "general" if choice.patterns is None else "cyclic",
         "path_reason": choice.reason,
@@ -524,7 +525,7 @@ def _report(
         "stage_seconds": dict(stages.seconds),
         "contact": {},
         "notes": notes,
-        "warnings": list(mesh.report(known).warnings),
+        "warnings": too_low(product.omega, settings),
         "cached": False,
         "blas_threads": BLAS_THREADS,
         "inertia": {

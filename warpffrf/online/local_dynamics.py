@@ -30,6 +30,7 @@ from warpffrf.model.errors import InputError, require_count, require_number, unk
 from warpffrf.model.integrators import HHT, Coefficients
 from warpffrf.model.laps import Lap
 from warpffrf.model.local_modes import DynamicModes, dynamic_modes
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 
@@ -39,6 +40,7 @@ EXACT_DAMPING = 0.02  # 2 %: the least of 0, 2, 10 % that was stable from 2 to 2
 FOLLOWS, STEPS_HHT, STEPS_EXACTLY = 0, 1, 2  # kinds of modes in the kernels: the outer integrator's, hht, exponential
 
 
+@named_arguments
 @dataclass(frozen=True)
 class LocalDynamics:
     """Treatment of the local modes, see the module; `simulate(local="hht")` is `LocalDynamics("hht")`.

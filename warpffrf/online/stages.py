@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, is_loaded
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
@@ -41,6 +42,7 @@ SCENE_VALUES = ("gravity", "forces")
 SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Stage:
     """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. Names of stages are unique.

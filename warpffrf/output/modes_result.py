@@ -9,6 +9,7 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.second_order_motion import skin_displacement, skin_variation
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
@@ -147,6 +148,7 @@ class Modes:
         return int(i)
 
 
+@named_arguments
 def eigenmodes(scene: Any, count: int = 20, *, about: Result | str | None = None) -> Modes:
     """The `count` lowest modes of `scene`: complex modes of its small motions, damping and joints included.
 

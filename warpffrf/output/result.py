@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import (
     BodyHistory,
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from warpffrf.output.bodies.stress import StressResult
 
 
+@named_arguments
 class Result:
     """What a run left behind. Arrays have one row per saved step; SI units; positions in the world, quaternions
     (x, y, z, w).

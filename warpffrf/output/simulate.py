@@ -12,6 +12,7 @@ from typing import Any
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS
 from warpffrf.model.interruption import terminated_as_interrupted
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
@@ -55,6 +56,7 @@ class StagedResult(Result):
         return self.history.budget
 
 
+@named_arguments
 def simulate(
     scene: Any,
     duration: float | None = None,
@@ -309,6 +311,7 @@ def stage_file(results: str | os.PathLike[str], name: str) -> Path:
     return path.with_name(f"{path.stem}.{name}{path.suffix or '.h5'}")
 
 
+@named_arguments
 def equilibrium(
     scene: Any,
     *,

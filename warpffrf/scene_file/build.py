@@ -12,8 +12,7 @@ from contextlib import contextmanager
 from pathlib import Path as FilePath
 from typing import Any
 
-from warpffrf.model.errors import InputError
-from warpffrf.scene_file.document import suggestion
+from warpffrf.model.errors import InputError, suggestion
 from warpffrf.scene_file.forms import (
     Form,
     brief,

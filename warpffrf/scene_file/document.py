@@ -16,7 +16,7 @@ from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, suggestion
 from warpffrf.scene_file.expressions import evaluate, is_expression
 from warpffrf.scene_file.source import LARGEST_INTEGER, Path, Place, Source, parse, read_source
 
@@ -30,13 +30,6 @@ TYPES = {
     list: "a list",
     dict: "a table",
 }
-
-
-def suggestion(name: str, known: Sequence[str]) -> str:
-    """ "; did you mean 'x'? known: ..." for a name that does not exist."""
-    close = get_close_matches(name, known, n=1)
-    listed = ", ".join(repr(k) for k in known) or "none"
-    return (f"; did you mean {close[0]!r}?" if close else ";") + f" known: {listed}"
 
 
 def dotted(path: Path) -> str:

@@ -18,8 +18,7 @@ from functools import cache
 from types import ModuleType
 from typing import Any, NotRequired
 
-from warpffrf.model.errors import InputError
-from warpffrf.scene_file.document import suggestion
+from warpffrf.model.errors import InputError, suggestion
 from warpffrf.scene_file.source import Path, Source
 
 PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are places on bodies
@@ -291,7 +290,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
         },
         "arrange": {
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
-            "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self",)),
+            "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self", "with_bodies")),
         },
         "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "overwrite"))},
         "simulate": {

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.scene_file.build import TITLE, Builder
 from warpffrf.scene_file.document import document_of, read_document, to_toml
 from warpffrf.scene_file.source import Source
@@ -39,6 +40,7 @@ class LoadedScene:
         return to_toml(dict(self.document))
 
 
+@named_arguments
 def load_scene(path: str | os.PathLike[str], *, settings: Sequence[str] = ()) -> LoadedScene:
     """The scene in a TOML file, ready to run. settings: "name=value" as of `--set`. Raises `InputError`, with file and
     line, for everything that is wrong."""
@@ -67,6 +69,7 @@ def _loaded(source: Source, name: str) -> LoadedScene:
     )
 
 
+@named_arguments
 def run_scene(
     path: str | os.PathLike[str],
     *,

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.named_arguments import named_arguments
 
 
 class Feed(ABC):
@@ -69,6 +70,7 @@ class Feed(ABC):
             object.__setattr__(self, name, value)
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Groove(Feed):
     """A groove along the axis at the angle theta [rad, of a plane m], of the `width` [m]; pressure [Pa].
@@ -119,6 +121,7 @@ class Groove(Feed):
         return _within(across, 0.5 * self.width)[:, None] & rows[None, :]
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Ring(Feed):
     """A groove all around at z [m], of the `width` [m] along the meridian; pressure [Pa]. Raises `InputError`."""
@@ -148,6 +151,7 @@ class Ring(Feed):
         return np.repeat(rows[None, :], len(theta), axis=0)
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Hole(Feed):
     """A round hole at theta [rad, of a plane m], z [m], of the `diameter` [m]; pressure [Pa]. Raises `InputError`."""

@@ -23,6 +23,7 @@ from warpffrf.model.films.feeds import FEEDS, Feed
 from warpffrf.model.films.forms import Form, as_form
 from warpffrf.model.films.roughness import Roughness, as_roughness, summed_deviation
 from warpffrf.model.laws import Law, as_law
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.oils import Oil, as_oil
 
 EVALUATIONS = ("semi", "hyper", "full")
@@ -35,6 +36,7 @@ LOOSEST = (
 )
 
 
+@named_arguments
 class Film:
     """An oil film between two surfaces, `body["bore"]` each; the first must be of a flexible body, the second is of one
     too or rigid.

@@ -14,6 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
+from warpffrf.model.named_arguments import named_arguments
 
 TURN = 2.0 * np.pi
 
@@ -41,6 +42,7 @@ class Form(ABC):
         return {"kind": self.kind} | {n: v.tolist() if isinstance(v, np.ndarray) else v for n, v in values.items()}
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Lobes(Form):
     """Waves around, amplitude cos(count (theta - phase)); amplitude [m], phase [rad] of a place where material is
@@ -65,6 +67,7 @@ class Lobes(Form):
         return self.amplitude * np.cos(self.count * (theta - self.phase))
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Barrel(Form):
     """A parabola along the axis: nothing is missing at `middle` [m], `drop` [m] at half the `length` [m] from it;
@@ -85,6 +88,7 @@ class Barrel(Form):
         return self.drop * (2.0 * (z - self.middle) / self.length) ** 2
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Worn(Form):
     """A worn place, depth cos^2(pi/2 (angle from theta)/width) within the angle `width` [rad] to both sides of theta
@@ -112,6 +116,7 @@ class Worn(Form):
         return np.where(off < self.width, self.depth * np.cos(0.5 * np.pi * off / self.width) ** 2, 0.0)
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False)
 class Measured(Form):
     """Measured deviations (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising, straight between
@@ -172,6 +177,7 @@ class Measured(Form):
         return (1.0 - s) * low + s * high
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Sum(Form):
     """Several forms at once; what `+` makes. Raises `InputError` for parts that are no forms."""

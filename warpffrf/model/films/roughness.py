@@ -47,6 +47,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.named_arguments import named_arguments
 
 Array = np.ndarray
 
@@ -71,6 +72,7 @@ THICK, SMOOTH = 1e3, 2e3  # H: the last of a table, and from where on walls are 
 PLACES = 320  # of a table
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Roughness:
     """Roughness of one wall of a film: the standard deviation `deviation` [m] of its heights, and its `pattern` gamma,

@@ -18,6 +18,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_direction, require_number
 from warpffrf.model.forces.bushing import TwoPorts
 from warpffrf.model.forces.laws import Coordinate, SpringLaw
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import reference_direction
 
 # theta_x carries a sign that the coordinate u_y . w_z has not; the law's matrices are turned accordingly
@@ -32,6 +33,7 @@ _COORDINATES = (
 _SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
 
 
+@named_arguments
 class Bearing(TwoPorts):
     """A bearing between two ports, described by its stiffness and damping; the second port spins freely about `axis`.
 

@@ -35,6 +35,7 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import coincident_within
+from warpffrf.model.named_arguments import named_arguments
 
 ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
 
@@ -91,6 +92,7 @@ class TwoPorts:
         }  # fmt: skip
 
 
+@named_arguments
 class Bushing(TwoPorts):
     """Resists relative displacement and rotation of two ports by 6 x 6 matrices; unloaded at the initial pose.
 

@@ -12,8 +12,10 @@ from typing import Any
 from warpffrf.model.forces.joint_friction import JointFriction
 from warpffrf.model.forces.laws import SlipLaw
 from warpffrf.model.joints import Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class CylindricalFriction(JointFriction):
     """Dry friction that brakes, or holds, the turning and sliding of a cylindrical joint, both as one.
 

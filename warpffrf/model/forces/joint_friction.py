@@ -18,8 +18,10 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.laws import Coordinate, SlipLaw
 from warpffrf.model.friction import as_constant_friction
 from warpffrf.model.joints import Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class JointFriction:
     """Friction of a joint of the kind `joint_kind`; see the subclasses."""
 

@@ -17,10 +17,12 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import Joint
+from warpffrf.model.named_arguments import named_arguments
 
 ROTATION = "rotation"
 
 
+@named_arguments
 class JointSpringDamper:
     """A spring and damper on a coordinate s of a joint: a displacement or an angle that it leaves free.
 
@@ -87,6 +89,7 @@ class JointSpringDamper:
         return {**{f: described(getattr(self, f)) for f in fields}, "joint": self.joint.name}
 
 
+@named_arguments
 class TorsionalSpringDamper(JointSpringDamper):
     """A spring and damper on the angle of a revolute or cylindrical joint: `JointSpringDamper` with
     coordinate="rotation". stiffness [N m/rad], damping [N m s/rad], or characteristics; reference [rad], preload [N

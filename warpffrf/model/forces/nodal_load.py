@@ -18,9 +18,11 @@ import numpy as np
 from warpffrf.model.bodies import Body, Port, as_port
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.laws import BodyLoad
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.signals import as_signal
 
 
+@named_arguments
 class NodalLoad:
     """Forces on the nodes of a free interface of a flexible body, in body axes.
 

@@ -7,6 +7,7 @@ from typing import Any
 from warpffrf.model.bodies import Ground, Port, as_port
 from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.forces.laws import PointLoad
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.signals import Signal, as_signal
 
 FRAMES = ("world", "body")
@@ -45,6 +46,7 @@ class _Concentrated:
         return {**fields, "port": self.port.describe(), "components": components}
 
 
+@named_arguments
 class PointForce(_Concentrated):
     """A force at a port.
 
@@ -59,6 +61,7 @@ class PointForce(_Concentrated):
         super().__init__(port, force, frame, name)
 
 
+@named_arguments
 class PointTorque(_Concentrated):
     """A torque at a port: on a flexible interface it turns the interface, on a rigid body its place does not matter.
 

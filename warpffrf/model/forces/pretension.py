@@ -27,9 +27,11 @@ from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.laws import Coordinate, TensionLaw
 from warpffrf.model.joints import Joint
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.signals import as_signal
 
 
+@named_arguments
 class Pretension:
     """Pulls the two sides of a joint together with a force, and holds the length between them later.
 

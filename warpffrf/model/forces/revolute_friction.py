@@ -12,8 +12,10 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.forces.joint_friction import JointFriction
 from warpffrf.model.forces.laws import SlipLaw
 from warpffrf.model.joints import Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class RevoluteFriction(JointFriction):
     """Dry friction that brakes, or holds, the turning of a revolute joint.
 

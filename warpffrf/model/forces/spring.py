@@ -19,8 +19,10 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import coincident_within
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class SpringDamper:
     """A spring and damper along the line between two ports.
 

@@ -21,11 +21,13 @@ import numpy as np
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.laws import BodyLoad
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.signals import as_signal
 
 GAUSS = 4  # points a direction in a cell: hats times the normal, of which a crown's is not polynomial; 1e-12 left
 
 
+@named_arguments
 class SurfaceLoad:
     """A pressure on a contact surface of a flexible body, in body axes.
 

@@ -21,6 +21,7 @@ from warpffrf.model.friction.law import FrictionLaw
 from warpffrf.model.friction.regularised_coulomb import RegularisedCoulomb
 from warpffrf.model.friction.stribeck_coulomb import StribeckCoulomb
 from warpffrf.model.friction.table_coulomb import TableCoulomb
+from warpffrf.model.plausibility import friction_doubts, warn
 
 FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb)}
 
@@ -35,12 +36,15 @@ __all__ = [
 def as_friction(value: Any, label: str) -> FrictionLaw:
     """`value` as a friction law: a number is the coefficient of `Coulomb`. Raises `InputError` naming `label`."""
     if isinstance(value, FrictionLaw):
+        warn(friction_doubts(value.largest_coefficient, label))
         return value
     scalar = isinstance(value, Real) or (isinstance(value, np.ndarray) and value.ndim == 0)
     if isinstance(value, (bool, np.bool_)) or not scalar:
         names = ", ".join(f"laws.{law.__name__}" for law in FRICTION_LAWS.values())
         raise InputError(f"{label}: friction must be a coefficient or one of {names}, got {value!r}")
-    return Coulomb(require_number(value, f"{label}: friction", non_negative=True))
+    law = Coulomb(require_number(value, f"{label}: friction", non_negative=True))
+    warn(friction_doubts(law.coefficient, label))
+    return law
 
 
 def as_constant_friction(value: Any, label: str) -> FrictionLaw:

@@ -9,8 +9,10 @@ import numpy as np
 
 from warpffrf.model.errors import require_number
 from warpffrf.model.friction.law import FrictionLaw
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Coulomb(FrictionLaw):
     """Dry friction with stick and slip. coefficient: mu [-], 0 is frictionless. Raises `InputError`."""

@@ -14,8 +14,10 @@ import numpy as np
 
 from warpffrf.model.errors import require_number
 from warpffrf.model.friction.law import FrictionLaw
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class RegularisedCoulomb(FrictionLaw):
     """Dry friction whose stick creeps: below `slip_velocity` [m/s] the traction is proportional to the velocity.

@@ -10,8 +10,10 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.friction.law import FrictionLaw
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class TableCoulomb(FrictionLaw):
     """Friction with tabulated `coefficients` (n,) [-], positive, at slip `speeds` (n,) [m/s], which rise from 0; the

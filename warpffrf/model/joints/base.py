@@ -17,6 +17,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Port, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_array, require_direction, unknown_name
 from warpffrf.model.joints.rows import Row
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import reference_direction
 
 # of the largest coordinate or size at hand (1 um at 0.1 m): two ports further apart than this at the initial pose do
@@ -52,6 +53,7 @@ class Marker:
     rotation: np.ndarray
 
 
+@named_arguments
 class Joint:
     """Two ports and an axis; see the subclasses.
 

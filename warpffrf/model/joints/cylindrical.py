@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.joints.base import ABOUT, ALONG, ON_AXIS, PARALLEL, Joint, off_axis
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class Cylindrical(Joint):
     """Lets b turn about the axis and slide along it; coordinates "translation" [m] and "rotation" [rad].
 

@@ -9,8 +9,10 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.base import Joint, Marker, coincident_within
 from warpffrf.model.joints.rows import Row
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class Distance(Joint):
     """Holds the distance of two ports at its initial value, or at that of a drive (then it is a telescopic rod).
 

@@ -8,11 +8,13 @@ from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.base import Joint
 from warpffrf.model.joints.rows import Row
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.signals import as_signal
 
 QUANTITIES = ("velocity", "position")
 
 
+@named_arguments
 class Drive:
     """Prescribes a coordinate of a joint, or its rate.
 

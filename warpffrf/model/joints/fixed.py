@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf.model.joints.base import NO_SPIN, PARALLEL, POINT, Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class Fixed(Joint):
     """Holds b to a: no relative motion. `axis` only names the marker's z axis."""
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.joints.base import ABOUT, ALONG, PARALLEL, Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class Planar(Joint):
     """Lets b slide across the axis in any direction and turn about it, as a shaft in a journal bearing; coordinate
     "rotation", the angle [rad], which counts turns.

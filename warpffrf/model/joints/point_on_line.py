@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.joints.base import ALONG, ON_AXIS, Joint, off_axis
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class PointOnLine(Joint):
     """Keeps a point of b on the line through a's point along the axis, which is fixed to a.
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.joints.base import ALONG, NO_SPIN, ON_AXIS, PARALLEL, Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class Prismatic(Joint):
     """Lets b slide against a along the axis; coordinate "translation", the displacement [m].
 

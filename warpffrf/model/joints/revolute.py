@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from warpffrf.model.joints.base import ABOUT, PARALLEL, POINT, Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class Revolute(Joint):
     """Lets b turn against a about the axis; coordinate "rotation", the angle [rad], which counts turns."""
 

@@ -5,8 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf.model.joints.base import POINT, Joint
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 class Spherical(Joint):
     """Holds a point of b to a point of a; every rotation is free. No coordinate."""
 

@@ -18,10 +18,12 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.joints.base import POINT, Joint
 from warpffrf.model.joints.rows import Row
+from warpffrf.model.named_arguments import named_arguments
 
 PERPENDICULAR = 1e-6  # cosine of the two axes: six digits typed; the second is then made perpendicular to the first
 
 
+@named_arguments
 class Universal(Joint):
     """A cross with `axis` fixed to a and `second_axis` fixed to b, perpendicular to each other at the initial pose.
 

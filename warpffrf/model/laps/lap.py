@@ -19,6 +19,7 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import as_constant_friction
 from warpffrf.model.laps.pairing import Pairing, pair_faces
 from warpffrf.model.laws import Unilateral, as_law
+from warpffrf.model.named_arguments import named_arguments
 
 UNILATERAL = Unilateral()
 ROUND_OFF = 1e-12  # of the extent of a face: gaps that are none
@@ -39,6 +40,7 @@ class LapCellsOf:
     shares: tuple[float, float]
 
 
+@named_arguments
 class Lap:
     """Contact with friction between two faces that slide a little on each other.
 

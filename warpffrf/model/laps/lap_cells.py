@@ -7,10 +7,12 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 
 BY = ("facets", "nodes")
 
 
+@named_arguments
 @dataclass(frozen=True)
 class LapCells:
     """Cells of the facet set `first`, or of where it faces the facet set `second` of the same body.

@@ -31,6 +31,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.curves import Table
 from warpffrf.model.laws.law import Law
+from warpffrf.model.named_arguments import named_arguments
 
 POINTS = 1000  # of the table
 DEEPEST = 4.0  # deviations that the mean planes overlap by at the last point: F is 36 there, some GPa of steel
@@ -40,6 +41,7 @@ FARTHEST = 10.0  # deviations: a cut beyond is no cut, F is 1e-24 there
 STEP, REACH = 0.02, 4.5  # of x, and where exp(-(x^2 - 4)^2/2) is below round-off: of the integrals
 
 
+@named_arguments
 @dataclass(frozen=True)
 class GreenwoodTripp(Law):
     """Asperities with Gaussian heights: `deviation` [m], the standard deviation of the summed roughness, `density`

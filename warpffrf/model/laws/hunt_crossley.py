@@ -26,6 +26,7 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.curves import Power
 from warpffrf.model.laws.curves.power import require_exponent
 from warpffrf.model.laws.law import Law
+from warpffrf.model.named_arguments import named_arguments
 
 BISECTIONS = 200  # halve until neighbouring numbers are left
 ELASTIC = 1e-9  # 1 - e below which the first-order formula is as exact as the difference of two numbers that far apart
@@ -33,6 +34,7 @@ SERIES = 0.1  # up to there ln(1 + x) - x from its series: the difference itself
 TERMS = 18  # of the series: 0.1^18 is below round-off
 
 
+@named_arguments
 @dataclass(frozen=True)
 class HuntCrossley(Law):
     """A layer with the pressure stiffness * depth^exponent * (1 + damping * closing speed), never tensile.

@@ -17,8 +17,10 @@ from typing import ClassVar
 from warpffrf.model.errors import require_number
 from warpffrf.model.laws.curves import Straight
 from warpffrf.model.laws.law import Law
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class LinearLayer(Law):
     """A layer between the surfaces that yields by p/stiffness; `stiffness` [Pa/m] must be positive. For a coating of

@@ -15,8 +15,10 @@ from warpffrf.model.errors import require_number
 from warpffrf.model.laws.curves import Power
 from warpffrf.model.laws.curves.power import require_exponent
 from warpffrf.model.laws.law import Law
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class NonlinearLayer(Law):
     """A layer with the pressure stiffness * depth^exponent; stiffness [Pa/m^exponent] positive, exponent at least 1.

@@ -16,8 +16,10 @@ from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.laws.curves import Table
 from warpffrf.model.laws.curves.table import MOST_POINTS
 from warpffrf.model.laws.law import Law
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class TableLayer(Law):
     """A layer with tabulated pressures (n,) [Pa] at the gaps (n,) [m], which rise; the pressures must fall strictly and

@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from warpffrf.model.laws.law import Law
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Unilateral(Law):
     """Surfaces that touch do not enter one another; no parameter. The default."""

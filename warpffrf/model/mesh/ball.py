@@ -30,12 +30,14 @@ from warpffrf.model.mesh.lattice import (
     require_patch,
     shell_fractions,
 )
+from warpffrf.model.named_arguments import named_arguments
 
 CORE = 0.4  # half the side of the cube in the middle, in radii: its corners lie at 0.69 R
 ACROSS = 4  # cells along x of the cube and of the parts beside it: far from the patch, and coarse
 LARGEST_PATCH = 0.4  # rad, half-width: the faces of the cube reach to pi/4, the shells need room
 
 
+@named_arguments
 def ball(radius: float, *, patch_half_width: Any, cell: float, growth: float = 1.5, order: int = 2) -> Mesh:
     """A ball about the origin with facet sets `patch`, around +x, and `outside`, the whole surface.
 

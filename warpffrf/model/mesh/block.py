@@ -22,8 +22,10 @@ from warpffrf.model.mesh.lattice import (
     require_patch,
     shell_fractions,
 )
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 def block(
     size: Any,
     *,

@@ -16,10 +16,12 @@ from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.data import FacetSet, Mesh
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.lattice import KINDS, refined
+from warpffrf.model.named_arguments import named_arguments
 
 SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")  # in the order of a hexahedron's faces
 
 
+@named_arguments
 def box(size: Any, counts: Any, *, center: Any = (0.0, 0.0, 0.0), order: int = 2, name: str = "box") -> Mesh:
     """A box along the axes with facet sets `x_min`, `x_max`, `y_min`, `y_max`, `z_min`, `z_max`, its six sides.
 
@@ -38,6 +40,7 @@ def box(size: Any, counts: Any, *, center: Any = (0.0, 0.0, 0.0), order: int = 2
     return grid(*lines, order=order, name=name)
 
 
+@named_arguments
 def grid(x: Any, y: Any, z: Any, *, filled: Any = None, order: int = 2, name: str = "grid") -> Mesh:
     """The filled cells of a rectangular grid as one body.
 

@@ -23,6 +23,7 @@ from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
 from warpffrf.model.mesh.report import MeshReport
 from warpffrf.model.mesh.report import report as make_report
+from warpffrf.model.named_arguments import named_arguments
 
 _CHUNK = 20_000  # cells looked at together: bounds the memory to some tens of MB
 
@@ -35,6 +36,7 @@ class Matrices:
     mass: Any
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Points (n, 3) [m], cells by kind, named facet and cell sets, rotational periodicity where there is one.

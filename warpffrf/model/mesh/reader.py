@@ -16,12 +16,14 @@ from warpffrf.model.mesh.nastran_bulk import SUFFIXES as NASTRAN
 from warpffrf.model.mesh.nastran_bulk import read_bulk
 from warpffrf.model.mesh.raw_mesh import built
 from warpffrf.model.mesh.units import LENGTH_UNITS
+from warpffrf.model.named_arguments import named_arguments
 
 logger = logging.getLogger(__name__)
 
 SUFFIXES = (*FORMATS, *NASTRAN, ".inp")
 
 
+@named_arguments
 def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -> Mesh:
     """Read a mesh of hexahedra, wedges and tetrahedra, linear or quadratic, with its sets; lengths become metres.
 

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
 USUAL_SIZE = (1e-3, 10.0)  # m; outside it the length unit of a file was probably wrong
 SOUND_SPEEDS = (20.0, 20_000.0)  # m/s, bar waves: soft rubber (0.5 MPa) 21, diamond 18 km/s
+USUAL_SPEEDS, USUAL_DENSITIES = (500.0, 14_000.0), (500.0, 20_000.0)  # of what machines are made of
 DENSITIES = (5.0, 23_000.0)  # kg/m3: polymer foam, osmium
 BOX_DENSITY = 0.1  # kg/m3, mass over the volume of the bounding box: a steel frame filling 1e-4 of its box has 0.8
 SLENDER_CELL = 1000.0  # aspect ratio; graded contact meshes reach some hundreds on purpose, beyond is no design
@@ -166,10 +167,23 @@ def material_warnings(material: Material, name: str = "") -> list[str]:
         found.append(
             f"{label}: the speed of sound sqrt(E/rho) would be {speed:.3g} m/s, of solids it is {SOUND_SPEEDS[0]:g} to "
             f"{SOUND_SPEEDS[1]:g}; youngs_modulus is in Pa (steel 210e9), density in kg/m3 (steel 7850)"
+            + _meant(E, rho)
         )
     if not DENSITIES[0] <= rho <= DENSITIES[1]:
         found.append(f"{label}: no solid has a density of {rho:.3g} kg/m3; t/mm3 times 1e12, g/cm3 times 1e3 is kg/m3")
     return found
+
+
+def _meant(E: float, rho: float) -> str:
+    """What modulus and density are in the units that would make a solid of them; "" where none does."""
+    for unit, pascal in (("Pa", 1.0), ("GPa", 1e9), ("MPa", 1e6)):
+        for per, density in (("kg/m3", 1.0), ("g/cm3", 1e3), ("t/mm3", 1e12)):
+            usual = USUAL_DENSITIES[0] <= rho * density <= USUAL_DENSITIES[1]
+            if usual and USUAL_SPEEDS[0] <= np.sqrt(E * pascal / (rho * density)) <= USUAL_SPEEDS[1]:
+                parts = [f"youngs_modulus {E:g} {unit} is {E * pascal:.4g} Pa"] if pascal > 1.0 else []
+                parts += [f"density {rho:g} {per} is {rho * density:.4g} kg/m3"] if density > 1.0 else []
+                return f"; {', '.join(parts)}"
+    return ""
 
 
 def _size_warnings(size: Array, mass: float | None) -> list[str]:
@@ -178,7 +192,8 @@ def _size_warnings(size: Array, mass: float | None) -> list[str]:
     if not USUAL_SIZE[0] <= largest <= USUAL_SIZE[1]:
         found.append(
             f"the largest dimension is {largest:.3g} m, outside {USUAL_SIZE[0]:g} to {USUAL_SIZE[1]:g} m: "
-            "is the length unit right?"
+            f"is the length unit right? {'mm' if largest > 1.0 else 'm'} were perhaps taken for "
+            f"{'m, coordinates are in m' if largest > 1.0 else 'mm'}"
         )
     box = float(np.prod(size))
     if mass is not None and box > 0.0 and not BOX_DENSITY <= mass / box <= DENSITIES[1]:

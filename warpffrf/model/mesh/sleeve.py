@@ -23,12 +23,14 @@ from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.lattice import KINDS, refined
 from warpffrf.model.mesh.revolved import axial_lines, layer_depths, revolved_cells, revolved_points, tread_facets
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import crown_drop
 
 ARC_GROWTH = 1.3  # of cells behind the fine arc
 LARGEST_ANGLE = np.radians(15.0)  # of a cell there: curved quadratic cells are round to 1e-5 then, linear ones to 1e-2
 
 
+@named_arguments
 def sleeve(
     inner_radius: float,
     outer_radius: float,
@@ -64,6 +66,7 @@ def sleeve(
     return _turned(label, np.full(len(y), inside), outside, y, sectors, layers, grading, fine_arc, order)
 
 
+@named_arguments
 def ring(
     bore_radius: float,
     outer_radius: float,

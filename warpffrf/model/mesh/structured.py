@@ -46,6 +46,7 @@ from warpffrf.model.mesh.revolved import (
     revolved_points,
     tread_facets,
 )
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import crown_drop
 
 CELLS_PER_HALF_WIDTH = {1: 2.0, 2: 1.0}  # around the rim, by order: equal node spacing of b/2
@@ -53,6 +54,7 @@ AXIAL_CELL = {1: 8.0, 2: 16.0}  # axial cell length in half-widths: a line conta
 LEAST_AXIAL = {1: 4, 2: 2}  # axial cells at least, so that pressure can vary along the axis
 
 
+@named_arguments
 def roller(
     outer_radius: float,
     inner_radius: float,

@@ -14,9 +14,11 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import require_number
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.oils.oil import Array, Oil
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Barus(Oil):
     """mu = viscosity exp(coefficient p); viscosity [Pa s], coefficient alpha [1/Pa]. Raises `InputError`."""

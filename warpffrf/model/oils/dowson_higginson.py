@@ -13,10 +13,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import require_number
+from warpffrf.model.named_arguments import named_arguments
 
 Array = np.ndarray
 
 
+@named_arguments
 @dataclass(frozen=True)
 class DowsonHigginson:
     """rho/rho_0 = 1 + a p/(1 + b p); a, b [1/Pa] positive, by default those of mineral oils. Raises `InputError`."""

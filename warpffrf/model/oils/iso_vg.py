@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.oils.newtonian import Newtonian
 from warpffrf.model.oils.temperature import temperature_of, walther
 
@@ -22,6 +23,7 @@ REFERENCE = 40.0  # degrees Celsius
 DENSITY = 880.0  # kg/m3
 
 
+@named_arguments
 def iso_vg(grade: int, *, temperature: float, at_100: float | None = None, density: float = DENSITY) -> Newtonian:
     """The oil of ISO VG `grade` at `temperature` [degrees Celsius]; at_100: kinematic viscosity at 100 degrees [m2/s],
     of an oil whose viscosity index is another than about 95; density [kg/m3]. Raises `InputError`."""

@@ -7,9 +7,11 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.oils.oil import Array, Oil
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Newtonian(Oil):
     """mu = viscosity [Pa s]. Raises `InputError`."""

@@ -15,12 +15,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.oils.oil import Array, Oil
 
 POLE_PRESSURE, POLE_VISCOSITY = 196.2e6, 6.315e-5  # Pa, Pa s
 LARGEST = 1.5  # of z: no oil is known with more than 1
 
 
+@named_arguments
 @dataclass(frozen=True)
 class Roelands(Oil):
     """mu = viscosity exp(b ((1 + p/p_r)^z - 1)) with mu'/mu = coefficient at zero pressure; viscosity [Pa s],

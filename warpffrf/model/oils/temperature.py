@@ -17,6 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.named_arguments import named_arguments
 
 ABSOLUTE_ZERO = -273.15  # degrees Celsius
 COLDEST, HOTTEST = -60.0, 300.0  # degrees Celsius, of oils that flow
@@ -35,6 +36,7 @@ def temperature_of(value: float, label: str) -> float:
     return T
 
 
+@named_arguments
 def vogel(temperature: float, *, a: float, b: float, c: float) -> float:
     """Dynamic viscosity a exp(b/(T + c)) [Pa s] at `temperature` [degrees Celsius]; a [Pa s], b and c [K]. Raises
     `InputError` where T + c is not positive."""
@@ -47,6 +49,7 @@ def vogel(temperature: float, *, a: float, b: float, c: float) -> float:
     return float(a * np.exp(b / (T + c)))
 
 
+@named_arguments
 def walther(temperature: float, *, points: Sequence[tuple[float, float]], density: float) -> float:
     """Dynamic viscosity [Pa s] at `temperature` [degrees Celsius] by two measured `points` (temperature [degrees
     Celsius], kinematic viscosity [m2/s]); density [kg/m3], which is taken as constant. Raises `InputError`."""

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import fit_revolution
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
@@ -20,6 +21,7 @@ STEEPEST = np.radians(80.0)  # a steeper cone is a disc: its chart counts along 
 STRAIGHT = 1e-9  # tangent below which points show no cone: round-off of nodes over their width
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cone(RevolutionShape):
     """Outside of a cone; what is None is fitted to the nodes of the facet set.

@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class CrownedCylinder(RevolutionShape):
     """Outside of a cylinder with a circular crown; `crown_radius` [m] too is fitted where None.

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surfaces.revolution import RevolutionShape
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cylinder(RevolutionShape):
     """Outside of a circular cylinder; what is None is fitted to the nodes of the facet set.

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import reference_direction
 from warpffrf.model.surfaces.base import Shape
 from warpffrf.model.surfaces.profile import SurfaceProfile
@@ -16,6 +17,7 @@ ACROSS = 1e-6  # length of `direction` within the plane below which it says noth
 IN_LINE = 1e-9  # second singular value of the nodes over the first, below which they lie on one line
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plane(Shape):
     """A plane; what is None is fitted to the nodes of the facet set.

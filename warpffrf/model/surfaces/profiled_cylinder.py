@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import fit_revolution
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
@@ -34,6 +35,7 @@ BEYOND = 0.01  # of the table's length: how far nodes may lie outside it
 LOGARITHMIC_NODES = 129  # with exact slopes: error (step)^4/384 of the fourth derivative, 1e-4 of the end drop or less
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ProfiledCylinder(RevolutionShape):
     """Outside of a cylinder whose radius drops by a table; what else is None is fitted to the nodes.

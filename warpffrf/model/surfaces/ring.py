@@ -7,10 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Ring(RevolutionShape):
     """Inside of a ring with a circular groove of radius `groove_radius` [m], the outer raceway of a ball bearing.

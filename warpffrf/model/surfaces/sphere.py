@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.surface_fit import FIT_STALLED, FIT_STEPS, reference_direction
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
@@ -20,6 +21,7 @@ ALL_ROUND = 0.1  # length of the mean direction of the nodes below which they li
 RIGID_AXIS = (0.0, 1.0, 0.0)  # as of a roller: a ball on a floor has its poles at the sides
 
 
+@named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Sphere(RevolutionShape):
     """Outside of a sphere, a ball; `axis_point` (3,) [m] is its centre. What is None is fitted to the nodes.

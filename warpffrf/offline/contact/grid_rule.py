@@ -30,6 +30,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.offline.contact.cell_depth import DEEPEST
 
 FINER_BEHIND = "let its layers grow more slowly (mesh.roller: more layers, grading=1.2), or use quadratic cells"
@@ -75,6 +76,7 @@ LINEAR_EDGE, QUADRATIC_EDGE, COARSEST_EDGE = 0.5, 2.0, 1.0
 FIRST_LAYER = 0.5  # of nodes behind the surface, in spacings, there
 
 
+@named_arguments
 def contact_spacing(
     half_width: float,
     *,

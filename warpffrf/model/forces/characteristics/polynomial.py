@@ -15,8 +15,10 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.characteristics.characteristic import TERMS, Characteristic, Pieces
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class ForcePolynomial(Characteristic):
     """F = k_1 x + k_2 x^2 + ... with `coefficients` (k_1, k_2, ...) [N/m, N/m^2, ...; of torques and angles N m/rad,

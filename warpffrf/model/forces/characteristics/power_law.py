@@ -14,8 +14,10 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics.characteristic import TERMS, Characteristic, Pieces
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class PowerLaw(Characteristic):
     """F = coefficient * sgn(x) |x|^exponent; coefficient [N/m^exponent, N (s/m)^exponent, N m/rad^exponent ...]

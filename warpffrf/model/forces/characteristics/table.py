@@ -16,8 +16,10 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.characteristics.characteristic import TERMS, Characteristic, Pieces
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class ForceTable(Characteristic):
     """Forces over deformation or rate: `points` (n, 2), n >= 2, of x [m, rad, m/s or rad/s], which rises, and F [N or

@@ -24,11 +24,13 @@ from scipy.special import elliprd, elliprf
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
 from warpffrf.model.material import Material
+from warpffrf.model.named_arguments import named_arguments
 
 SLENDEREST = 1e-4  # ratio of the half-axes down to which an ellipse is looked for; it is a line beyond
 ROUND = 1e-12  # difference of the curvatures, of the larger one, below which the patch is a circle
 
 
+@named_arguments
 @dataclass(frozen=True)
 class HertzPoint(LumpedLaw):
     """Hertz's law of a point contact, for surfaces that are curved against each other in both directions.

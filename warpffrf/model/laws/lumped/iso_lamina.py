@@ -25,12 +25,14 @@ import numpy as np
 from warpffrf.model.errors import require_count, require_number
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
 from warpffrf.model.laws.lumped.palmgren_line import MM, laminae
+from warpffrf.model.named_arguments import named_arguments
 
 CONSTANT, LENGTH_POWER, EXPONENT = 35948.0, 8.0 / 9.0, 10.0 / 9.0  # of c_L [N/mm^(10/9)], L in mm
 SHORT, SHORT_DROP, LONG_DROP = 2.5, 0.00035, 0.0005  # diameters; of the diameter
 LAMINAE = 30  # the fewest that the standard asks for
 
 
+@named_arguments
 @dataclass(frozen=True)
 class IsoLamina(LumpedLaw):
     """ISO/TS 16281's law of a steel roller of effective length `length` [m] on a raceway; the first surface is the

@@ -16,6 +16,7 @@ import numpy as np
 
 from warpffrf.model.errors import require_count, require_number
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
+from warpffrf.model.named_arguments import named_arguments
 
 COEFFICIENT = 3.84e-5  # delta [mm] of F = 1 N and l = 1 mm
 FORCE_POWER, LENGTH_POWER = 0.9, 0.8
@@ -27,6 +28,7 @@ def laminae(length: float, count: int) -> np.ndarray:
     return length * ((np.arange(count) + 0.5) / count - 0.5)
 
 
+@named_arguments
 @dataclass(frozen=True)
 class PalmgrenLine(LumpedLaw):
     """Palmgren's law of a roller of effective length `length` [m], steel on steel; the first surface is the roller.

@@ -7,8 +7,10 @@ from typing import ClassVar
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.lumped.base import STEEL_SHEAR, Approach, LumpedLaw, Meeting
+from warpffrf.model.named_arguments import named_arguments
 
 
+@named_arguments
 @dataclass(frozen=True)
 class PowerForce(LumpedLaw):
     """F = stiffness * approach^exponent where two surfaces touch in a point.

@@ -37,6 +37,7 @@ from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
 from warpffrf.model.mesh.matrices.files import read_matrix
 from warpffrf.model.mesh.matrices.motion import RIGID_NOTE, plausibility, require_free, require_mass, require_one_body
 from warpffrf.model.mesh.matrices.surfaces import facet_sets
+from warpffrf.model.named_arguments import named_arguments
 
 logger = logging.getLogger("warpffrf.mesh")
 POUND = 4.4482216152605  # N, one pound-force by definition
@@ -47,6 +48,7 @@ CURE_K = "a dof without stiffness belongs to no element: leave such nodes out, a
 CURE_M = "give the elements a density, and export the consistent mass matrix"
 
 
+@named_arguments
 def from_matrices(
     M: Any,
     K: Any,

@@ -20,10 +20,12 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.matrices import abaqus, calculix, matrix_market, nastran
 from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
+from warpffrf.model.named_arguments import named_arguments
 
 ROLES = ("stiffness", "mass")
 
 
+@named_arguments
 def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiffness") -> FileMatrix:
     """The matrix in a file; see the module's table of formats.
 

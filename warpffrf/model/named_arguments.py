@@ -1,0 +1,89 @@
+"""Calls with arguments that a callable does not take, answered with the names that it does.
+
+Python's own message for `simulate(scene, savevery=2)` names what is wrong, and neither what is near to it nor what
+there is. The decorator leaves calls and signatures as they are: only where a call has failed with a `TypeError` is it
+looked at, and where the arguments are at fault the error says the nearest name, what is missing, or which arguments go
+by name. A `TypeError` from further inside is passed on.
+"""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Sequence
+from inspect import Parameter
+from typing import Any, TypeVar
+
+from warpffrf.model.errors import suggestion
+
+BY_PLACE = (Parameter.POSITIONAL_ONLY, Parameter.POSITIONAL_OR_KEYWORD)
+Named = TypeVar("Named", bound=Callable[..., Any])
+
+
+def named_arguments(thing: Named) -> Named:
+    """`thing`, a function or a class with its constructor and public methods, with calls answered as the module says.
+
+    Calls raise `TypeError` for arguments that do not fit.
+    """
+    if not isinstance(thing, type):
+        return _answered(thing, inspect.signature(thing), lambda args: (thing.__name__, args))  # type: ignore[return-value]
+    for name, method in vars(thing).copy().items():
+        if not inspect.isfunction(method) or (name.startswith("_") and name != "__init__"):
+            continue
+        parameters = list(inspect.signature(method).parameters.values())[1:]
+        setattr(thing, name, _answered(method, inspect.Signature(parameters), _of_class(name)))
+    return thing  # type: ignore[return-value]
+
+
+def _of_class(name: str) -> Callable[[tuple], tuple[str, tuple]]:
+    """What a method is called by its users, and the arguments they gave it."""
+    if name == "__init__":
+        return lambda args: (type(args[0]).__name__, args[1:])
+    return lambda args: (f"{type(args[0]).__name__}.{name}", args[1:])
+
+
+def _answered(
+    function: Callable[..., Any], signature: inspect.Signature, seen: Callable[[tuple], tuple[str, tuple]]
+) -> Callable[..., Any]:
+    """`function`, whose users see `signature`; `seen` tells of all its arguments its name and theirs."""
+
+    @functools.wraps(function)
+    def call(*args: Any, **options: Any) -> Any:
+        try:
+            return function(*args, **options)
+        except TypeError:
+            label, given = seen(args)
+            text = misfit(label, signature, given, options)
+            if not text:
+                raise
+        raise TypeError(text)
+
+    return call
+
+
+def misfit(label: str, signature: inspect.Signature, args: Sequence[Any], options: dict[str, Any]) -> str:
+    """What of `args` and `options` does not fit the `signature` of what is called `label`, and the cure; "" where they
+    fit."""
+    parameters = signature.parameters.values()
+    if any(p.kind is Parameter.VAR_KEYWORD for p in parameters):
+        return ""
+    known = [p.name for p in parameters if p.kind is not Parameter.VAR_POSITIONAL]
+    for name in options:
+        if name not in known:
+            return f"{label}: there is no argument {name!r}{suggestion(name, known)}"
+    by_place = [p.name for p in parameters if p.kind in BY_PLACE]
+    free = any(p.kind is Parameter.VAR_POSITIONAL for p in parameters)
+    if len(args) > len(by_place) and not free:
+        by_name = [f"{p.name}=..." for p in parameters if p.kind is Parameter.KEYWORD_ONLY]
+        others = f"; the others go by name: {label}({', '.join([*by_place, *by_name])})" if by_name else ""
+        return f"{label}: {len(args)} arguments were given by place, it takes {_listed(by_place)} so{others}"
+    filled = {*by_place[: len(args)], *options}
+    missing = [p.name for p in parameters if p.default is Parameter.empty and p.name in known and p.name not in filled]
+    if missing:
+        return f"{label}: {' and '.join(missing)} must be given; it takes {_listed(known)}"
+    twice = [name for name in by_place[: len(args)] if name in options]
+    return f"{label}: {twice[0]} is given twice, by place and by name" if twice else ""
+
+
+def _listed(names: Sequence[str]) -> str:
+    return ", ".join(names) or "none"
