@@ -86,9 +86,10 @@ def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
             f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
         )
     if stiffening is not None and stiffening.membrane is not None and len(stiffening.membrane):
+        older = "; its file is older than second-order motion, which pictures of it lack"
         notes.append(
             f"body {body.name!r}: {len(stiffening.membrane)} squares of membrane energy act on its modes"
-            + ("" if stiffening.motion is not None else "; its file is of before second-order motion, which pictures of it lack")
+            + (older if stiffening.motion is None else "")
         )
     if level == "auto":
         if terms is None or not len(terms.first):
