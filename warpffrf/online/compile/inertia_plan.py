@@ -88,7 +88,7 @@ def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
     if stiffening is not None and stiffening.membrane is not None and len(stiffening.membrane):
         notes.append(
             f"body {body.name!r}: {len(stiffening.membrane)} squares of membrane energy act on its modes"
-            + ("" if stiffening.motion is not None else "; its file is of before second-order motion, which pictures of it lack")
+            + ("" if stiffening.motion is not None else "; pictures of it lack second-order motion, reduce it again")
         )
     if level == "auto":
         if terms is None or not len(terms.first):
