@@ -319,10 +319,13 @@ def test_bad_input() -> None:
         made_plate(membrane_modes=99)
     with pytest.raises(InputError, match="a membrane basis without bending modes: stretching counts in none"):
         reduce(plate("hex27", (1, 1, 1), (2, 2, 2)), STEEL, modes=4, stiffening="membrane", cache=False, progress=False)
+    for none in ({"modes": 0, "interfaces": {}}, {"inertia_modes": 0}):
+        with pytest.raises(InputError, match="bending modes: the body has no modes with inertia terms; ask for some"):
+            made_plate(**none)
     mesh = plate("hex8", (0.01, 0.01, 0.03), (1, 1, 2))
     K, M = assemble(mesh.points, mesh.cells, assign(mesh, STEEL))
     bare = from_matrices(sp.csr_matrix(M), sp.csr_matrix(K), mesh.points)
-    with pytest.raises(InputError, match="needs the stresses in cells"):
+    with pytest.raises(InputError, match="stiffening='membrane' needs the stresses in cells of a known material"):
         reduce(bare, modes=2, stiffening="membrane", cache=False, progress=False)
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -16,7 +18,14 @@ from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.diagnosis.deflections import STRAINED, THICK, TURNED, deflection_lines, deflections
+from warpffrf.online.diagnosis.deflections import (
+    STRAINED,
+    THICK,
+    TURNED,
+    Deflection,
+    deflection_lines,
+    deflections,
+)
 from warpffrf.output.simulate import equilibrium, simulate
 
 MATERIAL = Material(210e9, 0.0, 7850.0)  # as a beam: sections are not stiffened by their width
@@ -98,9 +107,15 @@ def test_interfaces_that_turn_far() -> None:
 
 
 def test_pictures_that_lack_the_way_of_interfaces() -> None:
-    """Of stiffening=True, which has no second-order motion of the skin."""
+    """Of stiffening=True, which has no second-order motion of the skin; the share of it is that of the body's that
+    has it, but for places between interfaces."""
     notes = equilibrium(cantilever((0.0, 0.0, 0.5 * BENDING), kind=True)).history.notes
     (line,) = about(notes, "pictures of it lack")
+    shares = []
+    for kind in (True, "membrane"):
+        scene = cantilever((0.0, 0.0, 0.5 * BENDING), kind=kind)
+        shares += [one.second for one in deflections(scene, equilibrium(scene).history.bodies)]
+    assert shares[1] == pytest.approx(shares[0], rel=0.1) and shares[0] > 0.02
     assert "use stiffening='membrane' in reduce" in line
     assert not about(equilibrium(cantilever((0, 0, 0.01 * BENDING), kind=True)).history.notes, "pictures of it lack")
 
@@ -156,3 +171,15 @@ def test_bodies_that_do_not_deflect_say_nothing() -> None:
     scene.add_rigid_body(1.0, np.eye(3), name="stone")
     result = simulate(scene, 0.01, step=1e-3, progress=False)
     assert deflections(scene, result.history.bodies) == []
+
+
+def test_contact_surfaces_have_no_second_order_motion() -> None:
+    """Said where it is more than 1 % of the deflection, of bodies that are touched."""
+    found = Deflection("beam", None, None, "", None, 1.0, 0.0, np.zeros(3), 0.05)
+    scene = cantilever((0.0, 0.0, BENDING))
+    assert not about(deflection_lines(scene, [found]), "contact surfaces")
+    touching = SimpleNamespace(
+        contacts=[SimpleNamespace(ports=[SimpleNamespace(body=scene.body("beam"))])], films=[], laps=[], body=scene.body
+    )
+    (line,) = about(deflection_lines(cast(Scene, touching), [found]), "contact surfaces")
+    assert "which is up to 5 % of the deflection; split it" in line

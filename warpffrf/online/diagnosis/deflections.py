@@ -11,7 +11,8 @@ Of bodies that loads stiffen a line says, as far as they have it:
 
 Of others a line comes where it is needed: where interfaces turn far, where a body deflects by `THICK` of its smallest
 extent, that of the box with its mass and inertia (a clamped plate is then softer than it should be by a tenth and more,
-a beam that may shorten by nothing), and where pictures lack what interfaces do of second order. And of all bodies where
+a beam that may shorten by nothing), and where pictures, contact surfaces or laps lack what
+interfaces do of second order. And of all bodies where
 the skin is strained above `STRAINED` (`warpffrf.model.skin_strain`): the material of a body is St. Venant-Kirchhoff's,
 linear in the strains of Green, of which those of a metal or of rubber differ by about the strain itself.
 
@@ -49,7 +50,8 @@ class Deflection:
     """How far one `body` deflected: `membrane` largest V4/V2, `turned` [rad] largest angle of an interface, its name
     `interface`, `inertia` kinetic energy of second-order motion over that of the modes, each None where there is none
     of it; `extents` largest deflection of the skin over the smallest extent, `strain` largest of the skin, `place` (3,)
-    [m, user frame] of it, `unseen` second-order motion of interfaces over the deflection, which pictures lack."""
+    [m, user frame] of it, `second` largest second-order motion of the skin, or of interfaces where the body has none of
+    the skin, over the deflection."""
 
     body: str
     membrane: float | None
@@ -59,7 +61,7 @@ class Deflection:
     extents: float
     strain: float
     place: Array
-    unseen: float
+    second: float
 
 
 def deflections(scene: Scene, bodies: Mapping[str, BodyHistory]) -> list[Deflection]:
@@ -88,21 +90,27 @@ def _deflection(body: Body, q: Array, qd: Array) -> Deflection:
     turned = {n: float(np.linalg.norm(interface_motion(body, n, q)[:, 3:], axis=1).max()) for n in reduced.interfaces}
     furthest = max(turned, key=turned.__getitem__, default="")
     leading = np.argsort(share.max(axis=0))[-LEADING:]
-    largest, extreme, place = 0.0, 0.0, np.zeros(3)
+    largest, extreme, place, second = 0.0, 0.0, np.zeros(3), 0.0
     for i in np.unique([V2.argmax(), *share[:, leading].argmax(axis=0)]):
-        largest = max(largest, float(np.linalg.norm(skin_displacement(body, q[i]), axis=1).max(initial=0.0)))
+        u = skin_displacement(body, q[i])
+        largest = max(largest, _longest(u))
+        if motion is not None:
+            second = max(second, _longest(u - np.tensordot(q[i], reduced.surface.modes, 1)))
         strain = np.abs(skin_strain(body, q[i])).max(axis=1, initial=0.0)
         if strain.size and strain.max() > extreme:
             extreme = float(strain.max())
             place = reduced.surface.points[reduced.surface.triangles[strain.argmax()]].mean(axis=0)
-    shortened = 0.0
     if motion is None and body.stiffening:
-        ways = [0.5 * np.abs(second_order(body, name, q, q)[:, :3]).max() for name in reduced.interfaces]
-        shortened = max(ways, default=0.0)
+        second = max((_longest(0.5 * second_order(body, n, q, q)[:, :3]) for n in reduced.interfaces), default=0.0)
     return Deflection(
         body.name, membrane, turned.get(furthest), furthest, inertia, largest / _smallest_extent(body), extreme, place,
-        shortened / largest if largest > 0.0 else 0.0,
+        second / largest if largest > 0.0 else 0.0,
     )  # fmt: skip
+
+
+def _longest(u: Array) -> float:
+    """Largest norm of the rows of (n, 3)."""
+    return float(np.linalg.norm(u, axis=1).max(initial=0.0))
 
 
 def _smallest_extent(body: Body) -> float:
@@ -114,10 +122,11 @@ def _smallest_extent(body: Body) -> float:
 
 def deflection_lines(scene: Scene, found: list[Deflection]) -> list[str]:
     """What the report says of them, and the cures."""
-    return [line for one in found for line in _lines(scene.body(one.body), one)]
+    touched = {port.body.name for item in (*scene.contacts, *scene.films, *scene.laps) for port in item.ports}
+    return [line for one in found for line in _lines(scene.body(one.body), one, one.body in touched)]
 
 
-def _lines(body: Body, one: Deflection) -> list[str]:
+def _lines(body: Body, one: Deflection, touched: bool) -> list[str]:
     name, facts, lines = f"body {one.body!r}", [], []
     far = one.turned is not None and one.turned > TURNED
     if one.membrane is not None:
@@ -137,10 +146,15 @@ def _lines(body: Body, one: Deflection) -> list[str]:
             f"{name}: it deflects by up to {one.extents:.2g} of its smallest extent, and what that stretches is left "
             f"out; if it is held against shortening, or bends both ways, use {_cure(body)}"
         )
-    if one.unseen > FLAG:
+    if one.second > FLAG and motion_of(body) is None:
         lines.append(
-            f"{name}: its interfaces move by up to {percent(one.unseen)} of the deflection in a way of second order "
+            f"{name}: its interfaces move by up to {percent(one.second)} of the deflection in a way of second order "
             "that pictures of it lack; use stiffening='membrane' in reduce"
+        )
+    if one.second > FLAG and touched:
+        lines.append(
+            f"{name}: its contact surfaces and laps move by its modes alone, without the second-order motion, which is "
+            f"up to {percent(one.second)} of the deflection; split it into several bodies"
         )
     if one.strain > STRAINED:
         place = ", ".join(f"{x:.4g}" for x in one.place)
