@@ -11,6 +11,7 @@ import pytest
 
 from warpffrf.model import joints
 from warpffrf.model.forces import PointForce
+from warpffrf.model.integrators import RungeKutta4
 from warpffrf.model.interface_motion import interface_motion
 from warpffrf.model.material import Material
 from warpffrf.model.membrane import membrane_energy, membrane_forms
@@ -183,3 +184,17 @@ def test_contact_surfaces_have_no_second_order_motion() -> None:
     )
     (line,) = about(deflection_lines(cast(Scene, touching), [found]), "contact surfaces")
     assert "which is up to 5 % of the deflection; split it" in line
+
+
+def test_every_method_says_it() -> None:
+    """The monolithic reference, and integrators of single bodies on the host."""
+    scene = cantilever((0.0, 0.0, 2.0 * BENDING), stiffening=False)
+    result = simulate(scene, 0.04, step=2e-3, method="monolithic", progress=False)
+    assert about(result.history.notes, "of its smallest extent")
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    body = scene.add_body(beam("membrane"), name="beam", inertia="constant")
+    for name, pull in (("x_min", -1.0), ("x_max", 1.0)):
+        force = 1.5 * STRAINED * MATERIAL.youngs_modulus * WIDTH * THICKNESS
+        scene.add(PointForce(body[name], (pull * force, 0.0, 0.0), name=f"pull {name}"))
+    result = simulate(scene, 2e-4, step=5e-7, integrator=RungeKutta4(), progress=False)
+    assert about(result.history.notes, "strains up to")

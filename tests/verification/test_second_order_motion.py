@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
+import meshio
 import numpy as np
 import pytest
 
@@ -19,6 +20,7 @@ from warpffrf.model.skin_strain import skin_strain
 from warpffrf.offline import reduce
 from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.modes_result import eigenmodes
+from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
 from warpffrf.verification.closed_forms.large_deflections import Elastica
 
@@ -69,6 +71,18 @@ def test_skin_of_a_cantilever_is_the_elastica(beam, bent) -> None:
     place = (motion.position[-1] + rotate(motion.rotation[-1], beam.surface.points + u))[end].mean(axis=0)
     print("linear skin u/L", 0.5 - place[0] / LENGTH)
     assert abs(0.5 - place[0] / LENGTH - elastica.shortening) > 0.05 * elastica.shortening
+
+
+def test_files_for_pictures_have_it(beam, bent, tmp_path) -> None:
+    """VTK files hold the places of the skin, and the results file what they are made of."""
+    folder = bent.to_vtu(tmp_path / "run.pvd").with_suffix("")
+    (file,) = folder.glob("*.vtu")
+    mesh = meshio.read(file)
+    end = np.abs(beam.surface.points[:, 0] - 0.5 * LENGTH) < 1e-9
+    place = (mesh.points + mesh.point_data["displacement"])[end].mean(axis=0)
+    np.testing.assert_allclose(place, bent.sensor("tip").values[-1], atol=1e-3 * Elastica(1.0).shortening * LENGTH)
+    again = Result.load(bent.save(tmp_path / "run.h5"))
+    np.testing.assert_allclose(again.skins()["beam"].displacement(-1), bent.skins()["beam"].displacement(-1))
 
 
 @pytest.mark.parametrize("name", ["x_min", "x_max"])
