@@ -80,6 +80,31 @@ def test_a_turning_flexible_body_with_its_options() -> None:
     _refused(BEAM.replace('"gyroscopic"', '"gyroscopc"'), "gyroscopc", "known: 'constant', 'deformed', 'gyroscopic'")
 
 
+def test_membrane_energy() -> None:
+    """`stiffening = "membrane"` and `membrane_modes` of a reduced body are those of the same call in Python, and what
+    is wrong about them is refused with the same cure."""
+    wanted = 'stiffening = "membrane"\nmembrane_modes = 3\ninertia_modes = 5'
+    text = BEAM.replace("stiffening = true\ninertia_modes = 5", wanted)
+    mesh = wf.mesh.box((0.5, 0.02, 0.02), (6, 1, 1))
+    beam = wf.reduce(
+        mesh, wf.Material(70e9, 0.3, 2700.0), interfaces={"x_min": "rigid"}, modes=6, stiffening="membrane",
+        membrane_modes=3, inertia_modes=5, cache=False, progress=False,
+    )  # fmt: skip
+    found = scene_of(text).scene.body("beam")
+    assert found.stiffening and found.reduced.content_hash() == beam.content_hash()
+    assert found.reduced.report["inertia"]["membrane"]["modes"] == 3
+    without = BEAM.replace("inertia_modes = 5", "membrane_modes = 3\ninertia_modes = 5")
+    kind = '"membrane"'
+    for wrong, at, said in (
+        (without, "membrane_modes", "membrane_modes is a number of modes of stiffening='membrane'; ask for that, too"),
+        (text.replace("modes = 3", "modes = 0"), "membrane_modes", "a membrane basis without bending modes"),
+        (text.replace("modes = 3", "modes = 9"), "membrane_modes", "membrane_modes=9, of a body with 6 modes"),
+        (text.replace('"membrane"', '"plate"'), "stiffening", "or 'membrane', got 'plate'"),
+        (text.replace("stiffening = true", f"stiffening = {kind}"), f"stiffening = {kind}\ndamping", "stiffening"),
+    ):
+        _refused(wrong, at, said)
+
+
 def test_every_integrator_can_be_written() -> None:
     for kind, cls in INTEGRATORS.items():
         assert _options(f'integrator = {{ kind = "{kind}" }}')["integrator"] == cls()

@@ -319,10 +319,13 @@ def test_bad_input() -> None:
         made_plate(membrane_modes=99)
     with pytest.raises(InputError, match="a membrane basis without bending modes: stretching counts in none"):
         reduce(plate("hex27", (1, 1, 1), (2, 2, 2)), STEEL, modes=4, stiffening="membrane", cache=False, progress=False)
+    for none in ({"modes": 0, "interfaces": {}}, {"inertia_modes": 0}):
+        with pytest.raises(InputError, match="bending modes: the body has no modes with inertia terms; ask for some"):
+            made_plate(**none)
     mesh = plate("hex8", (0.01, 0.01, 0.03), (1, 1, 2))
     K, M = assemble(mesh.points, mesh.cells, assign(mesh, STEEL))
     bare = from_matrices(sp.csr_matrix(M), sp.csr_matrix(K), mesh.points)
-    with pytest.raises(InputError, match="needs the stresses in cells"):
+    with pytest.raises(InputError, match="stiffening='membrane' needs the stresses in cells of a known material"):
         reduce(bare, modes=2, stiffening="membrane", cache=False, progress=False)
 
 
@@ -374,3 +377,21 @@ def test_shapes_are_those_of_all_pairs(rimmed) -> None:
         error = exact - terms.shapes @ terms.second_order.amplitudes(z / rimmed.omega)
         assert np.sqrt(error @ (rimmed.M @ error)) <= 1.000001 * terms.facts["motion_left_out"] * largest * (z @ z)
     np.testing.assert_allclose(terms.second_order.overlap, rimmed.U.T @ (rimmed.M @ terms.shapes), atol=1e-12)
+
+
+def test_kinetic_energy_of_second_order_motion(rimmed) -> None:
+    """Of the full model's mass with the velocity Phi qd + dTheta/dt, to what was left out."""
+    terms, rng = rimmed.terms(), np.random.default_rng(9)
+    pairs, omega = rimmed.strain.pairs, rimmed.omega
+    for _ in range(5):
+        z, zd = 30.0 * rng.standard_normal((2, 8))
+        rate = pairs.weight * (z[pairs.first] * zd[pairs.second] + zd[pairs.first] * z[pairs.second])
+        second = rimmed.theta @ rate
+        v = rimmed.U @ (zd / omega) + second
+        expected = 0.5 * v @ (rimmed.M @ v) - 0.5 * np.sum((zd / omega) ** 2)
+        found = terms.second_order.kinetic_energy(z / omega, zd / omega)
+        # left out in the mass, once beside the modes and once beside itself
+        speed = np.sqrt(second @ (rimmed.M @ second))
+        scale = speed * (np.linalg.norm(zd / omega) + speed)
+        assert abs(found - expected) < 10.0 * terms.facts["motion_left_out"] * scale
+        assert abs(expected) > 100.0 * abs(found - expected)

@@ -42,6 +42,13 @@ def membrane_energy(forms: Array, q: Array) -> float:
     return float(0.5 * e @ e)
 
 
+def membrane_energies(forms: Array, q: Array) -> Array:
+    """V4 (T,) [J] of rows of coordinates q (T, m)."""
+    k = forms.shape[1]
+    e = 0.5 * np.einsum("ti,rij,tj->tr", q[:, :k], forms, q[:, :k], optimize=True)
+    return 0.5 * np.sum(e * e, axis=1)
+
+
 def membrane_gradient(forms: Array, q: Array) -> Array:
     """dV4/dq (k,) [N], what stands beside omega^2 q; the force on the modes is the opposite."""
     y = forms @ q[: forms.shape[1]]

@@ -71,9 +71,9 @@ def motion_of(body: Any) -> SecondOrderMotion | None:
 def skin_displacement(body: Any, q: Array) -> Array:
     """Phi q + Theta(q, q) (n, 3) [m, user axes] at the points of the skin of a flexible body."""
     surface, motion = body.reduced.surface, motion_of(body)
-    u = np.tensordot(q, surface.modes, 1)
+    u = np.einsum("m,mnd->nd", q, surface.modes)  # without a copy of the modes in double precision
     if motion is not None and surface.second_order is not None:
-        u = u + np.tensordot(motion.amplitudes(q), surface.second_order, 1)
+        u += np.einsum("s,snd->nd", motion.amplitudes(q), surface.second_order)
     return u
 
 

@@ -161,7 +161,7 @@ class Settings:
                     f"interface {name!r}: kind {kind!r} does not exist; known: {', '.join(INTERFACE_KINDS)}"
                 )
         if self.stiffening:
-            require_cells(mesh, self.material)
+            require_cells(mesh, self.material, self.stiffening)
         require_sets(mesh, self.laps, self.contact, self.interfaces)
         for name, shape in self.contact.items():
             mesh.facets(name)

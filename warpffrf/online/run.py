@@ -36,6 +36,7 @@ from warpffrf.model.wedge import find_wedge
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
+from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
 from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_check_notes
@@ -378,6 +379,7 @@ def finish(
     stiffened = {body.name for body in engine.scene.bodies if body.stiffening}
     inertia = indicator_lines(term_sizes(engine.scene, history.bodies, levels), levels, stiffened)
     inertia += unheld_lines(engine.scene, history.bodies)
+    inertia += deflection_lines(engine.scene, deflections(engine.scene, history.bodies))
     families = engine.compiled.model.pairs.family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]

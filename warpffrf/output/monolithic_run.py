@@ -30,6 +30,7 @@ from warpffrf.monolithic import records
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays
 from warpffrf.monolithic.run import build
 from warpffrf.online.compile.forces import ForceTable
+from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
 from warpffrf.online.history.films import eccentricity
 from warpffrf.online.history.history import (
     ENERGY_LINES,
@@ -216,7 +217,8 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
         counters=counters, forces=forces, sensors=sensor_histories(scene, T, bodies, joints, forces),
         notes=[*notes, *found.notes, *left_out_notes(scene, found.dropped, bodies, T),
-               *half_turn_notes(springs.laws, bodies, T), *characteristic_notes(springs.laws, stretches, time)],
+               *half_turn_notes(springs.laws, bodies, T), *characteristic_notes(springs.laws, stretches, time),
+               *deflection_lines(scene, deflections(scene, bodies))],
         checkpoint={} if found.final is None else to_arrays(found.final),
     )  # fmt: skip
 

@@ -75,6 +75,11 @@ def membrane_terms(
     """
     covered = len(omega)
     count = min(MODES, covered) if modes is None else modes
+    if not covered:
+        raise InputError(
+            "stiffening='membrane': a membrane basis without bending modes: the body has no modes with inertia terms; "
+            "ask for some (modes=, max_frequency=, inertia_modes=)"
+        )
     if count > covered:
         raise InputError(
             f"reduce: membrane_modes={count}, of a body with {covered} modes that have inertia terms; ask for fewer, "
@@ -144,7 +149,7 @@ def _require_bending(mesh: Mesh, assignment: Assignment, kappa: Array) -> float:
         _, weight = physical_gradients(mesh.points[cells], kind)
         E = np.array([m.youngs_modulus for m in assignment.materials])[assignment.of_cell[kind]]
         stiffness += float(E @ weight.sum(axis=1))
-    least = float(1.0 / np.sqrt(kappa.max() * stiffness)) if len(kappa) and kappa.max() > 0.0 else np.inf
+    least = float(1.0 / np.sqrt(kappa.max() * stiffness)) if kappa.max() > 0.0 else np.inf
     if least > BENDING:
         linear = [kind for kind in mesh.cells if kind in LOCKING]
         locking = f"use quadratic cells, as {', '.join(linear)} cells lock in bending, " if linear else ""

@@ -44,12 +44,12 @@ from warpffrf.offline.interfaces.system import InterfaceSystem
 Array = np.ndarray
 
 
-def require_cells(mesh: Mesh, material: Any) -> None:
+def require_cells(mesh: Mesh, material: Any, stiffening: bool | str) -> None:
     """Raises `InputError` where there is nothing to compute stresses from."""
     if not mesh.cells or not material:
         raise InputError(
-            "reduce: stiffening=True needs the stresses in cells of a known material, the body has matrices only; give "
-            "a mesh with its material, or leave stiffening out"
+            f"reduce: stiffening={stiffening!r} needs the stresses in cells of a known material, the body has matrices "
+            "only; give a mesh with its material, or leave stiffening out"
         )
 
 

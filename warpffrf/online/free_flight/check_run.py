@@ -30,6 +30,7 @@ from warpffrf.online.arrays.ring import joined
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.compile.inertia_plan import InertiaPlan
+from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
 from warpffrf.online.free_flight import energy_momentum, runge_kutta
 from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
 from warpffrf.online.history.history import ENERGY_LINES, History
@@ -212,7 +213,8 @@ def run_check(
     bar.close()
     history = history_of(scene, joined(rows.chunks()))
     history.status, history.message = status, message
-    history.notes = [*plan.notes, *notes, f"integrated on the host by {kind.__name__}"]
+    deflected = deflection_lines(scene, deflections(scene, history.bodies))
+    history.notes = [*plan.notes, *notes, f"integrated on the host by {kind.__name__}", *deflected]
     history.counters = {
         "steps": count.done, "rejected_steps": 0, "max_iterations": count.worst,
         "mean_iterations": count.total / max(count.done, 1),
