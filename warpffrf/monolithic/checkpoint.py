@@ -21,8 +21,8 @@ MARK = "monolithic_"  # in front of every name: a checkpoint of the separated so
 COUNTS = MARK + "counts"  # steps, iterations, factorisations, whether the last step locked a length
 BEGIN, REACH, FACTOR = MARK + "begin", MARK + "reach", MARK + "factor_"
 FACTOR_PARTS = ("scale", "factor", "pivots")
-# fields that files of before the law at nodes of true shapes, pretensions, and oil films, lack
-YOUNGER = ("nodes", "lost", "locked", "film_nodes", "film_points", "film_step")
+# fields that files of before the law at nodes of true shapes, pretensions, oil films, and the mean of work, lack
+YOUNGER = ("nodes", "lost", "locked", "film_nodes", "film_points", "film_step", "pulls", "lag")
 
 
 def to_arrays(state: State) -> dict[str, np.ndarray]:

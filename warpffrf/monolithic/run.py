@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time as clock
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -172,6 +173,8 @@ def _begin(system: System, state: State, start: Any, records: Records) -> tuple[
         final = start.final
         if final is None or any(len(getattr(final, x)) != len(getattr(state, x)) for x in SIZED):
             raise InputError("simulate: start is the history of another scene, or of other local coordinates")
+        if final.lag.shape != state.lag.shape:  # of a file from before the mean of work
+            final = replace(final, pulls=state.pulls, lag=state.lag)
         _assign(state, final)
         return "completed", ""
     if start not in ("initial", "equilibrium"):
@@ -295,6 +298,8 @@ def _accept(system: System, state: State, formula: Formula, solution: Solution) 
     state.v_alg, state.w_alg, state.q_alg = v_alg, w_alg, q_alg
     _still(system, state)
     _keep_rest(system, state, solution)
+    if event:
+        state.lag = state.lag[[1, 1]]
     _keep_films(system, state, solution, formula)
     state.time = trial.time
 
@@ -325,6 +330,7 @@ def _keep_rest(system: System, state: State, solution: Solution) -> None:
         return
     state.lam = solution.increment.lam.copy()
     state.stretch, state.locked = evaluation.balance.stretch, evaluation.balance.locked
+    state.pulls, state.lag = evaluation.balance.pulls, evaluation.balance.lag
     if system.nodal:
         state.nodes = state.nodes.copy()  # the evaluation still looks at what was before
         for pair in evaluation.pairs:

@@ -11,7 +11,8 @@ tangent is ever that of a spring that pushes.
 import warp as wp
 
 from warpffrf_kernels.core.access import changed, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.integration import share_of_miss
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real
 
@@ -104,15 +105,19 @@ def add_membrane_forces(
 def stiffen_membranes(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
     membrane_slope: wp.array(dtype=real),
+    membrane_slope0: wp.array(dtype=real),
     membrane_amplitude: wp.array2d(dtype=real),
+    membrane_amplitude0: wp.array2d(dtype=real),
     tangent: changed(wp.array(dtype=real)),
 ):
-    """Lanes over dense modes: their lines of the tangent."""
+    """Lanes over dense modes: their lines of the tangent, with that of the mean work (`mean_work`)."""
     w, lane = wp.tid()
     model = models[0]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
+    part = real(0.25) * share_of_miss(ctl, clk, w)
     d = lane
     N = model.outer.count
     while d < model.dense.count:
@@ -125,9 +130,11 @@ def stiffen_membranes(
             while s < model.bodies.square_start[b + 1]:
                 line = slope_line(model, w, s)
                 form = model.membrane.table_start[s] + i * count
-                add_lines(
-                    count, membrane_slope[line + i], membrane_slope, line, membrane_amplitude[w, s],
-                    model.membrane.table, form, tangent, at,
-                )  # fmt: skip
+                u = membrane_slope[line + i]
+                e = membrane_amplitude[w, s]
+                if part != real(0.0):
+                    u -= part * (u - membrane_slope0[line + i])
+                    e -= part * (e - membrane_amplitude0[w, s])
+                add_lines(count, u, membrane_slope, line, e, model.membrane.table, form, tangent, at)
                 s += 1
         d += wp.block_dim()

@@ -26,6 +26,7 @@ from warpffrf.model.membrane import membrane_energy, membrane_gradient, membrane
 from warpffrf.monolithic.core.description import SceneData, SpringData
 from warpffrf.monolithic.core.inertia_forces import inertia_forces
 from warpffrf.monolithic.core.integrator import Formula
+from warpffrf.monolithic.core.mean_work import Pulls, add_mean_work
 from warpffrf.monolithic.core.rotation import cross, exponential, hat, multiply, tangent_inverse
 from warpffrf.monolithic.core.rows import Function, MarkerState, RowStates, marker_state, row_states
 from warpffrf.monolithic.core.state import Layout, State
@@ -85,7 +86,8 @@ class Balance:
     """`residual` (size,), `outer` (outer + rows, outer + rows) tangent of rigid coordinates, global modes and rows,
     `diagonal` (local,) that of local coordinates, the `wrenches` (rows, 6) of unit multipliers, the largest force [N]
     at work, new `stretch`, energies [J], and `springs` (coordinates, 7): value and wrench on the second body of every
-    coordinate of the spring laws. `locked` (t, 2) of pretensions: whether they hold, and their length now, or held."""
+    coordinate of the spring laws. `locked` (t, 2) of pretensions: whether they hold, and their length now, or held.
+    `pulls` (markers, 6) on interfaces and `lag` (2, modes) of the forces whose mean is given (`mean_work`)."""
 
     residual: np.ndarray
     outer: np.ndarray
@@ -96,6 +98,8 @@ class Balance:
     energy: dict[str, float]
     springs: np.ndarray
     locked: np.ndarray
+    pulls: np.ndarray
+    lag: np.ndarray
 
 
 def predicted(state: State, formula: Formula) -> Increment:
@@ -168,6 +172,7 @@ def balance(
     locked = np.stack([tensions.holds, np.where(tensions.holds, tensions.length, values[tensions.rows])], axis=1)
     stretch, stored = work.add_springs(state.stretch)
     work.add_loads()
+    lag = add_mean_work(data, layout, state, formula, trial.q, work.pulls, residual, K)
     xi, xid, xidd = trial.q[n_modes:], trial.qd[n_modes:], trial.qdd[n_modes:]
     full = np.zeros(layout.size)
     full[: layout.outer] = residual[: layout.outer]
@@ -181,7 +186,9 @@ def balance(
         "contact": 0.5 * float(local.stiffness @ (xi * xi)),
         "potential": potential,
     }
-    return Balance(full, K, diagonal, wrenches, work.force, stretch, energy, work.springs, locked)
+    return Balance(
+        full, K, diagonal, wrenches, work.force, stretch, energy, work.springs, locked, work.pulls.value, lag
+    )
 
 
 def row_curvature(data: SceneData, layout: Layout, trial: Trial, V: np.ndarray) -> np.ndarray:
@@ -204,6 +211,7 @@ class _Work:
         self.tangent = np.zeros((size, size))
         self.force = 0.0
         self.springs = np.zeros((sum(len(s.coordinates) for s in data.springs), 7))
+        self.pulls = Pulls.none(data, layout)
         self.markers: list[MarkerState] = []
         for place in data.markers:
             b = place.body
@@ -218,6 +226,21 @@ class _Work:
         if a.place.body == b.place.body >= 0:
             return found.of_one_body(), at_a
         return found, np.concatenate([at_a, at_b])
+
+    def pull(
+        self, functions: list[Function], markers: tuple[int, int], lam: np.ndarray, columns: np.ndarray,
+        change: np.ndarray,
+    ) -> None:  # fmt: skip
+        """What rows with multipliers `lam` (k,) pull at their markers; `change` (k, c) of these by the unknowns
+        `columns`."""
+        if not any(m in self.pulls.change for m in markers):
+            return
+        a, b = (self.markers[m] for m in markers)
+        at = [self.layout.of_body(m.place.body, m.place.modes is not None) for m in (a, b)]
+        rows = row_states(functions, a, b)
+        for number, marker, first in zip(markers, (a, b), (0, len(at[0])), strict=True):
+            if number in self.pulls.change:
+                self.pulls.add(number, marker, rows, first, np.concatenate(at), lam, columns, change)
 
     def add_constraints(self, lam: np.ndarray, tensions: Tensions) -> tuple[np.ndarray, np.ndarray]:
         """Rigid rows and pretensions: their multipliers on the bodies, and what they ask for. Returns the wrenches of
@@ -235,6 +258,7 @@ class _Work:
             self.tangent[lines[:, None], at] = rows.slope
             self.tangent[at[:, None], lines] = rows.force.T
             self.tangent[at[:, None], at] += np.tensordot(pull, rows.turning, 1)
+            self.pull([(c.kind, c.i, c.j, None) for c in items], markers, pull, lines, np.eye(len(lines)))
             wrenches[members], values[members] = rows.wrench, rows.value
             for item, line, value, force in zip(items, lines, rows.value, pull, strict=True):
                 if item.signal is not None:
@@ -304,6 +328,7 @@ class _Work:
         slope = slope + resistance @ (self.rate_slope(C, at) + ydot @ H)
         self.residual[at] += lam @ C
         self.tangent[np.ix_(at, at)] += np.tensordot(lam, H, 1) + C.T @ slope
+        self.pull(list(spring.coordinates), spring.markers, lam, at, slope)
         self.springs[first : first + count, 0] = e
         self.springs[first : first + count, 1:] = -lam[:, None] * rows.wrench
         pulls = np.abs(lam) * np.linalg.norm(rows.wrench[:, :3], axis=1)

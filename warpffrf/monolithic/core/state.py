@@ -21,7 +21,8 @@ class State:
     contact pressures by number of hat or node; nodes (all nodes of pairs of evaluation "full", k): what the law at
     nodes remembers (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far; locked (t, 2): of each
     pretension whether it holds its length, and the length [m]; film_nodes (functions of all films, 4), film_points
-    (points, 2), film_step (1,) [s]: what oil films remember (`films.film`).
+    (points, 2), film_step (1,) [s]: what oil films remember (`films.film`); pulls (markers, 6), lag (2, modes): what
+    forces whose mean is given remember (`mean_work`).
     """
 
     time: float
@@ -46,6 +47,8 @@ class State:
     film_nodes: np.ndarray = field(default_factory=lambda: np.zeros((0, 4)))
     film_points: np.ndarray = field(default_factory=lambda: np.zeros((0, 2)))
     film_step: np.ndarray = field(default_factory=lambda: np.zeros(1))
+    pulls: np.ndarray = field(default_factory=lambda: np.zeros((0, 6)))
+    lag: np.ndarray = field(default_factory=lambda: np.zeros((2, 0)))
 
     def copy(self) -> State:
         """An independent copy."""
@@ -146,5 +149,6 @@ def initial_state(scene: Any, data: SceneData, layout: Layout, pairs: int) -> St
     return State(
         0.0, r, p, v, zero.copy(), zero.copy(), w, zero.copy(), zero.copy(),
         np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(n), np.zeros(layout.rows), stretch, [{} for _ in range(pairs)],
-        locked=np.zeros((len(data.tensions), 2)),
+        locked=np.zeros((len(data.tensions), 2)), pulls=np.zeros((len(data.markers), 6)),
+        lag=np.zeros((2, layout.modes)),
     )  # fmt: skip

@@ -60,6 +60,8 @@ class Motion(Arrays):
     extra_energy: DeviceArray = reals("world", "body", unit="J", note="kinetic, of inertia terms", zero_without=True)
     membrane_slope: DeviceArray = reals("world", "square_line", note="L_r q, see `membrane`")
     membrane_amplitude: DeviceArray = reals("world", "square", unit="J^1/2", note="q.L_r q/2", zero_without=True)
+    membrane_slope0: DeviceArray = reals("world", "square_line", note="L_r q where the attempt begins", carried=True)
+    membrane_amplitude0: DeviceArray = reals("world", "square", unit="J^1/2", note="there", carried=True)
     interface_motion: DeviceArray = reals("world", "interface", 6, unit="m, rad")
     slope: DeviceArray = reals(
         "world",
@@ -68,6 +70,8 @@ class Motion(Arrays):
         run=True,
         carried=True,
     )
+    slope0: DeviceArray = reals("world", "stiffened_shape", note="where the attempt begins", run=True, carried=True)
+    lag1: DeviceArray = reals("world", 2, "mean_mode", unit=MODAL, note="`lag` at the end of the attempt")
 
 
 class Residuals(Arrays):

@@ -44,6 +44,16 @@ class LoadState(Arrays, carried=True):
         "world", 2, "6*body", unit="N, N m", note="torques and body loads: force (world axes), torque (body axes)"
     )
     load_on_modes: DeviceArray = reals("world", 2, "mode", unit="N/kg^1/2")
+    lag: DeviceArray = reals(
+        "world",
+        2,
+        "mean_mode",
+        unit="N/kg^1/2",
+        note="y and Y that give forces their mean, see `mean_work`",
+    )
+    interface_pull: DeviceArray = reals(
+        "world", "stiffened_interface", 6, unit="N, N m", note="of rows, body axes, where it was accepted"
+    )
 
 
 class JointFrictionState(Arrays, carried=True):

@@ -86,10 +86,9 @@ def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
             f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
         )
     if stiffening is not None and stiffening.membrane is not None and len(stiffening.membrane):
-        older = "; its file is older than second-order motion, which pictures of it lack"
         notes.append(
             f"body {body.name!r}: {len(stiffening.membrane)} squares of membrane energy act on its modes"
-            + (older if stiffening.motion is None else "")
+            + ("" if stiffening.motion is not None else "; pictures of it lack second-order motion, reduce it again")
         )
     if level == "auto":
         if terms is None or not len(terms.first):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.bodies import inertia, interfaces, membrane, motion
+from warpffrf_kernels.bodies import inertia, interfaces, mean_work, membrane, motion
 from warpffrf_kernels.constraints import forces, rows
 from warpffrf_kernels.step import accuracy, commit, proximal, record
 
@@ -12,6 +12,7 @@ from warpffrf.online.step.phases import Participant
 
 START = {"v_rate": "v_rate0", "v_alg": "v_alg0", "omega_rate": "omega_rate0", "omega_alg": "omega_alg0"}
 START_MODES = {"qd_rate": "qd_rate0", "qd_alg": "qd_alg0"}
+BEGUN = {"q1": "q", "membrane_slope": "membrane_slope0", "membrane_amplitude": "membrane_amplitude0"}
 SUMS, INTERFACES = {"sums": "inertia_sums"}, {"motion": "interface_motion"}
 
 MOTION = Participant(
@@ -20,6 +21,8 @@ MOTION = Participant(
     predict=[
         blocks(motion.predict_bodies, **START),
         blocks(motion.predict_modes, when="mode", **START_MODES),
+        blocks(membrane.stretch_fibres, when="square", **BEGUN),
+        blocks(inertia.shorten_interfaces, when="stiffened_interface", q1="q", slope="slope0"),
         blocks(proximal.open_rounds),
     ],
     move=[
@@ -39,6 +42,7 @@ MOTION = Participant(
         threads(forces.apply_loads, when="load"),
         blocks(rows.evaluate_rows, when="row", **INTERFACES),
         blocks(forces.couple_springs, when="group"),
+        blocks(mean_work.add_mean_work, when="mean_mode"),
     ],
     mean=[threads(proximal.end_round)],
     project=[
@@ -58,6 +62,8 @@ MOTION = Participant(
         blocks(commit.keep_bodies),
         blocks(commit.keep_modes, when="mode"),
         blocks(accuracy.correct_algorithmic, when="projected_row", wanted="project", modal_change="modal_step"),
+        blocks(mean_work.keep_lags, when="mean_mode"),
+        blocks(mean_work.keep_pulls, when="stiffened_interface"),
         threads(commit.keep_rest),
     ],
     record=[blocks(record.record_motion)],

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.bodies import inertia, membrane
+from warpffrf_kernels.bodies import inertia, mean_work, membrane
 from warpffrf_kernels.constraints import geometric_stiffness
 from warpffrf_kernels.impulsive import impulsive_contact
 from warpffrf_kernels.linear import outer, outer_solve
@@ -24,6 +24,7 @@ OUTER = Participant(
         blocks(outer.condense),
         blocks(inertia.couple_modes, when="inertia_mode"),
         blocks(membrane.stiffen_membranes, when="square_mode"),
+        blocks(mean_work.couple_pulls, when="stiffened_row"),
         threads(geometric_stiffness.stiffen, when="row", **INTERFACES),
         threads(geometric_stiffness.stiffen_applied, when="applied", **INTERFACES),
     ],
