@@ -27,6 +27,7 @@ DEMOS = {
     "spinning_beam": "A beam spun up about one end, with and without geometric stiffening.",
     "elastica": "A cantilever bent far, in one body, two and four: beside the closed form of the elastica.",
     "snapping_arch": "A shallow arch that snaps through, by displacement and by load: beside a full FE model.",
+    "plate": "A clamped plate deflects by twice its thickness and vibrates: Levy, full FE, frequency by amplitude.",
     "frame_on_bushings": "A flexible frame on four bushings, pushed at a seat: statics, frequencies, momentum.",
     "press_fit": "A shaft pressed into a hub and turned until it slips: beside Lame, micro-slip in torsion.",
     "leaf_spring": "A leaf spring clamped in its middle, leaves that rub: beams at their tips, full finite elements.",

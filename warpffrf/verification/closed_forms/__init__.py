@@ -23,9 +23,11 @@ from warpffrf.verification.closed_forms.joints import (
     equivalent_damping,
 )
 from warpffrf.verification.closed_forms.large_deflections import (
+    CLAMPED_SQUARE,
     LEVY_CLAMPED_SQUARE,
     Elastica,
     bar_force,
+    clamped_plate_frequency,
     pinned_beam_frequency,
 )
 from warpffrf.verification.closed_forms.leaf_spring import LeafSpring
@@ -34,6 +36,7 @@ from warpffrf.verification.closed_forms.sliding import SlidingLine, coupling_rat
 from warpffrf.verification.closed_forms.turned_fit import TurnedFit
 
 __all__ = [
+    "CLAMPED_SQUARE",
     "LEVY_CLAMPED_SQUARE",
     "BarImpact",
     "BarOnBase",
@@ -52,6 +55,7 @@ __all__ = [
     "TurnedFit",
     "TwoLeaves",
     "bar_force",
+    "clamped_plate_frequency",
     "conformal_by_half_angle",
     "conformal_by_load",
     "contact_modulus",

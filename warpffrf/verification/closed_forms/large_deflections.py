@@ -1,4 +1,4 @@
-r"""Deflections that are not small: a cantilever, a pinned beam that vibrates, a clamped plate, a bar that is stretched.
+r"""Deflections that are not small: a cantilever, a pinned beam that vibrates, clamped plates, a bar that is stretched.
 
 **Elastica** (K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272). A cantilever that does not stretch, EI
 along L, bends under a dead force P across its tip: EI theta'' = -P cos theta, theta(0) = 0, theta'(L) = 0. With theta_0
@@ -16,6 +16,17 @@ mode A sin(pi x/L) stretches the beam by (pi A/2 L)^2: with r the radius of gyra
 
 **Clamped square plate** (S. Levy, NACA Report 740 (1942), table of centre deflections). Pressure q, edge a, thickness
 t, nu = 0.316; the edges are held but may move along themselves; his error is at most 2 %.
+
+**Clamped square plate that vibrates** (N. Yamaki, Z. angew. Math. Mech. 41 (1961) 501: one term, Duffing's equation).
+With w = (A/4)(1 + cos kx)(1 + cos ky), k = 2 pi/a, and the same edges as Levy's, the energies of bending and stretching
+are, D = E t^3/(12 (1 - nu^2)),
+
+    V_b = pi^4 D A^2/a^2,        V_m = 16 pi^4 E t A^4/a^2 (S/512 + 9/(16384 (1 - nu))),
+
+the last part of the mean strains <w_x^2>/2 = 3 k^2 A^2/128, the first of Airy's function, whose Laplacian solves
+lap lap F = E (w_xy^2 - w_xx w_yy) term by term: S = sum c_mn^2/(m^2 + n^2)^2 <cos^2 mkx cos^2 nky> over c_11 = 1,
+c_10 = c_01 = c_12 = c_21 = c_20 = c_02 = 1/2 is 0.333125. The frequency is that of the pinned beam with
+b = 2 V_m/V_b. As the shape becomes flatter at large amplitudes the one term is too stiff there.
 
 **Bar** of St. Venant-Kirchhoff's material, stretched to L (1 + e), free to contract. The stress S across it is zero
 where its strain is -nu E, so that S = E_Y E along it, E = e + e^2/2, and the force on its undeformed section is
@@ -51,6 +62,10 @@ LEVY_CLAMPED_SQUARE = {
     402.0: 1.902,
 }
 LEVY_POISSON = 0.316
+ONE_TERM = 0.333125  # S of the vibrating plate
+CLAMPED_SQUARE = (
+    35.985  # omega_1 a^2 sqrt(rho t/D) of a clamped square plate (A. W. Leissa, NASA SP-160 (1969), table 4.22)
+)
 
 
 @dataclass(frozen=True)
@@ -93,7 +108,18 @@ class Elastica:
 
 def pinned_beam_frequency(amplitude: float) -> float:
     """f/f0 of the first mode at an `amplitude` A/r, r the radius of gyration of the section."""
-    b = 0.25 * require_number(amplitude, "pinned beam: amplitude") ** 2
+    return _duffing(0.25 * require_number(amplitude, "pinned beam: amplitude") ** 2)
+
+
+def clamped_plate_frequency(amplitude: float, poisson: float) -> float:
+    """f/f0 of the first mode of a clamped square plate at an `amplitude` A/t of its centre, by one term."""
+    stretching = ONE_TERM / 512.0 + 9.0 / (16384.0 * (1.0 - poisson))
+    ratio = 192.0 * (1.0 - poisson**2) * stretching * require_number(amplitude, "clamped plate: amplitude") ** 2
+    return _duffing(2.0 * ratio)
+
+
+def _duffing(b: float) -> float:
+    """f/f0 of x'' + x + b x^3 = 0 from x = 1."""
     return float(np.pi * np.sqrt(1.0 + b) / (2.0 * ellipk(0.5 * b / (1.0 + b))))
 
 
