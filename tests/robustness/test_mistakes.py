@@ -1,16 +1,19 @@
-"""Mistakes are answered with the name of the thing and the cure (`mistakes.py`)."""
+"""Mistakes are answered with the name of the thing and the cure (`workshop.py`)."""
 
 from __future__ import annotations
 
 import logging
 from pathlib import Path
 
+import mistakes_of_bodies
+import mistakes_of_scenes
 import pytest
+from mistakes_of_scenes import ARGUED
+from workshop import Mistake, Workshop
 
 import warpffrf as wf
 
-from mistakes import ARGUED, MISTAKES, Mistake, Workshop
-
+MISTAKES = (*mistakes_of_bodies.MISTAKES, *mistakes_of_scenes.MISTAKES)
 ANSWERED = 92  # of 95 at least
 
 

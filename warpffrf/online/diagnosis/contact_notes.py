@@ -22,6 +22,7 @@ from warpffrf.model.forces import JointSpringDamper
 from warpffrf.model.gap import facing_gap, smallest_gap
 from warpffrf.model.reach import out_of_reach
 from warpffrf.model.scene import Scene
+from warpffrf.model.signals import Signal
 from warpffrf.model.slopes import leanings
 from warpffrf.online.diagnosis.border_notes import border_notes
 from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches
@@ -108,7 +109,8 @@ def _pulled_apart(scene: Scene) -> str:
     loaded = [f for f in scene.forces if isinstance(f, JointSpringDamper) and f.preload != 0.0]
     if not loaded:
         return ""
-    signs = ", ".join(f"{f.name!r} with {f.preload:+g} N" for f in loaded)
+    sizes = ["a signal" if isinstance(f.preload, Signal) else f"{f.preload:+g} N" for f in loaded]
+    signs = ", ".join(f"{f.name!r} ({size})" for f, size in zip(loaded, sizes, strict=True))
     return f" and the sign of the preload of {signs}: a positive one pushes the second body along the axis of the joint"
 
 
