@@ -161,11 +161,11 @@ def _local_modes(body: Body) -> int:
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
     """Names of bodies that no chain of joints, springs, contacts, films and laps connects with the ground."""
-    reached = _reached(GROUND_INDEX, _connecting(scene))
+    reached = reached_from(GROUND_INDEX, _connecting(scene))
     return tuple(body.name for body in scene.bodies if body.index not in reached)
 
 
-def _reached(index: int, items: list[Any]) -> set[int]:
+def reached_from(index: int, items: list[Any]) -> set[int]:
     """Bodies, and the ground, that chains of `items` connect with the body `index`."""
     links = [item.ports for item in items if len(item.ports) == 2]
     reached = {index}
@@ -191,7 +191,7 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
         a, b = force.ports
         others = [item for item in _connecting(scene) if item is not force and item is not force.joint]
         others = [item for item in others if getattr(item, "joint", None) is not force.joint]
-        if b.body.index not in _reached(a.body.index, others):
+        if b.body.index not in reached_from(a.body.index, others):
             told[str(force.name)] = (
                 f"{force.kind} {force.name!r}: its tension has no path back, nothing but joint {force.joint.name!r} "
                 f"connects {a.body.name!r} and {b.body.name!r}; add the contact or joint between them that it presses "

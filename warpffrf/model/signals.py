@@ -219,4 +219,20 @@ def as_signal(value: Any, name: str) -> Signal:
     """`value` itself if it is a signal, a `Constant` if it is a number, else `InputError` naming `name`."""
     if isinstance(value, Signal):
         return value
+    if isinstance(value, type) and issubclass(value, Signal):
+        raise InputError(f"{name} is the class {value.__name__}; make a signal of it, signals.{value.__name__}(...)")
+    if isinstance(value, (str, bytes)) or callable(value) or np.ndim(value):
+        raise InputError(f"{name} must be a number or a signal, got {value!r}; {_cure(value)}")
     return Constant(require_number(value, name))
+
+
+def _cure(value: Any) -> str:
+    """How to say a function of time that came as `value`."""
+    if callable(value):
+        return (
+            "a function of time is sampled into a table, signals.Table(times, [f(t) for t in times], cubic=True), or "
+            "is one of signals.Ramp, SmoothStep, Polynomial"
+        )
+    if isinstance(value, (str, bytes)):
+        return "signals are objects, signals.Table(times, values), signals.Ramp(0.0, 1.0, duration=0.1)"
+    return "values over time are signals.Table(times, values)"

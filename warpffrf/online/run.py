@@ -41,6 +41,7 @@ from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
 from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_check_notes
 from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
+from warpffrf.online.diagnosis.free_falls import fall_notes
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.diagnosis.load_notes import is_static, load_notes
@@ -380,6 +381,7 @@ def finish(
     inertia = indicator_lines(term_sizes(engine.scene, history.bodies, levels), levels, stiffened)
     inertia += unheld_lines(engine.scene, history.bodies)
     inertia += deflection_lines(engine.scene, deflections(engine.scene, history.bodies))
+    falls = [] if at_rest or is_static(engine) else fall_notes(engine.scene, history)
     families = engine.compiled.model.pairs.family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
     contact = [*contact_notes(engine.scene, history, on_axes), *sampling_notes(engine.scene, history)]
@@ -390,7 +392,7 @@ def finish(
         energy = load_notes(engine, history.energy)
     else:
         energy = energy_notes(history.energy, round_off_energy(engine))
-    history.notes = [*notes, *inertia, *contact, *energy, *history.notes]
+    history.notes = [*notes, *falls, *inertia, *contact, *energy, *history.notes]
     history.checkpoint = left
     return history
 

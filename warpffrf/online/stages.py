@@ -29,6 +29,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+from warpffrf.model.forces.laws import tension_of
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, is_loaded
@@ -97,10 +98,11 @@ class Stage:
             if name not in names:
                 raise unknown_name(f"{label}: force", name, names)
             old = scene.forces[names.index(name)]
-            if type(given) is not type(old) or _places(given) != _places(old):
+            alike = (tension_of(given) is None) == (tension_of(old) is None) if type(given) is type(old) else False
+            if not alike or _places(given) != _places(old):
                 raise InputError(
                     f"{label}: force {name!r} is a {old.kind} at {' and '.join(p.label for p in old.ports)}; it can "
-                    "only be replaced by one of that kind in that place"
+                    "only be replaced by one of that kind in that place, its preload a number or a signal as before"
                 )
             new = copy.copy(given)
             new.name = name

@@ -43,6 +43,7 @@ from warpffrf.online.history.history import (
     JointHistory,
 )
 from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
+from warpffrf.online.history.pretension import with_pulls
 from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan, as_local_dynamics
 
@@ -191,8 +192,8 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
     rows = found.spring_rows
     stretches = {name: rows[:, own, 0] for name, own in springs.rows.items()}
     forces = force_histories(scene, springs, time, rows[:, :, 0], rows[:, :, 1:], bodies)
-    for name, row in found.tensions.items():
-        forces[name] = ForceHistory(row[:, 1:4], row[:, 4:], row[:, :1])
+    pulls = {name: ForceHistory(row[:, 1:4], row[:, 4:], row[:, :1]) for name, row in found.tensions.items()}
+    forces = with_pulls(forces, pulls)
     contacts = {
         name: ContactHistory(
             **{field: getattr(c, field) for field in CONTACT_FIELDS},

@@ -357,8 +357,8 @@ def _method_name(method: str | Monolithic) -> str:
 
 def _known_integrator(integrator: Any, where: str) -> None:
     if integrator is not None and not isinstance(integrator, tuple(INTEGRATORS.values())):
-        names = ", ".join(f"{kind.__name__}()" for kind in INTEGRATORS.values())
-        raise InputError(f"{where}: integrator must be one of {names}, got {integrator!r}")
+        names = ", ".join(f"integrators.{kind.__name__}()" for kind in INTEGRATORS.values())
+        raise InputError(f"{where}: integrator must be one of {names}, got {integrator!r}; names are for scene files")
 
 
 def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics import Characteristic
 from warpffrf.model.forces.laws import (
     Coordinate,
     SpringLaw,
+    TensionLaw,
     described,
     require_damping,
     require_stiffness,
@@ -18,6 +21,7 @@ from warpffrf.model.forces.laws import (
 )
 from warpffrf.model.joints import Joint
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.signals import Constant, Signal, as_signal
 
 ROTATION = "rotation"
 
@@ -28,8 +32,9 @@ class JointSpringDamper:
 
     The force [N] along (torque [N m] about) the axis on the second body is preload - stiffness (s - reference) -
     damping ds/dt, its opposite acts on the first. stiffness [N/m or N m/rad], damping [N s/m or N m s/rad], reference
-    [m or rad], preload [N or N m]. coordinate: the name of the joint's coordinate ("translation", "rotation", ...), or
-    None where it has one only. Turns of an angle are counted, so a spiral spring winds up over any number of them.
+    [m or rad], preload [N or N m], a number or a signal of time, which loads softly. coordinate: the name of the
+    joint's coordinate ("translation", "rotation", ...), or None where it has one only. Turns of an angle are counted,
+    so a spiral spring winds up over any number of them.
     A characteristic (`characteristics`) in the place of stiffness or damping is the force over s - reference, or over
     ds/dt. Between interfaces under head and nut, a joint that leaves their axis free and a negative preload make a bolt
     of it, whose tension is -preload where nothing has yielded yet.
@@ -46,7 +51,7 @@ class JointSpringDamper:
         *,
         coordinate: str | None = None,
         reference: float = 0.0,
-        preload: float = 0.0,
+        preload: float | Signal = 0.0,
         name: str | None = None,
     ) -> None:
         label = f"joint spring {name!r}" if name else "joint spring"
@@ -65,7 +70,8 @@ class JointSpringDamper:
         self.stiffness = require_stiffness(stiffness, f"{label}: stiffness")
         self.damping = require_damping(damping, f"{label}: damping")
         self.reference = require_number(reference, f"{label}: reference")
-        self.preload = require_number(preload, f"{label}: preload")
+        given = as_signal(preload, f"{label}: preload")
+        self.preload: float | Signal = given.value if isinstance(given, Constant) else given
 
     @property
     def ports(self) -> tuple[Port, Port]:
@@ -77,11 +83,20 @@ class JointSpringDamper:
             raise InputError(
                 f"joint spring {self.name!r}: stiffness and damping are both zero; use a PointForce or PointTorque"
             )
-        row = self.joint.coordinates[self.coordinate]
+        constant = 0.0 if isinstance(self.preload, Signal) else -self.preload
         return scalar_law(
-            Coordinate(row.kind, row.i, row.j), self.stiffness, self.damping, self.reference, -self.preload,
-            ports=self.ports, joint=self.joint,
-        )  # fmt: skip
+            self._row(), self.stiffness, self.damping, self.reference, constant, ports=self.ports, joint=self.joint
+        )
+
+    def tension(self) -> TensionLaw | None:
+        """The preload that changes with time, a pull of its own beside the law; None of a constant one."""
+        if not isinstance(self.preload, Signal):
+            return None
+        return TensionLaw(self.joint, self._row(), self.preload.scaled(-1.0), np.inf)
+
+    def _row(self) -> Coordinate:
+        row = self.joint.coordinates[self.coordinate]
+        return Coordinate(row.kind, row.i, row.j)
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
@@ -104,7 +119,7 @@ class TorsionalSpringDamper(JointSpringDamper):
         damping: float | Characteristic = 0.0,
         *,
         reference: float = 0.0,
-        preload: float = 0.0,
+        preload: float | Signal = 0.0,
         name: str | None = None,
     ) -> None:
         super().__init__(

@@ -207,9 +207,14 @@ def vanishes(law: float | Characteristic) -> bool:
     return law.vanishes if isinstance(law, Characteristic) else law == 0.0
 
 
-def described(law: float | Characteristic) -> Any:
-    """A stiffness or damping as plain data for hashing."""
-    return law.describe() if isinstance(law, Characteristic) else law
+def described(law: Any) -> Any:
+    """A stiffness, damping or preload as plain data for hashing."""
+    return law.describe() if hasattr(law, "describe") else law
+
+
+def tension_of(item: Any) -> TensionLaw | None:
+    """The pull in time of a force element, alone or beside its spring law; None where it has none."""
+    return item.tension() if hasattr(item, "tension") else None
 
 
 def split(laws: Sequence[float | Characteristic]) -> tuple[np.ndarray, tuple[Characteristic | None, ...]]:

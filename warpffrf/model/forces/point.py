@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
+import numpy as np
+
 from warpffrf.model.bodies import Ground, Port, as_port
 from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.forces.laws import PointLoad
@@ -83,11 +85,18 @@ def _components(value: Any, label: str) -> tuple[Signal, Signal, Signal]:
     except TypeError:
         parts = []
     if len(parts) == 2:
+        if np.shape(parts[1]) != (3,):
+            raise InputError(
+                f"{label}: two values are (signal, direction) with a direction (3,), got {value!r}; give three "
+                "components, (x, y, z), or for example (10.0, (0, 0, 1))"
+            )
         direction = require_direction(parts[1], f"{label}: direction")
         signal = as_signal(parts[0], f"{label}: signal")
         x, y, z = (signal.scaled(float(d)) for d in direction)
         return x, y, z
     if len(parts) != 3:
-        raise InputError(f"{label}: give three components or (signal, direction), got {value!r}")
+        raise InputError(
+            f"{label}: give three components, (0, 0, -10), or (signal, direction), (10.0, (0, 0, -1)), got {value!r}"
+        )
     x, y, z = (as_signal(part, f"{label}: component {axis}") for part, axis in zip(parts, "xyz", strict=True))
     return x, y, z

@@ -23,6 +23,7 @@ from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
 from warpffrf.model.mesh.report import MeshReport
 from warpffrf.model.mesh.report import report as make_report
+from warpffrf.model.mesh.set_names import SetNames
 from warpffrf.model.named_arguments import named_arguments
 
 _CHUNK = 20_000  # cells looked at together: bounds the memory to some tens of MB
@@ -93,8 +94,8 @@ class Mesh:
                     )
         object.__setattr__(self, "points", points)
         object.__setattr__(self, "cells", cells)
-        object.__setattr__(self, "facet_sets", dict(self.facet_sets))
-        object.__setattr__(self, "cell_sets", sets)
+        object.__setattr__(self, "facet_sets", SetNames(self.facet_sets))
+        object.__setattr__(self, "cell_sets", SetNames(sets))
         object.__setattr__(self, "materials", dict(self.materials))
         object.__setattr__(self, "notes", tuple(self.notes))
 
@@ -123,7 +124,8 @@ class Mesh:
         return {name: len(facets) for name, facets in self.facet_sets.items()}
 
     def facets(self, name: str) -> FacetSet:
-        """The facet set called `name`; raises `InputError` listing those that exist, and for an empty one."""
+        """The facet set called `name`, in capitals or not; raises `InputError` listing those that exist, and for an
+        empty one."""
         if name not in self.facet_sets:
             raise unknown_name(f"mesh {self.name or '(unnamed)'}: facet set", name, self.facet_sets)
         if not len(self.facet_sets[name]):
@@ -147,7 +149,7 @@ class Mesh:
         `InputError` for an unknown `from_set`, a used `name`, a mask of another shape, or an empty selection.
         """
         source = self.facets(from_set)
-        if name in self.facet_sets:
+        if name in self.facet_sets.keys():
             raise InputError(f"mesh: facet set {name!r} exists already, choose another name")
         if not callable(predicate):
             raise InputError(

@@ -179,7 +179,7 @@ def _on_surface(
 
 def _source(mesh: Mesh, name: str, from_set: str | None) -> FacetSet:
     """The facets to choose from; the new name must be free."""
-    if name in mesh.facet_sets:
+    if name in mesh.facet_sets.keys():
         raise InputError(f"mesh: facet set {name!r} exists already, choose another name")
     source = mesh.outer_facets() if from_set is None else mesh.facets(from_set)
     if not len(source):

@@ -13,6 +13,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad
+from warpffrf.model.forces.laws import tension_of
 from warpffrf.model.redundancy import ConstraintRow, find_redundancy
 from warpffrf.monolithic.core.inertia_forces import DeformationTerms, deformation_terms
 from warpffrf.monolithic.core.rows import MarkerPlace
@@ -140,12 +141,11 @@ def describe_scene(scene: Any) -> SceneData:
     for item in scene.forces:
         if hasattr(item, "law"):
             data.springs.append(_spring(data, str(item.name), item.law(), joints))
-            continue
-        if hasattr(item, "tension"):
-            law = item.tension()
+        if (law := tension_of(item)) is not None:
             c, markers = law.coordinate, joints[str(law.joint.name)]
             data.tensions.append(TensionData(str(item.name), len(data.constraints), law.force, law.lock_at))
             data.constraints.append(ConstraintData("", c.kind, c.i, c.j, markers, None, 0.0))
+        if hasattr(item, "law") or law is not None:
             continue
         if hasattr(item, "slip"):
             raise InputError(f"{item.label}: method 'monolithic' has no friction in joints; use 'separated'")

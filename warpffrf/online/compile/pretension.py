@@ -1,17 +1,21 @@
-"""Pretensions of a scene -> rows without stiffness, and when they lock (`kernels pretension`)."""
+"""Pretensions of a scene, and preloads of springs that are signals -> rows without stiffness, and when they lock.
+
+The kernels are in `warpffrf_kernels.constraints.pretension`.
+"""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 
 from warpffrf.model.forces import TensionLaw
+from warpffrf.model.forces.laws import tension_of
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.joints import ROW_KINDS, JointTable
 
 
 @dataclass
 class TensionTable:
-    """Pretensions of a scene, in the order of the device arrays: their laws and rows by name."""
+    """Pretensions of a scene, and preloads in time, in the order of the device arrays: their laws and rows by name."""
 
     laws: dict[str, TensionLaw] = field(default_factory=dict)
     rows: dict[str, int] = field(default_factory=dict)
@@ -21,8 +25,7 @@ def compile_pretensions(collector: Collector, joints: JointTable) -> TensionTabl
     """Enter the rows, behind those of joints and their friction and before those of springs."""
     table = TensionTable()
     for item in collector.scene.forces:
-        if hasattr(item, "tension"):
-            law = item.tension()
+        if (law := tension_of(item)) is not None:
             a, b = joints.markers[str(law.joint.name)]
             c = law.coordinate
             table.laws[item.name] = law

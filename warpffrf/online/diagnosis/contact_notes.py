@@ -18,9 +18,11 @@ import numpy as np
 
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
+from warpffrf.model.forces import JointSpringDamper
 from warpffrf.model.gap import facing_gap, smallest_gap
 from warpffrf.model.reach import out_of_reach
 from warpffrf.model.scene import Scene
+from warpffrf.model.signals import Signal
 from warpffrf.model.slopes import leanings
 from warpffrf.online.diagnosis.border_notes import border_notes
 from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches
@@ -97,10 +99,19 @@ def _untouched(scene: Scene, history: History, contacts: list[Contact]) -> list[
     ]
     if open_ones:
         what = "contact" if len(open_ones) == 1 else "contacts"
-        notes.append(
-            f"{what} without any touch in the run: {', '.join(open_ones)}; if that is not meant, check the gaps"
-        )
+        cure = f"check the gaps{_pulled_apart(scene)}"
+        notes.append(f"{what} without any touch in the run: {', '.join(open_ones)}; if that is not meant, {cure}")
     return notes
+
+
+def _pulled_apart(scene: Scene) -> str:
+    """A clause on preloads of springs, whose sign is the usual reason where one is in the scene."""
+    loaded = [f for f in scene.forces if isinstance(f, JointSpringDamper) and f.preload != 0.0]
+    if not loaded:
+        return ""
+    sizes = ["a signal" if isinstance(f.preload, Signal) else f"{f.preload:+g} N" for f in loaded]
+    signs = ", ".join(f"{f.name!r} ({size})" for f, size in zip(loaded, sizes, strict=True))
+    return f" and the sign of the preload of {signs}: a positive one pushes the second body along the axis of the joint"
 
 
 def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[str]:

@@ -146,18 +146,27 @@ def _pairs(engine: Engine, world: int) -> list[Residual]:
 
 
 def _at_pair(engine: Engine, bits: int, world: int) -> str:
-    """The pair that failed by itself: the one whose window is at its widest, or else with the largest residual."""
+    """The pair that failed by itself: the fullest, where room was short, or else with the largest residual."""
     contacts = engine.scene.contacts
     if len(contacts) == 1:
         return f"at contact {contacts[0].name!r}"
     if bits & int(k.CAPACITY):
-        H = engine.compiled.model.window.half
-        window = _array(engine.scratch, "window", world)[: len(contacts)]
-        widest = [c.name for c, (low, high) in zip(contacts, window, strict=True) if low <= -H or high >= H]
-        if widest:
-            return f"at contact {', '.join(repr(name) for name in widest)}"
+        return _fullest(engine, world)
     worst = max(_pairs(engine, world), key=lambda residual: residual.share, default=Residual(0.0, ""))
     return f"the largest residual: {worst.text}" if worst.share > 0.0 else ""
+
+
+def _fullest(engine: Engine, world: int) -> str:
+    """The pair with the most active hats of those whose window is at its widest, of all where none is: where one is
+    pressed in too deep, its neighbours often follow."""
+    contacts = engine.scene.contacts
+    H = engine.compiled.model.window.half
+    window = _array(engine.scratch, "window", world)[: len(contacts)]
+    hats = (_array(engine.state, "active", world)[: len(contacts)] != 0.0).reshape(len(contacts), -1).sum(axis=1)
+    widest = [i for i, (low, high) in enumerate(window) if low <= -H or high >= H] or list(range(len(contacts)))
+    worst = max(widest, key=lambda i: hats[i])
+    others = f", {len(widest) - 1} more are wide open" if len(widest) > 1 and len(widest) < len(contacts) else ""
+    return f"at contact {contacts[worst].name!r}, which has {int(hats[worst])} active hats{others}"
 
 
 def _undetermined(engine: Engine, world: int) -> str:

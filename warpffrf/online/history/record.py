@@ -23,7 +23,7 @@ from warpffrf.online.history.joint_friction import friction_histories
 from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.history.laps import lap_histories
 from warpffrf.online.history.lumped import lumped_histories
-from warpffrf.online.history.pretension import tension_histories
+from warpffrf.online.history.pretension import tension_histories, with_pulls
 from warpffrf.online.history.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.history.user_frame import user_frame
 
@@ -51,7 +51,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
         joints[str(joint.name)] = JointHistory(first, wrench[:, :3], wrench[:, 3:], second, tuple(found))
     stretches = {name: rows["saved_coordinate"][:, own] for name, own in compiled.forces.rows.items()}
     forces = force_histories(scene, compiled.forces, time, rows["saved_coordinate"], rows["saved_row_wrench"], bodies)
-    forces |= friction_histories(compiled.slips, rows) | tension_histories(compiled.tensions, rows)
+    forces = with_pulls(forces | friction_histories(compiled.slips, rows), tension_histories(compiled.tensions, rows))
     forces = {str(item.name): forces[str(item.name)] for item in scene.forces}
     contacts = {}
     for i, contact in enumerate(scene.contacts):

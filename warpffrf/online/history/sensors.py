@@ -65,7 +65,7 @@ def force_histories(
     found: dict[str, ForceHistory] = {}
     T = len(time)
     for item in scene.forces:
-        if hasattr(item, "slip") or hasattr(item, "tension"):
+        if hasattr(item, "slip") or (hasattr(item, "tension") and item.name not in table.rows):
             continue
         if item.name in table.rows:
             own = table.rows[item.name]

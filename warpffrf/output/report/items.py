@@ -7,6 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.report.figures import LENGTH, SHARE, without_round_off
+
 STICK = 1  # state of friction
 MOST_LINES = 20  # of one kind: a report is read on one screen
 
@@ -30,14 +32,17 @@ def _capped(kind: str, lines: list[str]) -> list[str]:
     return lines if more <= 0 else [*lines[:MOST_LINES], f"... and {more} more {kind}"]
 
 
-def _size(vectors: Any, unit: str) -> str:
-    """The length of a vector (T, 3) at the end, and its largest."""
-    lengths = np.linalg.norm(vectors, axis=1)
+def _size(vectors: Any, unit: str, beside: Any = 0.0) -> str:
+    """The length of a vector (T, 3) at the end, and its largest; `beside` (T, 3): what it is round-off of where it is
+    SHARE of that."""
+    lengths = without_round_off(np.linalg.norm(vectors, axis=1), SHARE * float(np.max(np.abs(beside))))
     return f"{lengths[-1]:.5g} {unit} (largest {np.max(lengths):.5g})"
 
 
 def _joint(name: str, joint: Any) -> str:
-    line = f"joint '{name}': reaction {_size(joint.force, 'N')}, {_size(joint.torque, 'N m')}"
+    line = (
+        f"joint '{name}': reaction {_size(joint.force, 'N', joint.torque)}, {_size(joint.torque, 'N m', joint.force)}"
+    )
     for coordinate in joint.names:
         unit = "rad" if coordinate.endswith("rotation") else "m"
         line += f"; {coordinate.replace('_', ' ')} {joint.named(coordinate)[-1]:.6g} {unit}"
@@ -46,7 +51,8 @@ def _joint(name: str, joint: Any) -> str:
 
 def _lumped(name: str, contact: Any) -> str:
     line = f"lumped contact '{name}': force {_size(contact.force, 'N')}"
-    line += f"; approach {contact.approach[-1] * 1e6:.5g} um (largest {np.max(contact.approach) * 1e6:.5g})"
+    approach = without_round_off(contact.approach, LENGTH) * 1e6
+    line += f"; approach {approach[-1]:.5g} um (largest {np.max(approach):.5g})"
     if np.any(contact.friction_force != 0.0):
         line += f"; friction {_size(contact.friction_force, 'N')}, slip {_size(contact.slip_velocity, 'm/s')}"
     return line
@@ -94,7 +100,7 @@ def _mean(values: Any, time: Any) -> float:
 
 
 def _force(name: str, force: Any) -> str:
-    line = f"force '{name}': {_size(force.force, 'N')}, {_size(force.torque, 'N m')}"
+    line = f"force '{name}': {_size(force.force, 'N', force.torque)}, {_size(force.torque, 'N m', force.force)}"
     if force.friction is None:
         return line
     ends = "sticks" if force.friction.state[-1] == STICK else "slips"

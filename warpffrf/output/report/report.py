@@ -10,6 +10,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.output.budget.budget import budget_text
 from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf.output.contact.hertz_patch import HertzPoint
+from warpffrf.output.report.figures import LENGTH, SHARE, idle_energy, without_round_off
 from warpffrf.output.report.items import item_lines
 
 KINDS = {
@@ -39,8 +40,13 @@ def report_text(result: Any) -> str:
         lines += _contact_lines(result.contact(name))
     lines += item_lines(result)
     lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy at hand")
-    residual = result.energy_residual
-    if np.all(np.isnan(residual)):
+    residual, idle = result.energy_residual, idle_energy(result)
+    if result.energy_scale <= idle:
+        lines.append(
+            "energy residual   no share is told: nothing moves, the energies are round-off of forces times lengths, "
+            f"{idle:.2g} J"
+        )
+    elif np.all(np.isnan(residual)):
         lines.append("energy residual   not booked by this method")
     else:
         lines.append(
@@ -51,7 +57,7 @@ def report_text(result: Any) -> str:
     friction = history.energy.get("friction")
     if friction is not None and np.any(np.nan_to_num(friction) != 0.0):
         lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
-    if result.contact_names and defect is not None and result.energy_scale > 0.0 and np.isfinite(defect[-1]):
+    if result.contact_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
         lines.append(
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
         )
@@ -71,7 +77,7 @@ def _contact_lines(contact: Any) -> list[str]:
     friction = _friction_lines(contact) if contact.has_friction else []
     if not contact.touching[-1]:
         return [f"{head}: open in the last row", *friction]
-    width, middle = contact.half_widths[-1] * 1e6, contact.center_of_pressure[-1] * 1e6
+    width, middle = contact.half_widths[-1] * 1e6, without_round_off(contact.center_of_pressure[-1], LENGTH) * 1e6
     lines = [
         f"{head}: last row, {KINDS[contact.patch_kind]}",
         f"  force           {contact.force_magnitude[-1]:.6g} N",
@@ -80,7 +86,7 @@ def _contact_lines(contact: Any) -> list[str]:
         f"{contact.patch_area[-1] * 1e6:.5g} mm2, centre at {middle[0]:.4g} and {middle[1]:.4g} um",
         f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
         f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere",
-        f"  approach        {contact.approach[-1] * 1e6:.5g} um",
+        f"  approach        {without_round_off(contact.approach[-1], LENGTH) * 1e6:.5g} um",
         f"  {'active ' + contact.loaded:<15} {int(contact.active_hats[-1])}",
     ]
     try:
@@ -121,8 +127,10 @@ def _section(contact: Any) -> str:
 def _friction_lines(contact: Any) -> list[str]:
     friction = contact.friction
     shares = friction.stick_area[-1], friction.slip_area[-1]
-    creepage, warning = friction.creepage[-1], friction.warning()
-    force, moment, spin = friction.tangential_force[-1], friction.spin_moment[-1], friction.spin_creepage[-1]
+    creepage, warning = without_round_off(friction.creepage[-1], SHARE), friction.warning()
+    force, moment = friction.tangential_force[-1], friction.spin_moment[-1]
+    force, moment = (without_round_off(value, SHARE * contact.force_magnitude[-1]) for value in (force, moment))
+    spin = without_round_off(friction.spin_creepage[-1], SHARE)
     rolls, per_metre = "not rolling", "not rolling"
     if not np.any(np.isnan(creepage)):
         rolls = f"{creepage[0]:+.4e} longitudinal, {creepage[1]:+.4e} lateral, {spin:+.4e} rad/m of spin"
