@@ -32,6 +32,8 @@ def membrane_stress(plan: StressPlan, terms: MembraneTerms) -> Array:
     """sigma_r (R, p, 6) [Pa/sqrt(J)] at the points of `plan`, user axes, single precision."""
     mesh, assignment, slots = plan.mesh, plan.assignment, plan.slots
     rank, n = len(terms.forms), len(mesh.points)
+    if not rank:
+        return np.zeros((0, len(plan.points), 6), dtype=np.float32)
     total, shared = np.zeros((len(slots), 6 * rank)), np.zeros(len(slots))
     for kind, cells in plan.cells.items():
         for i in range(len(assignment.materials)):
