@@ -138,7 +138,7 @@ def run_static(
         chunk = 1 if free.possible else 4
         done = first_step
         while done < last_step and not np.any(engine.word("status")):
-            _hold(engine, free)
+            free.hold_here()
             engine.control(target=min(done + chunk, last_step))
             seconds = engine.replay(MOST_ATTEMPTS * chunk)
             now = int(engine.word("step").min())
@@ -170,15 +170,6 @@ def run_static(
     if interrupted and history.status == "completed":
         history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history
-
-
-def _hold(engine: Engine, free: FreeMotions) -> None:
-    """Hold what nothing resists at the present state."""
-    if free.possible:
-        free.release()
-        engine.evaluate_here()
-        free.look()
-        free.hold()
 
 
 def _without_velocities(engine: Engine) -> list[str]:
