@@ -84,7 +84,9 @@ def test_friction_of_a_joint_holds_what_a_run_in_time_finds() -> None:
     """Pushed to 50 N and back to 35 N in statics: it is held there 5 N short of the bound, and stays in time."""
     scene = rail()
     stages = [wf.Stage("push", 1.3, 0.1, kind="static"), wf.Stage("wait", 0.2, 1e-3)]
-    scene.forces[-1].force = (Table([0.0, 1.0, 1.3, 2.0], [0.0, 50.0, 35.0, 35.0]), 0.0, 0.0)
+    scene.forces[-1].components = forces.PointForce(
+        scene.bodies[0].at(ORIGIN), (Table([0.0, 1.0, 1.3, 2.0], [0.0, 50.0, 35.0, 35.0]), 0.0, 0.0)
+    ).components
     result = wf.simulate(scene, stages=stages, progress=False)
     assert result.status == "completed", result.message
     x = result.history.joints["guide"].coordinate

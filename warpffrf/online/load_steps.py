@@ -150,7 +150,7 @@ def run_static(
                 notes.append(jump.note())
                 done = int(engine.word("step").min())
                 continue
-            _hold(engine, free)
+            free.hold_here()
             engine.control(target=min(done + chunk, last_step))
             seconds = engine.replay(MOST_ATTEMPTS * chunk)
             now = int(engine.word("step").min())
@@ -182,15 +182,6 @@ def run_static(
     if interrupted and history.status == "completed":
         history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history
-
-
-def _hold(engine: Engine, free: FreeMotions) -> None:
-    """Hold what nothing resists at the present state."""
-    if free.possible:
-        free.release()
-        engine.evaluate_here()
-        free.look()
-        free.hold()
 
 
 def _without_velocities(engine: Engine) -> list[str]:

@@ -285,8 +285,8 @@ def find_equilibrium(
 ) -> History:
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row.
 
-    friction: of joints and lumped contacts answers the slip from where the scene begins (`start.rub_to_rest`), as that
-    of laps does in any case. Raises InputError for wrong input.
+    friction: of joints and contacts answers the slip from where the scene begins (`start.rub_to_rest`), as that of laps
+    does in any case. Raises InputError for wrong input.
     """
     refuse_singular_mass(scene)
     if friction:

@@ -66,7 +66,7 @@ def snap_through(engine: Engine) -> Jump | None:
     start, size, begin = (float(engine.word(name)[0]) for name in ("start_time", "user_step", "time"))
     before, energy = _places(engine), _numerical(engine)
     state, scratch = engine.state, engine.scratch
-    held = {name: getattr(scratch, name).numpy().copy() for name in ("hold", "hold_count")}
+    held = {name: getattr(scratch, name).numpy().copy() for name in ("hold", "hold_count", "hold_firm", "hold_weak")}
     scratch.hold_count.zero_()
     settled = _settled(engine, start + size * (step + 1))
     for name, values in held.items():

@@ -323,9 +323,10 @@ def equilibrium(
 ) -> Result:
     """The static state of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
 
-    friction: whether friction of joints and lumped contacts acts, and answers the slip from where the scene begins, as
-    that of laps does in any case (`warpffrf.online.start.rub_to_rest`). Runs that `start` from the Result, in time or
-    static, go on with it. Contact of surfaces with friction is refused then.
+    friction: whether friction of joints and contacts acts, and answers the slip from where the scene begins, that of
+    contact surfaces from where they are pressed together, as that of laps does in any case
+    (`warpffrf.online.start.rub_to_rest`, with the path of loads that this means). Runs that `start` from the Result, in
+    time or static, go on with it.
     Not converging is a status, not an exception; wrong input raises InputError. overwrite: replace files of an earlier
     call.
     """

@@ -44,6 +44,9 @@ MOST_GAINED = wp.constant(wp.float64(0.01))
 # ... but this part of the energy tolerance always, or steps would be halved for round-off
 LEAST_GAIN = wp.constant(wp.float64(0.0625))
 # a load step that has been halved as often as allowed begins with a proximal step shorter by 100 to this power at most
+# rounds of a load step in which friction that holds has taken over what held a body before (`proximal`), but for ...
+SLIDES = wp.constant(4)
+DRAGS = wp.constant(wp.float64(1.0e-4))  # ... this part of the largest force
 MOST_CAREFUL = wp.constant(4)
 # of the largest change of an energy: a static step that rises by more goes towards a maximum; below, changes cancel and
 # the grids of contact show
@@ -61,6 +64,7 @@ def decide(
     created: wp.array2d(dtype=real),
     lumped_force: wp.array3d(dtype=real),
     lumped_energy: wp.array3d(dtype=real),
+    hold_force: wp.array(dtype=real),
     impulsive: inout(wp.array2d(dtype=int)),
     ctl: inout(wp.array(dtype=Control)),
     clk: inout(wp.array(dtype=Clock)),
@@ -184,7 +188,10 @@ def decide(
     if failure != 0:
         ctl[w].rejected = ctl[w].rejected + 1
         ctl[w].reason = ctl[w].reason | failure
-        if loading and deep and ctl[w].careful < MOST_CAREFUL:
+        slides = loading and deep and ctl[w].round >= SLIDES and hold_force[w] > DRAGS
+        if slides:  # no shorter step makes friction hold more; how a body that runs away fails says nothing
+            failure = k.RESTLESS
+        if loading and deep and ctl[w].careful < MOST_CAREFUL and not slides:
             ctl[w].careful = ctl[w].careful + 1
         elif not (dynamic or loading) or deep or (dynamic and (failure & k.SINGULAR) != 0):
             ctl[w].status = failure

@@ -21,6 +21,9 @@ the present state. `settle` commits once, when it has come to rest.
 
 **Free motions** that are held (`warpffrf_kernels.bodies.motion.hold_motions`) must not be driven: what holds one is
 next to nothing, `PULLED` of the largest force, or `TURNED` of it where a body turns, which grids leave of torques.
+Motions that friction resists are held as well, four times less from round to round, until what still holds them is
+below the tolerance of Newton's method: with k_h the holding of the first round and k_f what the patch resists with, the
+load that is not on the patch yet falls by (1 + 4^r k_f/k_h) in round r.
 
 **Failure.** A load step whose Newton's method fails, that goes uphill (`ledger`), or that does not come to rest in
 `MOST` rounds, is halved, its loads with it. One that cannot be halved again is taken with shorter proximal steps: the
@@ -42,21 +45,55 @@ BALANCED = wp.constant(wp.float64(1.0e-2))  # of the residual tolerance
 MOST = wp.constant(60)  # rounds: what has omega tau = 0.7 then comes to 1e-11, a mechanism never
 PULLED = wp.constant(wp.float64(1.0e-8))  # see `warpffrf.online.start.free_motions`
 TURNED = wp.constant(wp.float64(1.0e-5))
+MOST_HELD = wp.constant(5)  # rounds in which motions that friction resists are held by far more than inertia
+WEAKEST = wp.constant(wp.float64(1.0e-6))  # of what it was at first: motions held that little weigh nothing beside tau
 STANDS = wp.constant(wp.float64(1.0e-6))  # of a motion's square: what of it slides where a body turns
 GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
 
 
+@wp.func
+def weaken(
+    model: Model,
+    w: int,
+    hold_firm: int,
+    hold_count: int,
+    by: real,
+    weak: wp.array(dtype=real),
+    hold: wp.array3d(dtype=real),
+):
+    """Motions that are not held firmly, their holding times by^2: 4^-r in round r, and back, without round-off."""
+    h = hold_firm
+    while h < hold_count:
+        i = int(0)
+        while i < 6 * model.bodies.count:
+            hold[w, h, i] = hold[w, h, i] * by
+            i += 1
+        h += 1
+    weak[w] = weak[w] * by
+
+
 @wp.kernel
 def open_rounds(
+    models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
+    hold_count: wp.array(dtype=int),
+    hold_firm: wp.array(dtype=int),
+    hold: changed(wp.array3d(dtype=real)),
+    hold_weak: changed(wp.array(dtype=real)),
+    hold_force: out(wp.array(dtype=real)),
     centre_dx: out(wp.array2d(dtype=vec3)),
     centre_psi: out(wp.array2d(dtype=vec3)),
     centre_dq: out(wp.array2d(dtype=real)),
 ):
     """Per world: the first round of an attempt is about the accepted state."""
     w, lane = wp.tid()
+    model = models[0]
     if ctl[w].run == 0:
         return
+    if lane == 0:
+        hold_force[w] = real(0.0)
+    if lane == 0 and ctl[w].mode == k.LOADING and hold_count[w] > hold_firm[w]:
+        weaken(model, w, hold_firm[w], hold_count[w], real(1.0) / hold_weak[w], hold_weak, hold)
     b = lane
     while b < centre_dx.shape[1]:
         centre_dx[w, b] = vec3(real(0.0))
@@ -98,9 +135,11 @@ def held_back(
     w: int,
     h: int,
     along: real,
+    given: real,
     hold: wp.array3d(dtype=real),
 ) -> real:
-    """The force that holds free motion h over the one allowed; `along`: the motion less that of the round before."""
+    """The force that holds free motion h over the one allowed, `given` of the largest, or where that is zero what loads
+    may leave of what is free; `along`: the motion less that of the round before."""
     force = real(0.0)
     slides = real(0.0)
     turns = real(0.0)
@@ -118,6 +157,8 @@ def held_back(
     allowed = TURNED
     if slides > STANDS * (slides + turns):
         allowed = PULLED
+    if given > real(0.0):
+        allowed = given
     return wp.abs(along) * wp.sqrt(force) / (allowed * clk[w].force)
 
 
@@ -129,10 +170,13 @@ def end_round(
     dq: wp.array2d(dtype=real),
     v1_rate: wp.array2d(dtype=vec3),
     omega1_rate: wp.array2d(dtype=vec3),
-    hold: wp.array3d(dtype=real),
     hold_count: wp.array(dtype=int),
+    hold_firm: wp.array(dtype=int),
     ctl: inout(wp.array(dtype=Control)),
     clk: inout(wp.array(dtype=Clock)),
+    hold: changed(wp.array3d(dtype=real)),
+    hold_weak: changed(wp.array(dtype=real)),
+    hold_force: out(wp.array(dtype=real)),
     centre_dx: changed(wp.array2d(dtype=vec3)),
     centre_psi: changed(wp.array2d(dtype=vec3)),
     centre_dq: changed(wp.array2d(dtype=real)),
@@ -148,19 +192,30 @@ def end_round(
         return
     grows = clk[w].outer.acc * clk[w].tau * clk[w].tau > real(1.0) + real(1.0e-9)
     held = int(0)
+    firm = int(0)
     if model.pairs.count > 0:
         held = hold_count[w]
+        firm = hold_firm[w]
     driven = real(0.0)
+    dragged = real(0.0)
     h = int(0)
     while h < held:
         along = along_of(model, w, h, dx, psi, centre_dx, centre_psi, hold)
-        driven = wp.max(driven, held_back(model, clk, w, h, along, hold))
+        allowed = real(0.0)
+        if h >= firm:
+            allowed = model.limits.residual_tolerance
+        back = held_back(model, clk, w, h, along, allowed, hold)
+        driven = wp.max(driven, back)
+        if h >= firm:
+            dragged = wp.max(dragged, back * allowed)
         h += 1
     if not grows and driven <= real(1.0) and clk[w].left <= BALANCED * model.limits.residual_tolerance:
         return
     if ctl[w].round >= MOST:
         ctl[w].failure = ctl[w].failure | k.RESTLESS
         return
+    if ctl[w].round <= MOST_HELD:  # later the inertia of the body bears it
+        hold_force[w] = dragged
     # what the balance sees of the new centre, but for the inertia of deformed bodies, which the next iteration adds
     h = int(0)
     while h < held:
@@ -185,11 +240,17 @@ def end_round(
         modal_residual[w, m] = modal_residual[w, m] - clk[w].outer.acc * (dq[w, m] - centre_dq[w, m])
         centre_dq[w, m] = dq[w, m]
         m += 1
+    if held > firm and hold_weak[w] > WEAKEST:
+        weaken(model, w, firm, held, real(0.5), hold_weak, hold)
+        ctl[w].reassemble = 1
+        ctl[w].stale = 1
+        ctl[w].refresh = 1
     if grows:
         growth = wp.exp(real(2.0) * GROWN / real(wp.max(ctl[w].careful, 1)))
         clk[w].outer.acc = wp.max(clk[w].outer.acc / growth, real(1.0) / (clk[w].tau * clk[w].tau))
         clk[w].local.acc = clk[w].outer.acc
         ctl[w].reassemble = 1
         ctl[w].stale = 1
+        ctl[w].refresh = 1
     ctl[w].round = ctl[w].round + 1
     ctl[w].run = 1

@@ -25,7 +25,9 @@ from warpffrf.model.plausibility import friction_doubts, warn
 
 FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb)}
 
-RUBBED_REST = "equilibrium(scene, friction=True) has that of joints and lumped contacts, from where the scene begins"
+RUBBED_REST = (
+    "equilibrium(scene, friction=True) has it, from where the scene begins, of surfaces from where they are pressed"
+)
 
 __all__ = [
     "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb",

@@ -127,6 +127,11 @@ class Outer(Arrays):
         "world", "6*contact_body", "6*body", note="motions that a static state keeps", carried=True
     )
     hold_count: DeviceArray = integers("world", carried=True)
+    hold_firm: DeviceArray = integers(
+        "world", note="those of them that do not weaken from round to round", carried=True
+    )
+    hold_weak: DeviceArray = reals("world", note="by how much the others have", carried=True)
+    hold_force: DeviceArray = reals("world", note="of the others, in the last round, over the largest", carried=True)
 
 
 class ImpulsiveContact(Arrays):

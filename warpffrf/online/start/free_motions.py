@@ -13,6 +13,12 @@ the motions above, those are free whose slips T N y are, in the mean square, bel
 patch of half-width a moves it by (a/R)^2/2. Where friction does not hold against the loads it is the load step that
 finds no equilibrium.
 
+Motions that friction of surfaces resists, T N y above STICKS with N those that joints alone leave, are held by YIELD in
+the first round of a load step, and four times less with every further one (`warpffrf_kernels.step.proximal`). As long
+as nothing slips all over, it is the patch that bears the load, and a few rounds find how far it gives; without such
+holding a body would move by metres under the load alone, of which the slips of the patch, of micrometres, are told
+with eight digits less.
+
 Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
 `motion`), beside which it stays where it is. What acts along it must be next to nothing: a load that drives it finds no
 equilibrium, and is not held.
@@ -34,7 +40,9 @@ FREE = 1e-5
 STICKS = 3e-3  # the same of slips: patches of half-widths up to a fifteenth of a radius roll
 TURNED = 1e-5  # of the largest force, at the radius of gyration: what the same offset makes of it
 PULLED = 1e-8  # of the largest force, along a free translation: ten times what Newton's method may leave over
+YIELD = 1e-2  # s/m: of what friction resists, at first: a mass of 1 kg in a scene of 0.1 m at 1e6 N/m
 HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 a step
+NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
 TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
 MOST_NAMED = 4
 SLIDES = 0.5  # of a body's share: whether it slides or turns
@@ -46,9 +54,16 @@ STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an 
 class FreeMotions:
     """Those of the worlds of an engine at the state of its last evaluation; rubs: friction counts as what resists."""
 
+    holds, yields = HOLD, YIELD  # s/m
+    bears = False  # whether what is free is held against loads, once something that rubs is under pressure
+    weakens = True  # what friction resists, from round to round
+    first = NEARLY  # of the largest force left over: what is held from then on
+
     def __init__(self, engine: Engine, *, rubs: bool = False) -> None:
         self.engine, self.rubs = engine, rubs
-        self.found: list[np.ndarray] = [np.zeros((0, 6 * len(engine.scene.bodies)))] * engine.worlds
+        none = np.zeros((0, 6 * len(engine.scene.bodies)))
+        self.found: list[np.ndarray] = [none] * engine.worlds
+        self.resisted: list[np.ndarray] = [none] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
 
     @property
@@ -66,13 +81,16 @@ class FreeMotions:
             weight = self._weight()
             motions = free_motions(self.engine, world, weight)
             if self.rubs:
-                motions = slipping(self.engine, world, weight, motions)
+                _, motions = parted(self.engine, world, weight, motions)
+            if self.rubs and self._presses(world):
+                unsprung = unsprung_motions(self.engine, world, weight)
+                self.resisted[world], _ = parted(self.engine, world, weight, unsprung)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
             along = (motions @ (self._forces(world) / weight)) * scale
             force = np.abs(along)
             sliding = np.array([np.sum(n.reshape(-1, 6)[:, :3] ** 2) for n in motions])
             allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest_force(self.engine, world)
-            self.found[world] = motions[force <= allowed]
+            self.found[world] = motions[(force <= allowed) | (self.bears and self._presses(world))]
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
                 self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))
@@ -81,13 +99,25 @@ class FreeMotions:
         """Hold what `look` found from the next step on."""
         if not self.possible:
             return
-        scratch, time = self.engine.scratch, HOLD * self.engine.compiled.model.length
-        vectors, count = scratch.hold.numpy().copy(), scratch.hold_count.numpy().copy()
-        for world, motions in enumerate(self.found):
-            vectors[world, : len(motions)] = motions * self._weight() / time
-            count[world] = len(motions)
+        scratch, length = self.engine.scratch, self.engine.compiled.model.length
+        vectors = scratch.hold.numpy().copy()
+        count, firm = np.zeros((2, self.engine.worlds), dtype=np.int32)
+        for world, (free, resisted) in enumerate(zip(self.found, self.resisted, strict=True)):
+            firm[world], count[world] = len(free), len(free) + len(resisted)
+            motions = np.vstack([free / self.holds, resisted / self.yields])
+            vectors[world, : count[world]] = motions * self._weight() / length
         scratch.hold.assign(vectors)
         scratch.hold_count.assign(count)
+        scratch.hold_firm.assign(firm if self.weakens else count)
+        scratch.hold_weak.fill_(1.0)
+
+    def hold_here(self) -> None:
+        """Hold what nothing resists at the present state."""
+        if self.possible:
+            self.release()
+            self.engine.evaluate_here()
+            self.look()
+            self.hold()
 
     def release(self) -> None:
         """Hold nothing any more."""
@@ -169,6 +199,12 @@ class FreeMotions:
         direction = np.round(direction * np.sign(direction[np.argmax(np.abs(direction))]), 2) + 0.0
         return f"{SLIDE if slides else 'turn about'} ({', '.join(f'{c:g}' for c in direction)})"
 
+    def _presses(self, world: int) -> bool:
+        """Whether surfaces that rub are under pressure."""
+        rubs = self.engine.compiled.model.pairs.friction.numpy()[: self.engine.compiled.model.pairs.count] > 0.0
+        active = self.engine.state.active.numpy()[world, : len(rubs)]
+        return bool(np.any(active[rubs]))
+
     def _mass(self) -> np.ndarray:
         return np.asarray(self.engine.compiled.model.bodies.mass.numpy()[: len(self.engine.scene.bodies)])
 
@@ -194,37 +230,63 @@ class FreeMotions:
 
 def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     """Orthonormal lines (n, 6 bodies) in coordinates times `weight`: displacement in world, turn in body axes."""
+    return _free_of(engine, world, weight, _rigid_rows(engine, world) | _sprung_rows(engine, world))
+
+
+def unsprung_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
+    """The same where springs resist nothing."""
+    return _free_of(engine, world, weight, _rigid_rows(engine, world))
+
+
+def _rigid_rows(engine: Engine, world: int) -> np.ndarray:
+    """Which rows are joints, drives and pretensions that hold their length (rows,)."""
+    m = engine.compiled.model
+    holds = m.rows.rigid.numpy()[: m.rows.count] != 0
+    holds[engine.locked_rows(world)] = True
+    return holds
+
+
+def _sprung_rows(engine: Engine, world: int) -> np.ndarray:
+    """Which rows are springs (rows,)."""
     m, scratch = engine.compiled.model, engine.scratch
-    size = len(weight)
-    rows = np.asarray(scratch.C.numpy()[world][: m.rows.count, :size])
-    holds = (m.rows.rigid.numpy()[: m.rows.count] != 0) | (m.rows.stiffness.numpy()[: m.rows.count] > 0.0)
+    holds = m.rows.stiffness.numpy()[: m.rows.count] > 0.0
     for start, sprung in zip(m.groups.start.numpy()[: m.groups.count], m.groups.sprung.numpy(), strict=False):
         holds[start : start + sprung] = True
     value, rate = scratch.coordinate.numpy()[world], engine.state.drive_rate.numpy()[world, 1]
     for name, own in engine.compiled.forces.rows.items():
         elastic, _ = engine.compiled.forces.laws[name].slopes(value[own], rate[own])
         holds[own] |= elastic != 0.0
-    holds[engine.locked_rows(world)] = True
+    return holds
+
+
+def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray) -> np.ndarray:
+    """Motions that the rows which hold and the gaps under pressure leave free, as of `free_motions`."""
+    size = len(weight)
+    rows = np.asarray(engine.scratch.C.numpy()[world][: len(holds), :size])
     gaps = [_gap_gradients(engine, world, size), _lumped_gradients(engine, world, size)]
-    lines = np.vstack([rows[holds], *gaps]) / weight
-    length = np.linalg.norm(lines, axis=1, keepdims=True)
-    lines = lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
+    lines = _of_length_one(np.vstack([rows[holds], *gaps]) / weight)
     _, values, vectors = np.linalg.svd(lines, full_matrices=True)
     rank = int(np.count_nonzero(values > FREE))
     return vectors[rank:]
 
 
-def slipping(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> np.ndarray:
-    """Those combinations of `motions`, lines of `free_motions`, that nothing under pressure has to slip for."""
+def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of `motions`, orthonormal lines as of `free_motions`, the combinations that something under pressure has to slip
+    for, and the rest."""
     size = len(weight)
     rows = [_joint_slips(engine, world, size), _lumped_gradients(engine, world, size, slips=True)]
-    lines = np.vstack([*rows, *_cell_slips(engine, world, size)]) / weight
-    length = np.linalg.norm(lines, axis=1, keepdims=True)
-    lines = lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
+    lines = _of_length_one(np.vstack([*rows, *_cell_slips(engine, world, size)]) / weight)
     if not len(lines) or not len(motions):
-        return motions
+        return motions[:0], motions
     _, values, vectors = np.linalg.svd(lines @ motions.T / np.sqrt(len(lines)), full_matrices=True)
-    return vectors[int(np.count_nonzero(values > STICKS)) :] @ motions
+    slips = int(np.count_nonzero(values > STICKS))
+    return vectors[:slips] @ motions, vectors[slips:] @ motions
+
+
+def _of_length_one(lines: np.ndarray) -> np.ndarray:
+    """Those that are not zero."""
+    length = np.linalg.norm(lines, axis=1, keepdims=True)
+    return lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
 
 
 def _joint_slips(engine: Engine, world: int, size: int) -> np.ndarray:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.step.commit import DRAGS
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.settle import LAST
@@ -30,4 +31,14 @@ def restless(engine: Engine) -> str:
     )
     b = int(np.argmax(np.maximum(moves, gyration * turns)))
     amount = f"{moves[b]:.3g} m" if moves[b] >= gyration[b] * turns[b] else f"{turns[b]:.3g} rad"
-    return f"body {engine.scene.bodies[b].name!r} does not come to rest ({amount} in the last proximal step)"
+    more = f", {slides(engine)}" if slides(engine) else ""
+    return f"body {engine.scene.bodies[b].name!r} does not come to rest ({amount} in the last proximal step){more}"
+
+
+def slides(engine: Engine) -> str:
+    """Of a load step that failed: the contacts of surfaces that do not hold what their friction alone resists; "" where
+    nothing is like that."""
+    if not engine.compiled.model.pairs.count or engine.scratch.hold_force.numpy()[0] <= DRAGS:
+        return ""
+    names = ", ".join(repr(contact.name) for contact in engine.scene.contacts if contact.friction.acts)
+    return f"the loads are more than friction of {names} holds"

@@ -42,19 +42,19 @@ TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: 
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
 VOIDS_STAY = 1e-9  # of the clearance
 CREEP = 0.5  # of the movement of the step before: what tends to rest moves less from one long step to the next
-NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
 LEVEL = 1e-3, 1e-2  # of it: energies differ by no more than what grids of contact make of them; the same of cells that
 # travel, which are as wide as the pressures of the step before asked for
 
 
-def settle(engine: Engine) -> bool:
-    """Bring every world of `engine` to its static state at the present time; True on success.
+def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
+    """Bring every world of `engine` to its static state at the present time; True on success. free: the motions that
+    are held, None those that nothing resists.
 
     A scene in which a body creeps although its forces balance, to the tolerance of Newton's method, is at rest too.
     What creeps, and what is free and was left where it is, is named in `engine.start_notes`.
     """
     engine.rates_to_zero()
-    free = FreeMotions(engine)
+    free = free or FreeMotions(engine)
     engine.control(downhill=int(not engine.scene.films))
     engine.scratch.film_stretch.fill_(stretch(engine.scene, LAST * float(engine.compiled.model.length)))
     try:
@@ -70,7 +70,8 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     """The steps of `settle`."""
     model = engine.compiled.model
     length = float(model.length)
-    least, tau, last = (time * length for time in (LEAST, FIRST, LAST))
+    least, last = LEAST * length, LAST * length
+    tau = FIRST * length if np.isfinite(free.first) else least
     level = LEVEL[1 if engine.compiled.patches else 0]
     too_long = np.inf
     before = moved = failed_at = np.full(engine.worlds, np.inf)
@@ -103,7 +104,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         moved = np.maximum(engine.word("move"), _turned(engine))
         left = np.array([left_over(engine, world)[0] for world in range(engine.worlds)])
         free.look()
-        if np.all(left <= NEARLY):
+        if np.all(left <= free.first):
             free.hold()
         if np.all(left <= level):
             engine.control(downhill=0)
@@ -144,7 +145,7 @@ def _films_steady(engine: Engine) -> bool:
 def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:
     """True, with notes of what is free and what creeps; what remembers a history begins it here."""
     engine.start_notes.extend(free.notes())
-    if creeping:
+    if creeping and np.isfinite(free.first):
         engine.start_notes.append(creeping_note(engine))
     engine.commit()
     return True
