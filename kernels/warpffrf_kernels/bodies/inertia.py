@@ -252,7 +252,8 @@ def couple_modes(
                     begin = model.interfaces.stiffening_start[f] + (d - model.bodies.dense_start[b]) * count
                     for c in range(6):
                         pull = -lam[w, row] * row_pull[w, 2 * row + side, c]
-                        axpy(count, pull, model.interfaces.stiffening, begin + c * stride, tangent, line)
+                        if pull != real(0.0):  # most are, along the axes of the body
+                            axpy(count, pull, model.interfaces.stiffening, begin + c * stride, tangent, line)
             row += 1
         d += 1
 
@@ -276,11 +277,16 @@ def shorten_interfaces(
             b = model.interfaces.body[f]
             count = model.bodies.inertia_count[b]
             modes = w * model.modes.count + model.bodies.modal_start[b]
-            i = int(0)
-            while i < count:
-                for c in range(6):
-                    less = dot(count, model.interfaces.stiffening, start + (c * count + i) * count, q1, modes)
-                    straight = model.interfaces.modes[(6 * f + c) * model.interfaces.width + i]
-                    slope[line_of(model, w, f) + c * model.interfaces.width + i] = straight - less
-                i += 1
+            for c in range(6):
+                line = line_of(model, w, f) + c * model.interfaces.width
+                i = int(0)
+                while i < count:
+                    slope[line + i] = model.interfaces.modes[(6 * f + c) * model.interfaces.width + i]
+                    i += 1
+                i = int(0)
+                while i < count:  # K_c is symmetric: whole lines are added
+                    axpy(
+                        count, -q1[modes + i], model.interfaces.stiffening, start + (c * count + i) * count, slope, line
+                    )
+                    i += 1
         f += wp.block_dim()

@@ -60,6 +60,27 @@ def pull_of_rows(
 
 
 @wp.kernel
+def change_pulls(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    lam: wp.array2d(dtype=real),
+    row_pull: wp.array3d(dtype=real),
+    interface_pull: wp.array3d(dtype=real),
+    pull_change: out(wp.array3d(dtype=real)),
+):
+    """Lanes over interfaces: what their pulls have changed by in the attempt."""
+    w, lane = wp.tid()
+    model = models[0]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    f = lane
+    while f < model.interfaces.count:
+        for c in range(6):
+            pull_change[w, f, c] = pull_of_rows(model, w, f, c, lam, row_pull) - interface_pull[w, f, c]
+        f += wp.block_dim()
+
+
+@wp.kernel
 def add_mean_work(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
@@ -70,9 +91,7 @@ def add_mean_work(
     membrane_amplitude0: wp.array2d(dtype=real),
     slope: wp.array(dtype=real),
     slope0: wp.array(dtype=real),
-    lam: wp.array2d(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-    interface_pull: wp.array3d(dtype=real),
+    pull_change: wp.array3d(dtype=real),
     lag: wp.array3d(dtype=real),
     modal_residual: changed(wp.array2d(dtype=real)),
     lag1: out(wp.array3d(dtype=real)),
@@ -106,8 +125,7 @@ def add_mean_work(
                 if model.interfaces.body[f] == b and model.interfaces.stiffening_start[f] >= 0:
                     for c in range(6):
                         at = line_of(model, w, f) + c * model.interfaces.width + i
-                        change = pull_of_rows(model, w, f, c, lam, row_pull) - interface_pull[w, f, c]
-                        miss -= quarter * change * (slope[at] - slope0[at])
+                        miss -= quarter * pull_change[w, f, c] * (slope[at] - slope0[at])
                 f += 1
             old = lag[w, 0, d]
             if ctl[w].trapezoidal != 0:  # from the true accelerations
@@ -149,8 +167,10 @@ def couple_pulls(
                 f = model.markers.interface[marker]
                 if f >= 0 and model.markers.body[marker] == b and model.interfaces.stiffening_start[f] >= 0:
                     for c in range(6):
-                        at = line_of(model, w, f) + c * model.interfaces.width + i
-                        total += row_pull[w, 2 * row + side, c] * (slope[at] - slope0[at])
+                        pull = row_pull[w, 2 * row + side, c]
+                        if pull != real(0.0):  # most are, along the axes of the body
+                            at = line_of(model, w, f) + c * model.interfaces.width + i
+                            total += pull * (slope[at] - slope0[at])
             if total != real(0.0):
                 line = 6 * model.bodies.count + d
                 column = model.outer.row_offset + row

@@ -14,7 +14,7 @@ from warpffrf_kernels.core.access import changed, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.integration import share_of_miss
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -65,9 +65,12 @@ def stretch_fibres(
         line = slope_line(model, w, s)
         i = int(0)
         while i < count:
-            membrane_slope[line + i] = dot(
-                count, model.membrane.table, model.membrane.table_start[s] + i * count, q1, modes
-            )
+            membrane_slope[line + i] = real(0.0)
+            i += 1
+        i = int(0)
+        while i < count:  # the form is symmetric: whole lines are added, which no sum has to wait for
+            form = model.membrane.table_start[s] + i * count
+            axpy(count, q1[modes + i], model.membrane.table, form, membrane_slope, line)
             i += 1
         membrane_amplitude[w, s] = real(0.5) * dot(count, membrane_slope, line, q1, modes)
         s += wp.block_dim()

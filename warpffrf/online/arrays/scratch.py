@@ -71,6 +71,7 @@ class Motion(Arrays):
         carried=True,
     )
     slope0: DeviceArray = reals("world", "stiffened_shape", note="where the attempt begins", run=True, carried=True)
+    pull_change: DeviceArray = reals("world", "stiffened_interface", 6, unit=FORCE, note="of rows, in the attempt")
     lag1: DeviceArray = reals("world", 2, "mean_mode", unit=MODAL, note="`lag` at the end of the attempt")
 
 

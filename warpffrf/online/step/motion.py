@@ -42,6 +42,7 @@ MOTION = Participant(
         threads(forces.apply_loads, when="load"),
         blocks(rows.evaluate_rows, when="row", **INTERFACES),
         blocks(forces.couple_springs, when="group"),
+        blocks(mean_work.change_pulls, when="stiffened_interface"),
         blocks(mean_work.add_mean_work, when="mean_mode"),
     ],
     mean=[threads(proximal.end_round)],
