@@ -47,9 +47,9 @@ def test_joints_that_hold_take_everything_along(body_maker) -> None:
     scene, contact = machine(body_maker, guide=joints.Fixed)
     moved = scene.close_gap(contact)
     assert [heights(scene)[name] for name in ("roller", "slider", "frame")] == pytest.approx(3 * [UP + moved])
-    assert scene.joint("guide").point is not None
-    np.testing.assert_allclose(scene.joint("guide").point, (0.0, 0.0, 0.4 + moved))  # with both of its bodies
-    np.testing.assert_allclose(scene.joint("foot").point, (0.0, 0.001, UP))  # the ground stays
+    guide, foot = (scene.joint(name).world_point() for name in ("guide", "foot"))
+    np.testing.assert_allclose(guide, (0.0, 0.0, 0.4 + moved))  # with both of its bodies
+    np.testing.assert_allclose(foot, (0.0, 0.001, UP))  # the ground stays
 
 
 def test_bodies_that_are_named(body_maker) -> None:

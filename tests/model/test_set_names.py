@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
@@ -22,7 +23,7 @@ def test_capitals() -> None:
 
 def test_sets_of_a_mesh() -> None:
     mesh = box((0.1, 0.1, 0.1), (1, 1, 1))
-    deck = Mesh(mesh.points, mesh.cells, {"BOTTOM": mesh.facets("z_min")}, cell_sets={"ALL": [0]})
+    deck = Mesh(mesh.points, mesh.cells, {"BOTTOM": mesh.facets("z_min")}, cell_sets={"ALL": np.array([0])})
     assert deck.facets("bottom") is deck.facets("BOTTOM") and deck.sets == {"BOTTOM": 1}
     assert deck.report({"all": Material(210e9, 0.3, 7850)}).mass == pytest.approx(7.85)
     with pytest.raises(InputError, match="facet set 'botom' does not exist; known: 'BOTTOM'"):
