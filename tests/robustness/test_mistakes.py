@@ -9,7 +9,7 @@ import mistakes_of_bodies
 import mistakes_of_scenes
 import pytest
 from mistakes_of_scenes import ARGUED
-from workshop import Mistake, Workshop
+from workshop import Mistake, Workshop, reduced
 
 import warpffrf as wf
 
@@ -43,6 +43,6 @@ def test_there_are_enough() -> None:
 
 def test_what_is_right_is_not_doubted(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     workshop = Workshop(tmp_path)
-    workshop.scene.add_body(workshop.lower.reduced, name="x", rotation={"axis": (1, 0, 0), "angle": 3.0})
+    workshop.scene.add_body(reduced(), name="x", rotation={"axis": (1, 0, 0), "angle": 3.0})
     wf.forces.PrismaticFriction(workshop.guide, friction=0.3, bearing_length=0.1)
     assert not [record for record in caplog.records if record.levelno >= logging.WARNING]

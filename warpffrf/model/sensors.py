@@ -55,6 +55,7 @@ class _PortSensor(Sensor):
         return (self.port,)
 
 
+@named_arguments
 class Position(_PortSensor):
     """Place of a port in the world (T, 3) [m]."""
 

@@ -1,0 +1,53 @@
+"""Input that is hardly meant is said, and what is usual is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from warpffrf.model.material import Material
+from warpffrf.model.mesh.report import material_warnings
+from warpffrf.model.plausibility import angle_doubts, friction_doubts, gravity_doubts, quaternion_doubts
+
+
+@pytest.mark.parametrize(
+    ("gravity", "words"),
+    [
+        ((0, 0, 0), ()),
+        ((0, 0, -9.81), ()),
+        ((0, 0, -1.62), ()),
+        ((9.81, 0, 0), ()),
+        ((0, 0, -9810), ("9810 m/s2",)),
+        ((0, 0, -9.81e-3), ("0.00981 m/s2",)),
+        ((0, 0, 9.81), ("upwards", "(0, 0, -9.81)")),
+        ((0, 3.0, 9.0), ()),  # a tilted scene
+    ],
+)
+def test_gravity(gravity: tuple, words: tuple[str, ...]) -> None:
+    said = " ".join(gravity_doubts(gravity))
+    assert all(word in said for word in words) and bool(said) == bool(words)
+
+
+def test_friction_angles_quaternions() -> None:
+    assert not friction_doubts(1.2, "x") and "give 0.3" in friction_doubts(30.0, "x")[0]
+    assert not angle_doubts([np.pi, -2 * np.pi], "x") and "np.radians(45)" in angle_doubts([0.0, -45.0], "x")[0]
+    assert quaternion_doubts(np.array([1.0, 0, 0, 0]), "x") and not quaternion_doubts(np.array([0, 1.0, 0, 0]), "x")
+
+
+@pytest.mark.parametrize(
+    ("E", "rho", "meant"),
+    [
+        (210.0, 7850.0, "210 GPa is 2.1e+11 Pa"),
+        (70e3, 2700.0, "70000 MPa is 7e+10 Pa"),
+        (210e9, 7.85, "7.85 g/cm3 is 7850 kg/m3"),
+        (210e3, 7.85e-9, "density 7.85e-09 t/mm3 is 7850 kg/m3"),
+    ],
+)
+def test_slips_of_units_are_named(E: float, rho: float, meant: str) -> None:
+    assert meant in material_warnings(Material(E, 0.3, rho))[0]
+
+
+@pytest.mark.parametrize(("E", "rho"), [(210e9, 7850), (5e6, 1100), (3e9, 1200), (1.05e12, 3510), (0.6e6, 1000)])
+def test_materials_that_there_are(E: float, rho: float) -> None:
+    """Steel, rubber, a polymer, diamond, soft silicone."""
+    assert not material_warnings(Material(E, 0.3, rho))
