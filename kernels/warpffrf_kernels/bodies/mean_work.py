@@ -12,8 +12,8 @@ coordinates are about. The mean of the forces themselves, which a step has, miss
 
     C = (f_0 + f_1)/2 (g_0 + g_1)/2 - (f_0 g_0 + f_1 g_1)/2 = -(f_1 - f_0) (g_1 - g_0)/4,
 
-of second order in the step; without C a plate that vibrates at twice its thickness gains and loses 2 % of its energy
-in turn at thirty steps a period.
+of second order in the step: without C a plate that vibrates at twice its thickness gains and loses some per cent of
+its energy in turn at thirty steps a period.
 
 **The step with it.** A force Y, and y in the algorithmic acceleration that goes with it, are added so that the mean of
 the increment of velocity, v_1 - v_0 = h ((1 - gamma) a_0 + gamma a_1), has C in it (`motion`):
