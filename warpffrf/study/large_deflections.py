@@ -262,10 +262,9 @@ def reading(all_of: Sequence[Compared]) -> str:
     points = [
         f"Error under all of the load, coordinates in brackets: sum of squares {told('sum of squares')}; modal "
         f"derivatives as coordinates {told(f'{m} modes and')}; slaved {told('derivatives slaved')}; Galerkin on modes "
-        f"alone {told('Galerkin')}: modes that bend lock, and more of them hardly help. On {m} modes of "
-        f"their own derivatives are as near as the sum of squares, which has these {m} coordinates alone: {same}. The "
-        f"arch is off by {held['arch']:+.0%} if its end is held from the start, and not by the thrust that it answers: "
-        "ends must move.",
+        f"alone {told('Galerkin')}: modes that bend lock, and more of them hardly help. Derivatives "
+        f"of {m} modes are as near as the sum of squares of these alone, {same}. The arch is off by "
+        f"{held['arch']:+.0%} if its end is held from the start, not by the thrust that it answers: ends must move.",
         f"A force takes {own[0]:.0e} multiply-adds and a tangent {own[1]:.0e} by the sum of squares, at most, with "
         f"ECSW {few[0]:.0e} and {few[1]:.0e}, as cells are evaluated whatever the coordinates are.",
         f"V4 as a sum of squares is never negative, its least eigenvalue over its largest {least:.0e} is round-off; "
