@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 from warpffrf_kernels.core import control as k
@@ -10,7 +13,7 @@ from warpffrf.model import forces, joints, signals
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.online.diagnosis.failure_report import failure_owner, row_owners
+from warpffrf.online.diagnosis.failure_report import _fullest, failure_owner, row_owners
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.verification.scenes.rollers import PAIR, guided_pair
 
@@ -99,3 +102,24 @@ def test_a_window_too_small_names_its_pair(plain_body: ReducedBody) -> None:
     scene.contacts[0].capacity = 8
     failed = find_equilibrium(scene)
     assert failed.status == "capacity" and failed.message.endswith(f"(at contact {PAIR!r})")
+
+
+def test_the_fullest_pair_is_named() -> None:
+    """The one with the most active hats of those whose windows are wide open, of all where none is."""
+
+    def array(values: Any) -> Any:
+        return SimpleNamespace(numpy=lambda: np.asarray([values]))
+
+    def engine(windows: list) -> Any:
+        names = [SimpleNamespace(name=name) for name in ("first", "second", "third")]
+        active = array([[1, 0, 0, 0], [1, 1, 1, 0], [1, 1, 0, 0]])
+        compiled = SimpleNamespace(model=SimpleNamespace(window=SimpleNamespace(half=8)))
+        scratch, state = SimpleNamespace(window=array(windows)), SimpleNamespace(active=active)
+        return SimpleNamespace(scene=SimpleNamespace(contacts=names), compiled=compiled, scratch=scratch, state=state)
+
+    wide, narrow = (-8, 8), (-2, 2)
+    assert _fullest(engine([wide, narrow, wide]), 0) == (
+        "at contact 'third', which has 2 active hats; windows wide open too: 1"
+    )
+    assert _fullest(engine([narrow, narrow, narrow]), 0) == "at contact 'second', which has 3 active hats"
+    assert _fullest(engine([wide, wide, wide]), 0) == "at contact 'second', which has 3 active hats"

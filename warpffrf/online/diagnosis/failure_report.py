@@ -165,7 +165,7 @@ def _fullest(engine: Engine, world: int) -> str:
     hats = (_array(engine.state, "active", world)[: len(contacts)] != 0.0).reshape(len(contacts), -1).sum(axis=1)
     widest = [i for i, (low, high) in enumerate(window) if low <= -H or high >= H] or list(range(len(contacts)))
     worst = max(widest, key=lambda i: hats[i])
-    others = f", {len(widest) - 1} more are wide open" if len(widest) > 1 and len(widest) < len(contacts) else ""
+    others = f"; windows wide open too: {len(widest) - 1}" if 1 < len(widest) < len(contacts) else ""
     return f"at contact {contacts[worst].name!r}, which has {int(hats[worst])} active hats{others}"
 
 

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 LENGTH = 1e-14  # m: far below an atom; round-off of lengths of 0.1 m is some 1e-17
+FORCE = 1e-15  # N or N m: no machine has less, sums of zeros have
 SHARE = 1e-12  # of what a figure is a part of, a torque of force times 1 m: round-off of sums
 AT_REST = 1e-9  # of force times length: energies up to there are what the iteration leaves of the balance
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.report.figures import LENGTH, SHARE, without_round_off
+from warpffrf.output.report.figures import FORCE, LENGTH, SHARE, without_round_off
 
 STICK = 1  # state of friction
 MOST_LINES = 20  # of one kind: a report is read on one screen
@@ -35,7 +35,7 @@ def _capped(kind: str, lines: list[str]) -> list[str]:
 def _size(vectors: Any, unit: str, beside: Any = 0.0) -> str:
     """The length of a vector (T, 3) at the end, and its largest; `beside` (T, 3): what it is round-off of where it is
     SHARE of that."""
-    lengths = without_round_off(np.linalg.norm(vectors, axis=1), SHARE * float(np.max(np.abs(beside))))
+    lengths = without_round_off(np.linalg.norm(vectors, axis=1), max(FORCE, SHARE * float(np.max(np.abs(beside)))))
     return f"{lengths[-1]:.5g} {unit} (largest {np.max(lengths):.5g})"
 
 
