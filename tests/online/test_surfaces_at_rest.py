@@ -192,3 +192,11 @@ def test_sliding_ends_a_static_run_at_once() -> None:
     run = wf.simulate(scene, 1.0, step=0.1, kind="static", progress=False)
     assert run.status == "no_equilibrium" and "body 'roller' does not come to rest" in run.history.message
     assert run.time[-1] == pytest.approx(0.9)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
+def test_the_stick_zone_is_that_of_cattaneo_and_mindlin(share: float) -> None:
+    """Its half-width over that of the patch is sqrt(1 - Q/(mu P)), to half a cell of the nine or so across."""
+    friction = at_rest(twisted(share, "patch")).contact("nip").friction
+    stick, slip = (float(np.ravel(area)[-1]) for area in (friction.stick_area, friction.slip_area))
+    assert stick / (stick + slip) == pytest.approx(np.sqrt(1.0 - share), abs=0.07)
