@@ -198,7 +198,8 @@ def widths(result: Any, ax: Any) -> None:
     ax.title.set_fontsize(10)
 
 
-PLOTS: dict[str, Callable[[Any, Any], None]] = {
+Draw = Callable[[Any, Any], None]
+PLOTS: dict[str, Draw] = {
     "force": force,
     "widths": widths,
     "across": across,
@@ -246,21 +247,17 @@ def plot(
     return ax
 
 
-def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) -> Callable[[Any, Any], None]:
+def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) -> Draw:
     return lambda result, ax: draw(_film(result, film), ax, row)
 
 
-def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) -> Callable[[Any, Any], None]:
+def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) -> Draw:
     return lambda result, ax: draw(the_lap(result, lap), ax, row)
 
 
-def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> Any:
-    """A matplotlib Figure with every plot that the run has data for; of films that of `film`, and of laps that of
-    `lap`, the first ones if None, with maps of the saved step `row`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    drawn: dict[str, Callable[[Any, Any], None]] = dict(PLOTS) if result.contact_names else {"energy": energy}
+def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> dict[str, Draw]:
+    """The kinds of plots that the run has data for, with what draws them on axes; film, row, lap: as of `plot`."""
+    drawn: dict[str, Draw] = dict(PLOTS) if result.contact_names else {"energy": energy}
     if result.lumped_contact_names or result.film_names or result.lap_names:
         drawn = {"force": force} | drawn
     if any(result.contact(name).has_friction for name in result.contact_names):
@@ -272,6 +269,23 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
         frictionless = result.lap(result.lap_names[0] if lap is None else lap).friction == 0.0
         kinds = [kind for kind in LAP_PLOTS if kind != "lap_loss" or not frictionless]
         drawn |= {kind: _of_lap(LAP_PLOTS[kind], lap, row) for kind in kinds}
+    return drawn
+
+
+def about_kinds() -> dict[str, str]:
+    """Every kind of plot, and in a sentence what it shows."""
+    draws: dict[str, Callable[..., None]] = {**PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS}
+    said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
+    return said | {"summary": "Everything that the run has data for, on one page."}
+
+
+def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> Any:
+    """A matplotlib Figure with every plot that the run has data for; of films that of `film`, and of laps that of
+    `lap`, the first ones if None, with maps of the saved step `row`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    drawn = drawable(result, film, row, lap)
     kinds = list(drawn)
     columns = min(3, len(kinds))
     rows = -(-len(kinds) // columns)
@@ -294,7 +308,25 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
     return figure
 
 
+def write_plot(
+    result: Any, kind: str, path: str | os.PathLike[str], *, contact: str | None = None, film: str | None = None,
+    lap: str | None = None, row: int | None = None, dpi: int = 130, overwrite: bool = False,
+) -> Path:  # fmt: skip
+    """Write `plot(result, kind, ...)` as a picture; the ending chooses the format (.png, .pdf, .svg). Raises InputError
+    as `plot` does, for a path not writable, and for a file that exists where `overwrite` is not set."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    if kind == "summary":
+        figure = plot(result, kind, None, contact, film, row, lap)
+    else:
+        figure = Figure(layout="constrained")
+        FigureCanvasAgg(figure)
+        plot(result, kind, figure.add_subplot(), contact, film, row, lap)
+    return write_picture(figure, path, "figure", overwrite=overwrite, dpi=dpi)
+
+
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:
     """Write the summary figure; the ending chooses the format (.png, .pdf, .svg). Raises InputError for a path
     not writable, and for a file that exists where `overwrite` is not set."""
-    return write_picture(plot(result, "summary"), path, "figure", overwrite=overwrite, dpi=dpi)
+    return write_plot(result, "summary", path, dpi=dpi, overwrite=overwrite)
