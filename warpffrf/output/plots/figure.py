@@ -20,7 +20,9 @@ from warpffrf.output.plots.picture import write_picture
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
-MOST_NAMED = 12  # curves with a name in the legend
+MOST_INSIDE = 8  # curves named in a legend inside the axes; more stand to the right of them
+COLORS, STYLES = 10, ("-", "--", ":", "-.")  # after so many colours another line style, so that none comes twice
+LEGEND_ROWS = 16  # names above each other there
 HEADROOM = 1.08  # of the largest value of a plot
 SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
@@ -69,6 +71,17 @@ def _at(result: Any, i: int) -> str:
     return f"t = {result.time[i] * 1e3:.4g} ms"
 
 
+def _legend(ax: Any, curves: int) -> None:
+    """A legend of several curves: inside the axes while it leaves them room, else to their right, where none hides."""
+    if curves > MOST_INSIDE:
+        columns = -(-curves // LEGEND_ROWS)
+        ax.legend(
+            frameon=False, fontsize=6, ncols=columns, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0
+        )
+    elif curves > 1:
+        ax.legend(frameon=False)
+
+
 def force(result: Any, ax: Any) -> None:
     """Force of every pair, lumped contact, oil film and lap against time."""
     forces = {name: result.contact(name).force_magnitude for name in result.contact_names}
@@ -77,14 +90,13 @@ def force(result: Any, ax: Any) -> None:
     forces |= {name: result.film(name).force_magnitude for name in result.film_names if name not in forces}
     laps = {name: np.linalg.norm(result.lap(name).force, axis=1) for name in result.lap_names}
     forces |= {name: size for name, size in laps.items() if name not in forces}
-    for name, size in forces.items():
-        ax.plot(result.time * 1e3, size * 1e-3, label=name)
+    for n, (name, size) in enumerate(forces.items()):
+        ax.plot(result.time * 1e3, size * 1e-3, STYLES[n // COLORS % len(STYLES)], label=name)
     what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names) + ["lap"] * bool(laps))
     ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
     _from_zero(ax, *(size * 1e-3 for size in forces.values()))
-    if 1 < len(forces) <= MOST_NAMED:
-        ax.legend(frameon=False)
+    _legend(ax, len(forces))
 
 
 def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndarray) -> None:
