@@ -58,7 +58,7 @@ def coarse(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(
     "command",
-    [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"], ["run"], ["modes"]],
+    [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"], ["run"], ["modes"], ["compare"], ["plot"]],
     ids=lambda c: "-".join(c) or "main",
 )
 def test_help_explains_every_option(command: list[str], capsys: pytest.CaptureFixture) -> None:

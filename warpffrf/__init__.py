@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
+    from warpffrf.output.comparison import compare
     from warpffrf.output.modes_result import eigenmodes
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate
@@ -64,6 +65,7 @@ __all__ = [
     "Stage",
     "StressPoints",
     "bases",
+    "compare",
     "contact_spacing",
     "damping",
     "eigenmodes",
@@ -102,6 +104,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
+    "compare": ("warpffrf.output.comparison", "compare"),
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
     "damping": ("warpffrf.model.damping", None),
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),

@@ -1,4 +1,4 @@
-"""The command line: `warpffrf demo | run | modes | reduce | info`.
+"""The command line: `warpffrf demo | run | modes | reduce | info | compare | plot | study`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
@@ -19,6 +19,7 @@ from typing import Annotated, Any
 import typer
 
 import warpffrf
+from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
 from warpffrf.demos import DEMOS
 
@@ -378,6 +379,9 @@ def info(
                 file, length_unit=length_unit, part=part_of(part), density=density, page=page, overwrite=overwrite
             )
         )
+
+
+add_result_commands(app, _one_line_errors)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

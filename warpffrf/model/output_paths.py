@@ -12,7 +12,7 @@ import os
 import secrets
 import socket
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from glob import escape
 from pathlib import Path
@@ -25,12 +25,14 @@ SIGN_WITHIN = 1 << 16  # bytes of the beginning and of the end
 ENDING = ".part"
 
 
-def checked_output_path(path: str | os.PathLike[str], what: str, *, overwrite: bool) -> Path:
+def checked_output_path(
+    path: str | os.PathLike[str], what: str, *, overwrite: bool, ours: Callable[[Path], bool] | None = None
+) -> Path:
     """`path` as a Path that can be written: missing folders are made, an existing file is left as it is.
 
-    Raises InputError naming `what` (for instance "record") when the path is a folder, when a parent is not a folder,
-    when the folder or file cannot be written, and for a file that exists, unless warpffrf wrote it and `overwrite` is
-    set.
+    ours: tells whether warpffrf wrote a file, `written_here` if None. Raises InputError naming `what` (for instance
+    "record") when the path is a folder, when a parent is not a folder, when the folder or file cannot be written, and
+    for a file that exists, unless warpffrf wrote it and `overwrite` is set.
     """
     target = Path(path).expanduser()
     if target.is_dir():
@@ -40,7 +42,7 @@ def checked_output_path(path: str | os.PathLike[str], what: str, *, overwrite: b
         with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".warpffrf-"):
             pass
         if target.exists():
-            _refuse(target, what, overwrite)
+            _refuse(target, what, overwrite, ours or written_here)
             with target.open("ab"):
                 pass
     except OSError as error:
@@ -50,12 +52,12 @@ def checked_output_path(path: str | os.PathLike[str], what: str, *, overwrite: b
     return target
 
 
-def _refuse(target: Path, what: str, overwrite: bool) -> None:
+def _refuse(target: Path, what: str, overwrite: bool, ours: Callable[[Path], bool]) -> None:
     if not overwrite:
         raise InputError(
             f"{what}: '{target}' exists; choose another name, or replace it with overwrite=True (--overwrite)"
         )
-    if not written_here(target):
+    if not ours(target):
         raise InputError(
             f"{what}: '{target}' was not written by warpffrf and stays; choose another name, or remove it first"
         )

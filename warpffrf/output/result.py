@@ -278,6 +278,22 @@ class Result:
 
         return to_xarray(self)
 
+    def to_dataframe(self) -> Any:
+        """A `pandas.DataFrame` of every history, a row for each saved step: index `time` [s], columns as
+        `contact_force_z[roller on plate]`, their units in `.attrs["units"]`; fields over the patch and modal
+        coordinates are left to `to_xarray`. Needs the optional package pandas, without which it raises ImportError."""
+        from warpffrf.output.files.table import to_dataframe
+
+        return to_dataframe(self)
+
+    def to_csv(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Write the table of `to_dataframe` as comma-separated values, names and units in the first line; needs no
+        pandas. Raises InputError for a path that does not end in .csv, and for a file that exists, unless `overwrite`
+        is set and it is such a table."""
+        from warpffrf.output.files.table import write_csv
+
+        return write_csv(self, path, overwrite=overwrite)
+
     def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
         """Write a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView and pyvista open."""
         from warpffrf.output.files.vtu import write_time_series

@@ -9,6 +9,7 @@ import numpy as np
 from warpffrf.output.files.fields import (
     BODY_FIELDS,
     CELL_FIELDS,
+    COMPONENTS,
     CONTACT_FIELDS,
     DERIVED_FIELDS,
     ENERGY_UNITS,
@@ -38,35 +39,20 @@ def stacked(field: Field, owners: list[Any], steps: int) -> np.ndarray:
     return np.stack([np.asarray(getattr(owner, field.attribute)) for owner in owners], axis=1)
 
 
-def to_xarray(result: Any) -> Any:
-    """`xarray.Dataset`; quantities whose shape differs between owners are named `contact_pressure_<pair>` and so on."""
-    try:
-        import xarray as xr
-    except ImportError as error:
-        raise ImportError("to_xarray needs xarray: pip install 'warpffrf[arrays]'") from error
+Group = tuple[str, tuple[Field, ...], dict[str, Any]]
 
+
+def owner_groups(result: Any) -> tuple[Group, ...]:
+    """What has histories: (dimension of the owners, their fields, owner by name), kept and derived; bodies, joints,
+    forces and contact pairs always, the rest where there are any."""
     history = result.history
-    steps = len(history.time)
-    data: dict[str, Any] = {}
-    coords: dict[str, Any] = {"axis": ["x", "y", "z"], "quaternion": ["x", "y", "z", "w"]}
-    coords["direction"] = ["e_theta", "t_z"]
-    for field in RUN_FIELDS:
-        entry = (("time",), getattr(history, field.attribute), _attributes(field))
-        (coords if field.name == "time" else data)[field.name] = entry
     contacts = {name: result.contact(name) for name in history.contacts}
     rubbing = {name: contact.friction for name, contact in contacts.items() if contact.has_friction}
     cells = {name: contact.cells for name, contact in history.contacts.items() if contact.cells is not None}
     stuck = {name: force.friction for name, force in history.forces.items() if force.friction is not None}
-    if stuck:
-        coords["slip"] = ["along", "around"]
-    if history.films:
-        coords["chart_axis"] = ["e_0", "e_1"]
     laps = {name: result.lap(name) for name in history.laps}
-    if laps:
-        coords["along"], coords["frame_axis"] = ["t_1", "t_2"], ["n", "t_1", "t_2"]
-        coords["side"] = ["lap", "second_face"]
     yielding = {name: film for name, film in history.films.items() if film.load_second is not None}
-    groups: tuple[tuple[str, tuple[Field, ...], dict[str, Any]], ...] = (
+    return (
         ("body", BODY_FIELDS, history.bodies),
         ("joint", JOINT_FIELDS, history.joints),
         ("force", FORCE_FIELDS, history.forces),
@@ -80,6 +66,33 @@ def to_xarray(result: Any) -> Any:
         *([("cell_pair", CELL_FIELDS, cells)] if cells else []),
         *([("friction_pair", (*FRICTION_FIELDS, *FRICTION_DERIVED), rubbing)] if rubbing else []),
     )
+
+
+def to_xarray(result: Any) -> Any:
+    """`xarray.Dataset`; quantities whose shape differs between owners are named `contact_pressure_<pair>` and so on."""
+    try:
+        import xarray as xr
+    except ImportError as error:
+        raise ImportError("to_xarray needs xarray: pip install 'warpffrf[arrays]'") from error
+
+    history = result.history
+    steps = len(history.time)
+    data: dict[str, Any] = {}
+    always = ("axis", "quaternion", "direction")
+    coords: dict[str, Any] = {dim: list(COMPONENTS[dim]) for dim in always}
+    for field in RUN_FIELDS:
+        entry = (("time",), getattr(history, field.attribute), _attributes(field))
+        (coords if field.name == "time" else data)[field.name] = entry
+    contacts = {name: result.contact(name) for name in history.contacts}
+    cells = {name for name, contact in history.contacts.items() if contact.cells is not None}
+    laps = {name: result.lap(name) for name in history.laps}
+    groups = owner_groups(result)
+    present = {dim for dim, _, _ in groups}
+    for dim, owner in (
+        ("slip", "joint_friction"), ("chart_axis", "film"), ("along", "lap"), ("frame_axis", "lap"), ("side", "lap")
+    ):  # fmt: skip
+        if owner in present:
+            coords[dim] = list(COMPONENTS[dim])
     for dim, fields, owners in groups:
         coords[dim] = np.array(list(owners), dtype=object if owners else str)
         for field in fields:

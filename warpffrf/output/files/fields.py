@@ -29,10 +29,18 @@ USER_ORIGIN = "world, about the origin of the body's user frame"
 AXIS, QUATERNION = ("axis",), ("quaternion",)
 DIRECTION = ("direction",)  # e_theta and t_z of the first surface
 CHART_AXIS = ("chart_axis",)  # e_0 and e_1 of the first surface
-# Of the dimensions that all owners share.
-SIZES = {
-    "axis": 3, "quaternion": 4, "direction": 2, "slip": 2, "chart_axis": 2, "along": 2, "frame_axis": 3, "side": 2,
-}  # fmt: skip
+# What the entries are called along dimensions that have the same ones for all owners.
+COMPONENTS = {
+    "axis": ("x", "y", "z"),
+    "quaternion": ("x", "y", "z", "w"),
+    "direction": ("e_theta", "t_z"),
+    "slip": ("along", "around"),
+    "chart_axis": ("e_0", "e_1"),
+    "along": ("t_1", "t_2"),
+    "frame_axis": ("n", "t_1", "t_2"),
+    "side": ("lap", "second_face"),
+}
+SIZES = {dim: len(names) for dim, names in COMPONENTS.items()}
 
 RUN_FIELDS = (
     Field("time", "time", "s", "none"),

@@ -20,7 +20,9 @@ from warpffrf.output.plots.picture import write_picture
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
-MOST_NAMED = 12  # curves with a name in the legend
+MOST_INSIDE = 8  # curves named in a legend inside the axes; more stand to the right of them
+COLORS, STYLES = 10, ("-", "--", ":", "-.")  # after so many colours another line style, so that none comes twice
+LEGEND_ROWS = 16  # names above each other there
 HEADROOM = 1.08  # of the largest value of a plot
 SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
@@ -69,6 +71,17 @@ def _at(result: Any, i: int) -> str:
     return f"t = {result.time[i] * 1e3:.4g} ms"
 
 
+def _legend(ax: Any, curves: int) -> None:
+    """A legend of several curves: inside the axes while it leaves them room, else to their right, where none hides."""
+    if curves > MOST_INSIDE:
+        columns = -(-curves // LEGEND_ROWS)
+        ax.legend(
+            frameon=False, fontsize=6, ncols=columns, loc="upper left", bbox_to_anchor=(1.0, 1.0), borderaxespad=0
+        )
+    elif curves > 1:
+        ax.legend(frameon=False)
+
+
 def force(result: Any, ax: Any) -> None:
     """Force of every pair, lumped contact, oil film and lap against time."""
     forces = {name: result.contact(name).force_magnitude for name in result.contact_names}
@@ -77,14 +90,13 @@ def force(result: Any, ax: Any) -> None:
     forces |= {name: result.film(name).force_magnitude for name in result.film_names if name not in forces}
     laps = {name: np.linalg.norm(result.lap(name).force, axis=1) for name in result.lap_names}
     forces |= {name: size for name, size in laps.items() if name not in forces}
-    for name, size in forces.items():
-        ax.plot(result.time * 1e3, size * 1e-3, label=name)
+    for n, (name, size) in enumerate(forces.items()):
+        ax.plot(result.time * 1e3, size * 1e-3, STYLES[n // COLORS % len(STYLES)], label=name)
     what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names) + ["lap"] * bool(laps))
     ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
     _from_zero(ax, *(size * 1e-3 for size in forces.values()))
-    if 1 < len(forces) <= MOST_NAMED:
-        ax.legend(frameon=False)
+    _legend(ax, len(forces))
 
 
 def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndarray) -> None:
@@ -198,7 +210,8 @@ def widths(result: Any, ax: Any) -> None:
     ax.title.set_fontsize(10)
 
 
-PLOTS: dict[str, Callable[[Any, Any], None]] = {
+Draw = Callable[[Any, Any], None]
+PLOTS: dict[str, Draw] = {
     "force": force,
     "widths": widths,
     "across": across,
@@ -246,21 +259,17 @@ def plot(
     return ax
 
 
-def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) -> Callable[[Any, Any], None]:
+def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) -> Draw:
     return lambda result, ax: draw(_film(result, film), ax, row)
 
 
-def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) -> Callable[[Any, Any], None]:
+def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) -> Draw:
     return lambda result, ax: draw(the_lap(result, lap), ax, row)
 
 
-def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> Any:
-    """A matplotlib Figure with every plot that the run has data for; of films that of `film`, and of laps that of
-    `lap`, the first ones if None, with maps of the saved step `row`."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
-
-    drawn: dict[str, Callable[[Any, Any], None]] = dict(PLOTS) if result.contact_names else {"energy": energy}
+def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> dict[str, Draw]:
+    """The kinds of plots that the run has data for, with what draws them on axes; film, row, lap: as of `plot`."""
+    drawn: dict[str, Draw] = dict(PLOTS) if result.contact_names else {"energy": energy}
     if result.lumped_contact_names or result.film_names or result.lap_names:
         drawn = {"force": force} | drawn
     if any(result.contact(name).has_friction for name in result.contact_names):
@@ -272,6 +281,23 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
         frictionless = result.lap(result.lap_names[0] if lap is None else lap).friction == 0.0
         kinds = [kind for kind in LAP_PLOTS if kind != "lap_loss" or not frictionless]
         drawn |= {kind: _of_lap(LAP_PLOTS[kind], lap, row) for kind in kinds}
+    return drawn
+
+
+def about_kinds() -> dict[str, str]:
+    """Every kind of plot, and in a sentence what it shows."""
+    draws: dict[str, Callable[..., None]] = {**PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS}
+    said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
+    return said | {"summary": "Everything that the run has data for, on one page."}
+
+
+def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> Any:
+    """A matplotlib Figure with every plot that the run has data for; of films that of `film`, and of laps that of
+    `lap`, the first ones if None, with maps of the saved step `row`."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    drawn = drawable(result, film, row, lap)
     kinds = list(drawn)
     columns = min(3, len(kinds))
     rows = -(-len(kinds) // columns)
@@ -294,7 +320,25 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
     return figure
 
 
+def write_plot(
+    result: Any, kind: str, path: str | os.PathLike[str], *, contact: str | None = None, film: str | None = None,
+    lap: str | None = None, row: int | None = None, dpi: int = 130, overwrite: bool = False,
+) -> Path:  # fmt: skip
+    """Write `plot(result, kind, ...)` as a picture; the ending chooses the format (.png, .pdf, .svg). Raises InputError
+    as `plot` does, for a path not writable, and for a file that exists where `overwrite` is not set."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    if kind == "summary":
+        figure = plot(result, kind, None, contact, film, row, lap)
+    else:
+        figure = Figure(layout="constrained")
+        FigureCanvasAgg(figure)
+        plot(result, kind, figure.add_subplot(), contact, film, row, lap)
+    return write_picture(figure, path, "figure", overwrite=overwrite, dpi=dpi)
+
+
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:
     """Write the summary figure; the ending chooses the format (.png, .pdf, .svg). Raises InputError for a path
     not writable, and for a file that exists where `overwrite` is not set."""
-    return write_picture(plot(result, "summary"), path, "figure", overwrite=overwrite, dpi=dpi)
+    return write_plot(result, "summary", path, dpi=dpi, overwrite=overwrite)

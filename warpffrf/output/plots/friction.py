@@ -16,6 +16,7 @@ from warpffrf.output.plots.colors import STATE_COLORS, largest
 SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
 HEADROOM = 1.08  # of the largest value of a plot
 LEAST_SEEN = 1e-6  # of the other curves of a plot: what is smaller is round-off of a direction that nothing drives
+TRACE = 0.02  # of the tractions of one sign: less of the other shows nothing in the plot
 LEGEND_ROOM = 1.35  # of the range of tractions
 MOST_ARROWS = 24  # tractions drawn in a map in either direction: more are not told apart in a panel
 PRESSURE, BOUND, TRACTION, ACROSS, SECOND = "#8a94a3", "#d1495b", "#1b6ca8", "#2a9d6f", "#b57f00"
@@ -48,6 +49,12 @@ def _seen(values: np.ndarray, *beside: np.ndarray) -> bool:
     return largest([np.abs(values)]) > LEAST_SEEN * most
 
 
+def _both_signs(tau: np.ndarray) -> bool:
+    """True where tractions in either direction are more than a trace of those in the other."""
+    most = np.nanmax(tau, initial=0.0), -np.nanmin(tau, initial=0.0)
+    return min(most) > TRACE * max(most)
+
+
 def traction(result: Any, ax: Any) -> None:
     """Pressure, the bound mu p and the tractions along the rolling direction at mid-width, with stick and slip; of a
     point contact through its centre."""
@@ -65,8 +72,11 @@ def traction(result: Any, ax: Any) -> None:
             )  # fmt: skip
     sign = -1.0 if np.nansum(tau) < 0.0 else 1.0
     mu = _coefficient(contact)
+    both = _both_signs(tau)
     if mu is not None:
-        ax.plot(x, sign * bound, "--", lw=1.1, color=BOUND, label=f"{sign * mu:g} p")
+        ax.plot(x, sign * bound, "--", lw=1.1, color=BOUND, label=f"±{mu:g} p" if both else f"{sign * mu:g} p")
+        if both:
+            ax.plot(x, -sign * bound, "--", lw=1.1, color=BOUND)
     ax.step(x, tau, where="mid", lw=1.3, color=TRACTION, label="traction along e_theta, on the first body")
     if _seen(profile["across"], profile["traction"], profile["bound"]):
         ax.step(x, profile["across"] * 1e-6, where="mid", lw=1.0, color=ACROSS, label="along the axis")
@@ -78,10 +88,11 @@ def traction(result: Any, ax: Any) -> None:
             "material enters", (0.02 if lead == "left" else 0.98, 0.5), xycoords="axes fraction", ha=lead, fontsize=8,
             color="0.35",
         )  # fmt: skip
-    drawn = [v[np.isfinite(v)] for v in (sign * bound, tau, profile["across"] * 1e-6)]
+    bounds = (bound, -bound) if both else (sign * bound,)
+    drawn = [v[np.isfinite(v)] for v in (*bounds, tau, profile["across"] * 1e-6)]
     low, high = (float(f(np.concatenate(drawn), initial=0.0)) for f in (np.min, np.max))
     room = (LEGEND_ROOM - 1.0) * (high - low)  # for the legend, on the side of the larger tractions
-    low *= HEADROOM
+    low, high = HEADROOM * low, HEADROOM * high
     ax.set_ylim(low - room * (sign < 0.0), (high + room * (sign > 0.0)) or 1.0)
     _around(ax, contact, i)
     ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="traction [MPa]")

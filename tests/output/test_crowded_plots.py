@@ -1,0 +1,68 @@
+"""Plots of many pairs and of tractions of both signs: nothing is hidden, nothing is cut off."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from rubbing_run import MU, add_friction
+from synthetic_run import make_history
+
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.output.result import Result
+
+PAIRS = 24
+
+
+@pytest.fixture
+def crowded(body: ReducedBody) -> Result:
+    """The synthetic run with its pair under 24 names, as of a bearing of twelve rollers."""
+    history = make_history(body)
+    names = [f"roller {n // 2 + 1} on {'inner' if n % 2 else 'outer'} ring" for n in range(PAIRS)]
+    (contact,), (pair,) = history.contacts.values(), history.scene.pairs.values()
+    scaled = [replace(contact, force=contact.force * (1.0 + 0.1 * n)) for n in range(PAIRS)]
+    history.contacts = dict(zip(names, scaled, strict=True))
+    history.scene = replace(history.scene, pairs={name: replace(pair, name=name) for name in names})
+    return Result(history)
+
+
+def test_a_legend_of_24_pairs_hides_no_curve_and_stays_in_the_picture(crowded: Result) -> None:
+    figure = Figure(figsize=(6.4, 4.8), layout="constrained")
+    FigureCanvasAgg(figure)
+    ax = crowded.plot("force", figure.add_subplot())
+    figure.canvas.draw()
+    legend = ax.get_legend()
+    assert [text.get_text() for text in legend.get_texts()] == crowded.contact_names
+    box, axes, page = legend.get_window_extent(), ax.get_window_extent(), figure.bbox
+    assert box.x0 >= axes.x1 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1
+    assert axes.width > 0.25 * page.width  # the curves keep room of their own
+    looks = {(line.get_color(), line.get_linestyle()) for line in ax.get_lines()}
+    assert len(looks) == PAIRS
+
+
+def test_two_pairs_have_their_legend_inside(crowded: Result) -> None:
+    history = crowded.history
+    few = dict(list(history.contacts.items())[:2])
+    view = replace(history.scene, pairs={name: history.scene.pairs[name] for name in few})
+    ax = Result(replace(history, contacts=few, scene=view)).plot("force", Figure().add_subplot())
+    assert len(ax.get_legend().get_texts()) == 2
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_tractions_of_both_signs_are_inside_the_axes(body: ReducedBody, sign: float) -> None:
+    history = add_friction(make_history(body))
+    (contact,) = history.contacts.values()
+    friction = contact.friction
+    assert friction is not None
+    turned = np.where(np.arange(friction.traction.shape[2]) % 3 == 0, -sign, sign)
+    friction.traction = friction.traction * turned[:, None]
+    ax = Result(history).plot("traction", Figure().add_subplot())
+    low, high = ax.get_ylim()
+    values = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines()])
+    assert low < np.nanmin(values) < 0.0 < np.nanmax(values) < high
+    dashed = [line for line in ax.get_lines() if line.get_linestyle() == "--"]
+    assert np.array_equal(dashed[0].get_ydata(), -np.asarray(dashed[1].get_ydata()))
+    assert f"±{MU:g} p" in [text.get_text() for text in ax.get_legend().get_texts()]

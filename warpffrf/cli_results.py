@@ -1,0 +1,96 @@
+"""The commands `warpffrf compare` and `warpffrf plot`: what is made of results files."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+OVERWRITE = typer.Option("--overwrite", help="Replace a picture that is there.")
+
+
+def add_result_commands(app: typer.Typer, one_line_errors: Callable[[], AbstractContextManager[None]]) -> None:
+    """Add `compare` and `plot` to `app`; errors are told within `one_line_errors()`."""
+
+    @app.command("compare")
+    def compare_results(
+        first: Annotated[Path, typer.Argument(metavar="A", help="Results file (.h5) to compare with.")],
+        second: Annotated[Path, typer.Argument(metavar="B", help="Results file (.h5) that is compared.")],
+        out: Annotated[
+            Path | None,
+            typer.Option("--out", metavar="PNG", help="Also draw both runs here: .png, .pdf or .svg."),
+        ] = None,
+        drawn: Annotated[
+            list[str] | None,
+            typer.Option(
+                "--history",
+                metavar="NAME",
+                help="For the picture: a history as the table names it; left out: the six that differ most. Repeat for "
+                "more.",
+            ),
+        ] = None,
+        every: Annotated[bool, typer.Option("--all", help="List every history, not only the first twenty.")] = False,
+        overwrite: Annotated[bool, OVERWRITE] = False,
+    ) -> None:
+        """List the settings in which two runs differ, and how far each history of B is from that of A.
+
+        Relative L2 is over the time that both runs have, on the times of A.
+
+        Example: warpffrf compare fine.h5 coarse.h5 --out both.png
+        """
+        with one_line_errors():
+            import warpffrf
+            from warpffrf.output.comparison import LISTED
+
+            if drawn and out is None:
+                raise warpffrf.InputError("--history names what is drawn; say where with --out PNG")
+            found = warpffrf.compare(first, second)
+            print(found.report(None if every else LISTED))
+            if out is not None:
+                print(f"drawn to {found.save_figure(out, drawn, overwrite=overwrite)}")
+
+    @app.command("plot")
+    def plot_results(
+        file: Annotated[Path | None, typer.Argument(metavar="FILE", help="Results file (.h5).")] = None,
+        kind: Annotated[str, typer.Argument(metavar="KIND", help="What to draw; see --list.")] = "summary",
+        out: Annotated[
+            Path | None, typer.Option("--out", metavar="PNG", help="The picture to write: .png, .pdf or .svg.")
+        ] = None,
+        listed: Annotated[
+            bool, typer.Option("--list", help="List the kinds of plots, of FILE those that it has data for.")
+        ] = False,
+        contact: Annotated[
+            str | None, typer.Option(metavar="NAME", help="Contact pair to draw; left out: the first.")
+        ] = None,
+        film: Annotated[str | None, typer.Option(metavar="NAME", help="Oil film to draw; left out: the first.")] = None,
+        lap: Annotated[str | None, typer.Option(metavar="NAME", help="Lap to draw; left out: the first.")] = None,
+        row: Annotated[
+            int | None, typer.Option(help="Saved step of maps of films and laps, from 0; left out: the last.")
+        ] = None,
+        overwrite: Annotated[bool, OVERWRITE] = False,
+    ) -> None:
+        """Draw one kind of plot of a run into a picture; without KIND a page with all that the run has data for.
+
+        Example: warpffrf plot press.h5 force --out force.png
+        """
+        with one_line_errors():
+            from warpffrf.model.errors import InputError
+            from warpffrf.output.plots.figure import about_kinds, drawable, write_plot
+            from warpffrf.output.result import Result
+
+            if file is None and not listed:
+                raise InputError("say which results file (.h5) to draw; --list lists the kinds of plots")
+            result = None if file is None else Result.load(file)
+            if listed:
+                known = about_kinds()
+                kinds = [*known] if result is None else [*drawable(result, film, lap=lap), "summary"]
+                width = max(map(len, kinds))
+                print("\n".join(f"{name:{width}}  {known[name]}" for name in kinds))
+                return
+            if out is None:
+                raise InputError("say where to write the picture with --out, as in --out force.png")
+            written = write_plot(result, kind, out, contact=contact, film=film, lap=lap, row=row, overwrite=overwrite)
+            print(f"written to {written}")

@@ -1,0 +1,257 @@
+r"""Two runs beside each other: settings that differ, and how far their histories are apart.
+
+A history with components, as a force, is compared as a vector. With a and b the values of A and B on the times of A,
+
+    relative L2 = sqrt( int |b - a|^2 dt / int |a|^2 dt ),      largest difference = max over time of |b - a|,
+
+by the trapezoidal rule, over the time that both runs have. Where their times differ, b is interpolated linearly between
+the rows of B. Quaternions q and -q are one rotation: that nearer to A's is taken. What counts or numbers something
+(iterations, columns of a grid, states) belongs to a run's settings and is not compared. What is below 1e-9 of the
+largest of its quantity in both runs is round-off: counted, but not listed.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_count, unknown_name
+from warpffrf.output.files.fields import RUN_FIELDS
+from warpffrf.output.files.table import Series, histories
+from warpffrf.output.plots.overlay import Overlaid, overlay_figure
+from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.result import Result
+
+SAME_TIME = 1e-9  # of the duration: times that are apart by less are the same
+LEAST_SEEN = 1e-9  # of the largest of a quantity: less in both runs is round-off
+LISTED = 20  # histories in a report
+DRAWN = 6  # histories in a picture
+COUNTED = {field.name for field in RUN_FIELDS} | {
+    "contact_active_hats", "contact_first_column", "contact_center_column", "contact_first_column_second",
+    "contact_cell_column", "contact_cell_column_second", "contact_cells_per_step", "joint_friction_state",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Difference:
+    """How far B is from A in one history `label`, with its unit: `relative` L2 (inf where A is zero), `largest`
+    difference, the time of it `at` [s], and the largest value of A, `size`."""
+
+    label: str
+    units: str
+    relative: float
+    largest: float
+    at: float
+    size: float
+
+
+class Comparison:
+    """Run B against run A; made by `compare`. `differences`: a `Difference` for each history that both have, the
+    largest relative ones first; `settings`: name -> (of A, of B) of what differs; `notes`: what was interpolated or
+    left out."""
+
+    def __init__(self, a: Result, b: Result, names: tuple[str, str]) -> None:
+        self.a, self.b, self.names = a, b, names
+        self.settings = _settings(a, b)
+        self.notes: list[str] = []
+        self._first, self._second = ({s.label: s for s in histories(run) if s.name not in COUNTED} for run in (a, b))
+        self.differences = self._compared()
+
+    def __repr__(self) -> str:
+        worst = f", largest relative L2 {self.differences[0].relative:.3g}" if self.differences else ""
+        return f"Comparison({len(self.differences)} histories, {len(self.settings)} settings differ{worst})"
+
+    def _compared(self) -> list[Difference]:
+        first, second = self._first, self._second
+        for own, other, name in ((first, second, "A"), (second, first, "B")):
+            if alone := [label for label in own if label not in other]:
+                self.notes.append(f"{len(alone)} histories only in {name}, the first {alone[0]}")
+        common = [label for label in first if label in second and first[label].components == second[label].components]
+        if not common:
+            raise InputError("compare: the runs have no history in common; compare runs of one machine")
+        rows = self._rows()
+        time = self.a.time[rows]
+        scale: dict[str, float] = {}
+        for label in common:
+            largest = max(_largest(first[label].values), _largest(second[label].values))
+            scale[first[label].name] = max(scale.get(first[label].name, 0.0), largest)
+        found, still, torn = [], 0, []
+        for label in common:
+            a, b = first[label], second[label]
+            if max(_largest(a.values), _largest(b.values)) <= LEAST_SEEN * scale[a.name]:
+                still += 1
+                continue
+            values = a.values[rows]
+            difference, size = _size(self._on_times(b, time, values) - values), _size(values)
+            both = np.isfinite(difference)
+            if np.any(np.isfinite(size) != both):
+                torn.append(label)
+            if both.any():
+                found.append(_difference(a, time[both], difference[both], size[both]))
+        if still:
+            self.notes.append(f"{still} histories are zero, or round-off, in both")
+        if torn:
+            self.notes.append(f"{len(torn)} histories have rows in which only one run has a value, the first {torn[0]}")
+        return sorted(found, key=lambda d: -d.relative)
+
+    def _rows(self) -> np.ndarray:
+        """Rows of A within the time of B; notes what that leaves out, and whether B is interpolated."""
+        a, b = self.a.time, self.b.time
+        if not len(a) or not len(b):
+            raise InputError("compare: a run without saved rows; compare runs that have some")
+        tolerance = SAME_TIME * max(abs(a[-1] - a[0]), abs(b[-1] - b[0]))
+        rows = np.flatnonzero((a >= b[0] - tolerance) & (a <= b[-1] + tolerance))
+        if not len(rows):
+            raise InputError(
+                f"compare: the runs have no time in common, {a[0]:g} to {a[-1]:g} s and {b[0]:g} to {b[-1]:g} s"
+            )
+        if len(rows) < len(a):
+            self.notes.append(
+                f"{len(rows)} of the {len(a)} rows of A are within the time of B, {b[0]:g} to {b[-1]:g} s"
+            )
+        nearest = np.abs(b[_nearest(b, a[rows])] - a[rows])
+        self._interpolated = bool(np.any(nearest > tolerance))
+        if self._interpolated:
+            self.notes.append("B is interpolated linearly between its rows where it has none at a time of A")
+        return rows
+
+    def _on_times(self, series: Series, time: np.ndarray, beside: np.ndarray) -> np.ndarray:
+        """Values of B at `time`; of quaternions the sign that is nearer to `beside`."""
+        values, own = series.values, self.b.time
+        turns = "quaternion" in series.frame
+        if turns:
+            flips = np.where(np.sum(values[1:] * values[:-1], axis=1) < 0.0, -1.0, 1.0)
+            values = values * np.cumprod(np.concatenate([[1.0], flips]))[:, None]
+        if self._interpolated:
+            values = np.stack([np.interp(time, own, column) for column in values.T], axis=1)
+            values = values / np.linalg.norm(values, axis=1, keepdims=True) if turns else values
+        else:
+            values = values[_nearest(own, time)]
+        if turns:
+            values = values * np.where(np.sum(values * beside, axis=1) < 0.0, -1.0, 1.0)[:, None]
+        return values
+
+    def report(self, most: int | None = LISTED) -> str:
+        """Settings that differ and the histories that are furthest apart, at most `most` of them (None: all)."""
+        listed = self.differences if most is None else self.differences[: require_count(most, "report: most", 1)]
+        lines = [f"A: {self.names[0]}", f"B: {self.names[1]}"]
+        if self.settings:
+            width = max(len(name) for name in self.settings)
+            first = max(len(values[0]) for values in self.settings.values())
+            lines += ["settings that differ"]
+            lines += [f"  {name:{width}}  {a:{first}}  {b}" for name, (a, b) in self.settings.items()]
+        else:
+            lines += ["no settings differ"]
+        lines += [f"note: {note}" for note in self.notes]
+        width = max([len(d.label) + len(d.units) + 3 for d in listed], default=0)
+        lines.append(f"{'history':{width}}  relative L2  largest difference      at [s]  largest of A")
+        for d in listed:
+            relative = f"{d.relative:11.3e}" if np.isfinite(d.relative) else f"{'A is 0':>11}"
+            name = f"{d.label} [{d.units}]"
+            lines.append(f"{name:{width}}  {relative}  {d.largest:18.4e}  {d.at:10.6g}  {d.size:12.4e}")
+        if len(listed) < len(self.differences):
+            lines.append(f"... and {len(self.differences) - len(listed)} that are nearer to each other")
+        return "\n".join(lines)
+
+    def figure(self, labels: Sequence[str] | None = None) -> Any:
+        """A matplotlib Figure of both runs over time, a panel for each history in `labels`, as `differences` name
+        them; of the six that differ most if None. Of a vector its component that differs most is drawn. Raises
+        InputError for a history that the runs do not share."""
+        found = {d.label: d for d in self.differences}
+        for label in labels or ():
+            if label not in found:
+                raise unknown_name("compare: history", label, tuple(found))
+        chosen = list(labels or found)[: None if labels else DRAWN]
+        if not chosen:
+            raise InputError("compare: nothing to draw, all that the runs share is zero in both")
+        return overlay_figure([self._panel(found[label]) for label in chosen], self.names)
+
+    def _panel(self, difference: Difference) -> Overlaid:
+        a, b = self._first[difference.label], self._second[difference.label]
+        time = self.a.time[(self.a.time >= self.b.time[0]) & (self.a.time <= self.b.time[-1])]
+        apart = [
+            np.nanmax(np.abs(np.interp(time, self.b.time, v) - np.interp(time, self.a.time, u)), initial=0.0)
+            for u, v in zip(a.values.T, b.values.T, strict=True)
+        ]
+        n = int(np.argmax(apart))
+        label = list(a.columns)[n]
+        relative = "A is zero" if np.isinf(difference.relative) else f"relative L2 {difference.relative:.2e}"
+        first, second = (self.a.time, a.values[:, n]), (self.b.time, b.values[:, n])
+        return Overlaid(label, a.units, f"{label}: {relative}", first, second)
+
+    def save_figure(
+        self, path: str | os.PathLike[str], labels: Sequence[str] | None = None, *, overwrite: bool = False
+    ) -> Path:
+        """Write `figure(labels)` as .png, .pdf or .svg. Raises InputError for a path that cannot be written and for a
+        file that exists, unless `overwrite` is set and warpffrf wrote it."""
+        return write_picture(self.figure(labels), path, "compare", overwrite=overwrite)
+
+
+def compare(a: Result | str | os.PathLike[str], b: Result | str | os.PathLike[str]) -> Comparison:
+    """Run `b` against run `a`, results or their files: `.report()` has the settings that differ and, for every history,
+    the relative L2 and largest difference on A's times; `.save_figure(path)` draws both. Raises InputError for files
+    that cannot be read and for runs that share neither a history nor a time.
+
+    >>> print(wf.compare("fine.h5", "coarse.h5").report())  # doctest: +SKIP
+    """
+    runs = [run if isinstance(run, Result) else Result.load(run) for run in (a, b)]
+    names = ["result" if isinstance(run, Result) else Path(run).name for run in (a, b)]
+    if names[0] == names[1]:
+        names = [f"{name} ({letter})" for name, letter in zip(names, "AB", strict=True)]
+    return Comparison(runs[0], runs[1], (names[0], names[1]))
+
+
+def _largest(values: np.ndarray) -> float:
+    return float(np.nanmax(np.abs(values[np.isfinite(values)]), initial=0.0))
+
+
+def _size(values: np.ndarray) -> np.ndarray:
+    return np.sqrt(np.sum(np.asarray(values, dtype=float) ** 2, axis=1))
+
+
+def _nearest(times: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """The row of `times` (ascending) nearest to each of `wanted`."""
+    after = np.clip(np.searchsorted(times, wanted), 1, max(len(times) - 1, 1))
+    before = after - 1
+    after = np.minimum(after, len(times) - 1)
+    return np.where(wanted - times[before] <= times[after] - wanted, before, after)
+
+
+def _difference(series: Series, time: np.ndarray, difference: np.ndarray, size: np.ndarray) -> Difference:
+    if len(time) == 1:
+        above, below = float(difference[0]), float(size[0])
+    else:
+        above, below = (float(np.sqrt(np.trapezoid(v**2, time))) for v in (difference, size))
+    relative = above / below if below > 0.0 else (np.inf if above > 0.0 else 0.0)
+    worst = int(np.argmax(difference))
+    largest = float(difference[worst])
+    return Difference(series.label, series.units, relative, largest, float(time[worst]), float(np.max(size)))
+
+
+def _settings(a: Result, b: Result) -> dict[str, tuple[str, str]]:
+    """What differs of how the runs were made, as text."""
+    said = [_said(run) for run in (a, b)]
+    names: Iterable[str] = dict.fromkeys([*said[0], *said[1]])
+    pairs = {name: (said[0].get(name, "-"), said[1].get(name, "-")) for name in names}
+    return {name: values for name, values in pairs.items() if values[0] != values[1]}
+
+
+def _said(run: Result) -> dict[str, str]:
+    time = run.time
+    said = dict(run.history.options)
+    said |= {"status": run.status, "rows": str(len(time)), "end [s]": f"{time[-1]:.9g}" if len(time) else "-"}
+    said["scene"] = run.view.content_hash[:12]
+    for name, body in run.view.bodies.items():
+        said[f"body {name}: mass [kg]"] = f"{body.mass:.9g}"
+        said[f"body {name}: kind"] = "rigid" if body.reduced is None else "flexible"
+        if body.reduced is not None:
+            said[f"body {name}: global modes"] = str(len(body.reduced.frequencies))
+            said[f"body {name}: local modes"] = str(body.reduced.local_modes)
+    for name, pair in run.view.pairs.items():
+        said[f"contact {name}: friction"] = f"{pair.friction:g}"
+    return said

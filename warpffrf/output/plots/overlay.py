@@ -1,0 +1,48 @@
+"""Curves of two runs, one over the other, a panel for each quantity."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+COLUMNS = 2
+PANEL = (5.6, 3.2)  # inches
+FIRST, SECOND = "#1b6ca8", "#d1495b"
+
+
+@dataclass(frozen=True, eq=False)
+class Overlaid:
+    """One quantity of both runs, each at its own times [s]: `first` and `second` are (times (T,), values (T,))."""
+
+    label: str
+    units: str
+    title: str
+    first: tuple[np.ndarray, np.ndarray]
+    second: tuple[np.ndarray, np.ndarray]
+
+    def draw(self, ax: Any, names: tuple[str, str]) -> None:
+        """Draw on matplotlib axes, the runs called `names`."""
+        mark = "o" if min(len(self.first[0]), len(self.second[0])) == 1 else ""
+        ax.plot(self.first[0] * 1e3, self.first[1], lw=1.6, color=FIRST, marker=mark, label=names[0])
+        ax.plot(self.second[0] * 1e3, self.second[1], "--", lw=1.1, color=SECOND, marker=mark, label=names[1])
+        ax.set(xlabel="time [ms]", ylabel=f"{self.label.partition('[')[0].replace('_', ' ')} [{self.units}]")
+        ax.set_title(self.title, fontsize=9)
+        ax.grid(alpha=0.3)
+
+
+def overlay_figure(panels: Sequence[Overlaid], names: tuple[str, str]) -> Any:
+    """A matplotlib Figure with a panel for each quantity and one legend below."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    columns = min(COLUMNS, len(panels))
+    rows = -(-len(panels) // columns)
+    figure = Figure(figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    for n, panel in enumerate(panels):
+        panel.draw(figure.add_subplot(rows, columns, n + 1), names)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+    return figure
