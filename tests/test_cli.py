@@ -11,6 +11,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf import cli, cli_info
+from warpffrf.cli_errors import in_options
 
 DATA = Path(__file__).resolve().parent / "data"
 STEEL = ["--youngs-modulus", "210e9", "--poisson-ratio", "0.3", "--density", "7850"]
@@ -97,11 +98,17 @@ def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys
         (["info", str(coarse), "--length-unit", "furlong"], "known: 'm', 'cm', 'mm'"),
         (["info", str(coarse), *mm, "--density", "0"], "density must be greater than zero"),
         (["reduce", str(tmp_path / "none.msh"), *mm, *STEEL, *target], "does not exist"),
-        (["reduce", str(coarse), *mm, *STEEL, "--poisson-ratio", "0.5", *target], "poisson_ratio must lie between"),
+        (["reduce", str(coarse), *mm, *STEEL, "--poisson-ratio", "0.5", *target], "--poisson-ratio must lie between"),
         (["reduce", str(coarse), *mm, *STEEL, "--contact", "tread", *target], "known: 'rim', 'bore'"),
         (["reduce", str(coarse), *mm, *STEEL, "-o", str(blocked / "body.h5")], "cannot be written"),
-        (["info", str(DATA / "assembly.inp"), *mm], "say part= one of 'Brick-1', 'Brick-2', 'Peg-1'"),
+        (["info", str(DATA / "assembly.inp"), *mm], "say --part one of 'Brick-1', 'Brick-2', 'Peg-1'"),
         (["info", str(DATA / "flat.inp"), *mm, "--part", "2"], "part 2 does not exist, it has 1 connected part(s)"),
+        (["reduce", str(coarse), *mm, *STEEL, "-o", str(tmp_path / "x.txt")], "must end in .h5 or .hdf5"),
+        (
+            ["reduce", str(coarse), *mm, *STEEL, "-o", str(other)],
+            "or replace it with --overwrite\n",
+        ),
+        (["reduce", str(coarse), *mm, *STEEL, "--half-width", "-1", *target], "--half-width must be greater"),
         (["demo", "two-rollers", "--out", str(blocked / "x")], "choose another folder with --out"),
     ]
     for arguments, expected in cases:
@@ -116,11 +123,50 @@ def test_verbose_tells_where_an_error_came_from(tmp_path: Path, capsys: pytest.C
     assert "cli_info.py" in capsys.readouterr().err
 
 
+def test_verbose_says_more_and_with_times(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    options = [str(coarse), "--length-unit", "mm", *STEEL, "--modes", "4", "--no-cache", "--overwrite"]
+    said = []
+    for level in ([], ["-v"]):
+        assert cli.main([*level, "reduce", *options, "-o", str(tmp_path / "body.h5")]) == 0
+        said.append(capsys.readouterr().err)
+    assert "reduce: 'roller', " in said[0] and " done in " in said[0] and "took" not in said[0]
+    assert len(said[1].splitlines()) > len(said[0].splitlines()) and "reduce: mesh check took" in said[1]
+    assert all(" ms] " in line for line in said[1].splitlines())
+
+
+@pytest.mark.parametrize("command", [[], ["demo"], ["reduce"], ["study", "stability"]], ids=" ".join)
+def test_h_is_help(command: list[str], capsys: pytest.CaptureFixture) -> None:
+    assert cli.main([*command, "-h"]) == 0
+    assert "Usage: warpffrf" in capsys.readouterr().out
+
+
+def test_the_shell_can_complete(capsys: pytest.CaptureFixture) -> None:
+    assert cli.main(["--help"]) == 0
+    assert "--install-completion" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("said", "told"),
+    [
+        ("say part= one of 'a', 'b'", "say --part one of 'a', 'b'"),
+        ("choose it with part='pad'", "choose it with --part pad"),
+        ("replace it with overwrite=True (--overwrite)", "replace it with --overwrite"),
+        ("or begin anew with overwrite=True", "or begin anew with --overwrite"),
+        ("max_frequency must be positive", "--max-frequency must be positive"),
+        ("expected_half_width or another part of it", "--half-width or another part of it"),
+        ("set 'max_frequency' is not in body.max_frequency", "set 'max_frequency' is not in body.max_frequency"),
+    ],
+)
+def test_errors_speak_of_options(said: str, told: str) -> None:
+    options = {"part": "--part", "overwrite": "--overwrite", "max_frequency": "--max-frequency"}
+    assert in_options(said, {**options, "half_width": "--half-width"}) == told
+
+
 def test_reduce_then_info(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     target = tmp_path / "new folder" / "body.h5"
     sets = ["--interface", "bore", "--contact", "rim", "--modes", "4", "--no-cache"]
     assert cli.main(["-q", "reduce", str(coarse), "--length-unit", "mm", *STEEL, *sets, "-o", str(target)]) == 0
-    assert str(target) in capsys.readouterr().out
+    assert capsys.readouterr().out == ""
     body = wf.ReducedBody.load(target)
     assert cli.main(["info", str(target)]) == 0
     said = capsys.readouterr().out

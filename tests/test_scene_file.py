@@ -380,7 +380,7 @@ def test_the_command_runs_a_scene(tmp_path: Path, capsys: pytest.CaptureFixture)
     file = tmp_path / "oscillator.toml"
     file.write_text(OSCILLATOR, encoding="utf-8")
     out = tmp_path / "out"
-    assert cli.main(["-q", "run", str(file), "--set", "simulate.duration=5e-3", "--out", str(out)]) == 0
+    assert cli.main(["run", str(file), "--set", "simulate.duration=5e-3", "--out", str(out)]) == 0
     assert "status" in capsys.readouterr().out
     assert len(wf.Result.load(out / "oscillator.h5").time) == 6
     assert cli.main(["-q", "run", str(file), "--check"]) == 0

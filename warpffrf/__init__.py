@@ -9,7 +9,6 @@ nor the plotting and mesh libraries.
 from __future__ import annotations
 
 import importlib
-import logging
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -36,6 +35,7 @@ if TYPE_CHECKING:
     from warpffrf.model.material import Material
     from warpffrf.model.reduced_body import ReducedBody
     from warpffrf.model.scene import Scene
+    from warpffrf.model.speech import quiet
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.offline import reduce
     from warpffrf.offline.contact.grid_rule import contact_spacing
@@ -78,6 +78,7 @@ __all__ = [
     "load_scene",
     "mesh",
     "oils",
+    "quiet",
     "reduce",
     "run_scene",
     "sensors",
@@ -117,6 +118,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "load_scene": ("warpffrf.scene_file", "load_scene"),
     "mesh": ("warpffrf.model.mesh", None),
     "oils": ("warpffrf.model.oils", None),
+    "quiet": ("warpffrf.model.speech", "quiet"),
     "reduce": ("warpffrf.offline", "reduce"),
     "run_scene": ("warpffrf.scene_file", "run_scene"),
     "sensors": ("warpffrf.model.sensors", None),
@@ -125,8 +127,6 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "study": ("warpffrf.study", None),
     "surfaces": ("warpffrf.model.surfaces", None),
 }
-
-logging.getLogger(__name__).addHandler(logging.NullHandler())
 
 
 def __getattr__(name: str) -> Any:
@@ -140,4 +140,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return [*__all__, "__version__"]

@@ -2,7 +2,8 @@
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
-stderr.
+stderr. With --quiet there is no report either: the exit code says how it went, and only `info` and `modes`, which do
+nothing but tell, print what they are asked for.
 """
 
 from __future__ import annotations
@@ -10,15 +11,16 @@ from __future__ import annotations
 import importlib
 import logging
 import os
-import sys
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
+from contextlib import nullcontext, redirect_stdout
+from io import StringIO
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 import warpffrf
+from warpffrf.cli_errors import know_options, one_line_errors
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
 from warpffrf.demos import DEMOS
@@ -27,7 +29,6 @@ from warpffrf.demos import DEMOS
 # (on two busy cores 16 times longer than one thread alone).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-INTERRUPTED = 130  # exit code, as shells have it
 EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
 
 log = logging.getLogger("warpffrf")
@@ -36,7 +37,7 @@ app = typer.Typer(
     name="warpffrf",
     help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
@@ -62,43 +63,31 @@ def _version(wanted: bool) -> None:
 
 @app.callback()
 def options(
-    verbose: Annotated[bool, typer.Option("--verbose", "-v", help="Also print details for finding faults.")] = False,
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Print no progress, only warnings and errors.")] = False,
+    context: typer.Context,
+    verbose: Annotated[
+        bool,
+        typer.Option("--verbose", "-v", help="Say more: the scene, where time goes, where faults are."),
+    ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="Print neither progress nor reports, only warnings and errors.")
+    ] = False,
     version: Annotated[
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
     ] = False,
 ) -> None:
     _State.quiet = quiet
-    handler = logging.StreamHandler(sys.stderr)
-    handler.setFormatter(logging.Formatter("%(message)s"))
-    for old in [h for h in log.handlers if isinstance(h, logging.StreamHandler)]:
+    know_options(context)
+    from warpffrf.model.speech import Lines, notes
+
+    for old in [h for h in log.handlers if isinstance(h, Lines)]:
         log.removeHandler(old)
+    handler = Lines("[%(relativeCreated)7.0f ms] %(message)s" if verbose else "%(message)s")
+    handler.addFilter(lambda record: record.name != notes.name)  # the report has them
     log.addHandler(handler)
     log.setLevel(logging.DEBUG if verbose else logging.WARNING if quiet else logging.INFO)
 
 
-@contextmanager
-def _one_line_errors() -> Iterator[None]:
-    from warpffrf.model.errors import InputError
-    from warpffrf.model.interruption import terminated_as_interrupted
-
-    try:
-        with terminated_as_interrupted():
-            yield
-    except BrokenPipeError:  # the reader of the output, such as head, has left: nothing more to say to it
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        raise typer.Exit(0) from None
-    except (InputError, OSError) as error:
-        if log.isEnabledFor(logging.DEBUG):
-            log.debug("where it happened:", exc_info=True)
-        print(f"error: {error}", file=sys.stderr)
-        raise typer.Exit(1) from None
-    except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
-
-
-app.add_typer(study_app(_one_line_errors, lambda: _State.quiet), name="study")
+app.add_typer(study_app(one_line_errors, lambda: _State.quiet), name="study")
 
 
 def _add_demo(module: str, about: str) -> None:
@@ -110,9 +99,10 @@ def _add_demo(module: str, about: str) -> None:
         ),
         quick: Annotated[bool, typer.Option("--quick", help="A coarser, shorter version.")] = False,
     ) -> None:
-        with _one_line_errors():
+        with one_line_errors():
             run: Any = importlib.import_module(f"warpffrf.demos.{module}")
-            code = run.main(out, quick=quick, progress=not _State.quiet)
+            with redirect_stdout(StringIO()) if _State.quiet else nullcontext():
+                code = run.main(out, quick=quick, progress=not _State.quiet)
         raise typer.Exit(code)
 
     files = f"{module}.h5 (results), {module}.rrd (open it with: rerun FILE), {module}.png and summary.json"
@@ -155,7 +145,7 @@ def run_scene_file(
 
     Example: warpffrf run press.toml --set upper.load=2000 --set simulate.step=5e-5 --out out/press
     """
-    with _one_line_errors():
+    with one_line_errors():
         from warpffrf.scene_file import load_scene, run_scene
 
         if check:
@@ -166,7 +156,8 @@ def run_scene_file(
             overwrite=overwrite, resume=resume,
         )  # fmt: skip
         for call, result in results.items():
-            print(f"{call}\n{result.report()}")
+            if not _State.quiet:
+                print(f"{call}\n{result.report()}")
         if any(result.status != "completed" or result.unwritten for result in results.values()):
             raise typer.Exit(1)
 
@@ -193,11 +184,11 @@ def modes_of_scene_file(
 
     Example: warpffrf modes press.toml --count 6 --about out/press/press.h5
     """
-    with _one_line_errors():
+    with one_line_errors():
         from warpffrf.scene_file import load_scene
 
         scene = load_scene(scene_file, settings=settings or ()).scene
-        print(warpffrf.eigenmodes(scene, count, about=_state(about)).report())
+        print(warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet).report())
 
 
 def _state(about: str) -> Any:
@@ -301,9 +292,10 @@ def reduce_mesh(
 
     The names of the sets in a mesh are listed by: warpffrf info MESH --length-unit mm
     """
-    with _one_line_errors():
-        from warpffrf.model.output_paths import checked_output_path
+    with one_line_errors():
+        from warpffrf.model.output_paths import check_ending, checked_output_path, size_text
 
+        check_ending(output, "--output", (".h5", ".hdf5"))
         target = checked_output_path(output, "--output", overwrite=overwrite)
         mesh = warpffrf.mesh.read(mesh_file, length_unit=length_unit, part=part_of(part))
         body = warpffrf.reduce(
@@ -326,8 +318,9 @@ def reduce_mesh(
             progress=not _State.quiet,
         )
         body.save(target, overwrite=overwrite)
-        print(body.info())
-        print(f"written to {target}")
+        if not _State.quiet:
+            print(body.info())
+            print(f"written to {target}, {size_text(target.stat().st_size)}")
 
 
 def part_of(text: str | None) -> int | str | None:
@@ -371,7 +364,7 @@ def info(
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
 ) -> None:
     """Say what is in a file: size, mass, inertia, named sets, modes, or how a run went."""
-    with _one_line_errors():
+    with one_line_errors():
         from warpffrf.cli_info import describe_file
 
         print(
@@ -381,7 +374,7 @@ def info(
         )
 
 
-add_result_commands(app, _one_line_errors)
+add_result_commands(app, one_line_errors)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

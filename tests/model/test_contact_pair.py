@@ -48,7 +48,7 @@ def test_rigid_surfaces_at_the_border(body_maker) -> None:
     with pytest.raises(InputError, match="body 'wheel': surface 'x' leaves something to be fitted"):
         wheel.surface(surfaces.Cylinder(radius=0.1), name="x")
     with pytest.raises(InputError, match="surface 'x' must be one of surfaces.Cylinder, .*surfaces.Cup"):
-        wheel.surface("cylinder", name="x")
+        wheel.surface("cylinder", name="x")  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="ground: the name 'floor' of a surface is taken"):
         scene.ground.surface(FLOOR, name="floor")
     with pytest.raises(InputError, match="ground: the name of a surface must be a non-empty text"):
@@ -104,7 +104,7 @@ def test_friction(body_maker) -> None:
         Contact(a["rim"], b["rim"], friction=0.1)
     for wrong in (-0.1, "rough", float("nan")):
         with pytest.raises(InputError, match="contact 'roller-ground': friction"):
-            Contact(rim, floor, friction=wrong)
+            Contact(rim, floor, friction=wrong)  # pyright: ignore[reportArgumentType]
 
 
 def test_evaluation_capacity_overlap(body_maker) -> None:
@@ -112,7 +112,7 @@ def test_evaluation_capacity_overlap(body_maker) -> None:
     rim, floor = scene.body("roller")["rim"], scene.ground["floor"]
     assert Contact(rim, floor).evaluation == "semi" and Contact(rim, floor, evaluation="full").evaluation == "full"
     with pytest.raises(InputError, match="evaluation 'best' does not exist; known: 'full', 'semi', 'hyper'"):
-        Contact(rim, floor, evaluation="best")
+        Contact(rim, floor, evaluation="best")  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="'hyper' needs points chosen offline.*sampling_error=0.01"):
         Contact(rim, floor, evaluation="hyper")
     sampled = machine(with_data(body_maker(), sampling=SimpleNamespace()))

@@ -193,7 +193,7 @@ def test_a_pair_is_named_once() -> None:
     with pytest.raises(InputError, match="contact with itself"):
         LumpedContact(a, a, law=HERTZ)
     with pytest.raises(InputError, match="first surface must be a surface"):
-        LumpedContact(scene.bodies[0].at(ORIGIN), b, law=HERTZ)
+        LumpedContact(scene.bodies[0].at(ORIGIN), b, law=HERTZ)  # pyright: ignore[reportArgumentType]
 
 
 @pytest.mark.parametrize(
@@ -226,4 +226,4 @@ def test_a_contact_is_told_where_a_lumped_law_belongs(body_maker: Callable[..., 
     soft = scene.add_body(body_maker(), name="soft")
     hard = scene.add_rigid_body(1.0, (1e-3,) * 3, name="hard", surfaces={"skin": ball()})
     with pytest.raises(InputError, match=r"laws.HertzPoint gives a force.*LumpedContact"):
-        Contact(soft["rim"], hard["skin"], law=HERTZ)
+        Contact(soft["rim"], hard["skin"], law=HERTZ)  # pyright: ignore[reportArgumentType]

@@ -97,7 +97,7 @@ def test_joint_border(body_maker) -> None:
         joints.Drive(fixed, 1.0)
     slide = joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1))
     with pytest.raises(InputError, match="quantity"):
-        joints.Drive(slide, 1.0, quantity="torque")
+        joints.Drive(slide, 1.0, quantity="torque")  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="add its joint"):
         scene.add(joints.Drive(slide, 1.0))
     scene.add(slide)
@@ -121,11 +121,11 @@ def test_point_forces(body_maker) -> None:
     along = forces.PointForce(lower["bore"], (signals.Ramp(0, 10, duration=1.0), (0, 3, 4)), frame="body")
     np.testing.assert_allclose([float(s(2.0)) for s in along.components], [0.0, 6.0, 8.0])
     with pytest.raises(InputError, match="three components"):
-        forces.PointForce(lower["bore"], 5.0)
+        forces.PointForce(lower["bore"], 5.0)  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="component y"):
         forces.PointForce(lower["bore"], (0.0, np.nan, 1.0))
     with pytest.raises(InputError, match="frame"):
-        forces.PointForce(lower["bore"], (0, 0, 1), frame="user")
+        forces.PointForce(lower["bore"], (0, 0, 1), frame="user")  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="ground"):
         forces.PointForce(scene.ground.at((0, 0, 0)), (0, 0, 1))
 

@@ -98,7 +98,7 @@ def test_any_table_passes_through_its_points(steps, start, cubic) -> None:
 
 def test_border() -> None:
     with pytest.raises(InputError, match="signal table: values must be numbers"):
-        signals.Table([0.0, 1.0], ["a", "b"])
+        signals.Table([0.0, 1.0], ["a", "b"])  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match=r"signal table: values\[1\] is nan, numbers must be finite"):
         signals.Table([0.0, 1.0, 2.0], [0.0, np.nan, 1.0])
     with pytest.raises(InputError, match=r"times\[2\]"):

@@ -15,10 +15,10 @@ from hypothesis import strategies as st
 from synthetic_run import COLUMNS, ROWS, WINDOW, R
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.output_paths import checked_output_path, written_whole
+from warpffrf.model.output_paths import checked_output_path, size_text, written_whole
 from warpffrf.output.geometry.thinning import thinned, vertex_normals
 from warpffrf.output.plots.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
-from warpffrf.output.recording.frames import frame_rows, grid_triangles, patch_frame, relief, round_factor
+from warpffrf.output.recording.frames import frame_rows, grid_triangles, patch_frame, relief, round_factor, rows_every
 from warpffrf.output.recording.patch_map import MapWindow, hat_map
 from warpffrf.output.result import Result
 
@@ -81,6 +81,17 @@ def test_frame_rows(steps: int, most: int) -> None:
     assert np.all(np.diff(rows) > 0) and np.all(np.diff(rows) <= stride)
     if most > 1:
         assert rows[0] == 0
+
+
+@given(st.integers(1, 500), st.integers(1, 600))
+def test_rows_every(steps: int, stride: int) -> None:
+    rows = rows_every(steps, stride)
+    assert list(rows) == sorted({*range(0, steps, stride), steps - 1})
+
+
+@pytest.mark.parametrize(("size", "text"), [(11, "11 bytes"), (14_230_000, "14.2 MB"), (5.28e15, "5.28e+03 TB")])
+def test_sizes_as_people_say_them(size: float, text: str) -> None:
+    assert size_text(size) == text
 
 
 @given(st.floats(1.0, 1e9))

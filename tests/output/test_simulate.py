@@ -16,7 +16,9 @@ from warpffrf.output.simulate import equilibrium, simulate
 
 
 class SceneOfHistory:
-    """A scene that only has a hash."""
+    """A scene that is empty and has the hash of another one."""
+
+    bodies = joints = contacts = films = ()
 
     def __init__(self, digest: str) -> None:
         self.digest = digest
@@ -38,7 +40,7 @@ def calls(monkeypatch: pytest.MonkeyPatch, history: History) -> list[tuple[Any, 
         made.append((scene, duration, options))
         return history
 
-    def find_equilibrium(scene: Any, *, device: str, friction: bool) -> History:
+    def find_equilibrium(scene: Any, *, device: str, friction: bool, progress: bool) -> History:
         made.append((scene, device, friction))
         return history
 
@@ -64,6 +66,26 @@ def test_arguments_reach_the_engine_and_files_are_written(
     assert options["integrator"].rho_inf == 0.8
     assert Result.load(tmp_path / "r.h5").time == pytest.approx(result.time)
     assert (tmp_path / "r.rrd").stat().st_size > 0
+
+
+def test_files_are_told_with_their_sizes_and_seconds(
+    calls: list, scene: SceneOfHistory, history: History, tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    history.notes.append("something was left out")
+    with caplog.at_level("INFO", "warpffrf"):
+        result = simulate(
+            scene, 0.1, step=1e-4, results=tmp_path / "r.h5", record=tmp_path / "r.rrd", record_every=2, progress=False
+        )
+    results, recording = result.written
+    assert (results.what, recording.what) == ("results", "recording")
+    for file in result.written:
+        assert file.size == file.path.stat().st_size and 0.0 < file.seconds < 60.0
+        assert str(file) in result.report() and str(file) in caplog.text
+    assert "note: something was left out" in caplog.text
+    drawn = len(range(0, len(result.time), 2)) + (len(result.time) + 1) % 2  # and the last row
+    assert f"recording: {drawn} frames, every 2 of {len(result.time)} saved rows" in caplog.text
+    with pytest.raises(InputError, match="record_every must be a whole number of at least 1"):
+        simulate(scene, 0.1, step=1e-4, record=tmp_path / "r.rrd", record_every=0)
 
 
 def test_a_run_that_ended_early_is_written_as_well(

@@ -19,6 +19,22 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.named_arguments import named_arguments
 
+__all__ = [
+    "BASES",
+    "Balanced",
+    "Basis",
+    "CraigBampton",
+    "CraigChang",
+    "FreeFree",
+    "Krylov",
+    "POD",
+    "TrialVectorDerivatives",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
 
 @dataclass(frozen=True, kw_only=True)
 class Basis:

@@ -7,14 +7,17 @@ pose maps them to the world, x = position + A(rotation) x_user.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model import rotation as rot
+from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.model.surfaces import Shape
 
 if TYPE_CHECKING:
     from warpffrf.model.contact_surface import ContactSurface
@@ -25,8 +28,8 @@ GROUND_INDEX = -1
 INERTIA_LEVELS = ("constant", "deformed", "gyroscopic", "full", "auto")
 
 
-@dataclass(frozen=True, eq=False)
-class Port:
+@dataclass(frozen=True, eq=False, repr=False)
+class Port(looks.Shown):
     """A place on a body: an interface, or a body-fixed point (3,) [m, user frame].
 
     `point` is None only for the bare ground: the joint's other port then says where it is.
@@ -35,6 +38,9 @@ class Port:
     body: Any  # Body or Ground
     interface_name: str | None
     point: np.ndarray | None
+
+    def _facts(self) -> dict[str, Any]:
+        return {"name": self.label}
 
     @property
     def label(self) -> str:
@@ -57,12 +63,15 @@ class Port:
         return {"body": self.body.name, "interface": self.interface_name, "point": point}
 
 
-@dataclass(frozen=True, eq=False)
-class SurfacePort:
+@dataclass(frozen=True, eq=False, repr=False)
+class SurfacePort(looks.Shown):
     """A contact surface of a body, for `Contact`."""
 
-    body: Any
+    body: Any  # Body or Ground
     name: str
+
+    def _facts(self) -> dict[str, Any]:
+        return {"name": self.label}
 
     @property
     def label(self) -> str:
@@ -85,12 +94,15 @@ class SurfacePort:
         return surfaces[self.name]
 
 
-@dataclass(frozen=True, eq=False)
-class LapPort:
+@dataclass(frozen=True, eq=False, repr=False)
+class LapPort(looks.Shown):
     """A face of a flexible body that laps lie on, or two faces of it, as `reduce(laps=...)` named them."""
 
-    body: Any
+    body: Any  # Body or Ground
     name: str
+
+    def _facts(self) -> dict[str, Any]:
+        return {"name": self.label}
 
     @property
     def label(self) -> str:
@@ -105,20 +117,28 @@ class LapPort:
         return self.body.reduced.laps[self.name]
 
 
-class _Posed:
+if TYPE_CHECKING:
+
+    class Place(Port, SurfacePort, LapPort):
+        """What a name of a body stands for: interface, contact surface or lap; which of them only a run can tell."""
+
+        point: np.ndarray
+
+
+class _Posed(looks.Shown):
     """A user frame with a pose in the world."""
 
     name: str
     index: int
     reduced: ReducedBody | None = None
 
-    def __init__(self, name: str, position: Any, rotation: Any) -> None:
+    def __init__(self, name: str, position: Vector, rotation: RotationLike) -> None:
         self.name = name
         self.position = position
         self.rotation = rotation
         self.surfaces: dict[str, RigidSurface] = {}
 
-    def surface(self, shape: Any, *, name: str) -> SurfacePort:
+    def surface(self, shape: Shape, *, name: str) -> SurfacePort:
         """Give this rigid body, or the ground, a contact surface of `shape` (`warpffrf.surfaces`), in its user frame.
 
         Returns its port, `body[name]` from then on. Raises `InputError` for a flexible body, whose surfaces come from
@@ -139,7 +159,7 @@ class _Posed:
         return self._position
 
     @position.setter
-    def position(self, value: Any) -> None:
+    def position(self, value: Vector) -> None:
         self._position = require_array(value, f"{self.name}: position", (3,))
 
     @property
@@ -148,14 +168,14 @@ class _Posed:
         return self._rotation
 
     @rotation.setter
-    def rotation(self, value: Any) -> None:
+    def rotation(self, value: RotationLike) -> None:
         self._rotation = rot.orientation(value, f"{self.name}: rotation")
 
-    def to_world(self, points: Any) -> np.ndarray:
+    def to_world(self, points: Vector | Matrix) -> np.ndarray:
         """Points (..., 3) [m] of the user frame in the world, at the initial pose."""
         return self.position + np.asarray(points, float) @ rot.matrix(self.rotation).T
 
-    def to_user(self, points: Any) -> np.ndarray:
+    def to_user(self, points: Vector | Matrix) -> np.ndarray:
         """World points (..., 3) [m] in the user frame, at the initial pose."""
         return (np.asarray(points, float) - self.position) @ rot.matrix(self.rotation)
 
@@ -171,7 +191,10 @@ class Ground(_Posed):
     def __init__(self) -> None:
         super().__init__("ground", np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 
-    def at(self, point: Any) -> Port:
+    def _facts(self) -> dict[str, Any]:
+        return {"surfaces": looks.names(self.surfaces)} if self.surfaces else {}
+
+    def at(self, point: Vector) -> Port:
         """A point (3,) [m] of the world."""
         return Port(self, None, require_array(point, "ground: point", (3,)))
 
@@ -205,10 +228,10 @@ class Body(_Posed):
         *,
         reduced: ReducedBody | None,
         damping: np.ndarray,
-        position: Any,
-        rotation: Any,
-        velocity: Any,
-        angular_velocity: Any,
+        position: Vector,
+        rotation: RotationLike,
+        velocity: Vector,
+        angular_velocity: Vector,
         level: str = "constant",
         stiffening: bool = False,
     ) -> None:
@@ -224,6 +247,17 @@ class Body(_Posed):
         self.velocity = require_array(velocity, f"body {name!r}: velocity", (3,))
         self.angular_velocity = require_array(angular_velocity, f"body {name!r}: angular_velocity", (3,))
 
+    def _facts(self) -> dict[str, Any]:
+        kind = "rigid" if self.reduced is None else f"{self.mode_count} modes"
+        x, y, z = self.position
+        facts = {"name": self.name, "kind": kind, "mass": f"{self.mass:.5g} kg", "position": f"({x:g}, {y:g}, {z:g}) m"}
+        places = self.surfaces if self.reduced is None else self._places
+        return {**facts, "places": looks.names(places)} if places else facts
+
+    @property
+    def _places(self) -> list[str]:
+        return [*self.flexible.interfaces, *self.flexible.contact_surfaces, *self.flexible.laps]
+
     @property
     def mode_count(self) -> int:
         """Number of global modes; 0 for a rigid body."""
@@ -236,9 +270,13 @@ class Body(_Posed):
             raise InputError(f"body {self.name!r} is rigid; add it with scene.add_body and a reduced body")
         return self.reduced
 
-    def __getitem__(self, name: str) -> Any:
+    def __getitem__(self, name: str) -> Place:
         """The `Port` of an interface, the `SurfacePort` of a contact surface or the `LapPort` of a lap called
         `name`."""
+        place: Any = self._place(name)
+        return place
+
+    def _place(self, name: str) -> Port | SurfacePort | LapPort:
         if self.reduced is None:
             if name in self.surfaces:
                 return SurfacePort(self, name)
@@ -252,10 +290,9 @@ class Body(_Posed):
             return SurfacePort(self, name)
         if name in self.reduced.laps:
             return LapPort(self, name)
-        known = [*self.reduced.interfaces, *self.reduced.contact_surfaces, *self.reduced.laps]
-        raise unknown_name(f"body {self.name!r}: interface, contact surface or lap", name, known)
+        raise unknown_name(f"body {self.name!r}: interface, contact surface or lap", name, self._places)
 
-    def at(self, point: Any) -> Port:
+    def at(self, point: Vector) -> Port:
         """A body-fixed point (3,) [m, user frame] of a rigid body."""
         if self.reduced is not None:
             names = ", ".join(repr(n) for n in self.reduced.interfaces) or "none"
@@ -277,6 +314,9 @@ class Body(_Posed):
 def _known(surfaces: dict[str, RigidSurface]) -> str:
     """The surfaces that there are, for a message about one that there is not."""
     return f"known surfaces: {', '.join(map(repr, surfaces))}; " if surfaces else ""
+
+
+PortLike: TypeAlias = Port | Ground  # the bare ground is a port whose place the other one says
 
 
 def as_port(value: Any, name: str) -> Port:

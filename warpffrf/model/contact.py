@@ -8,14 +8,15 @@ stand on the same two surfaces is in `claims`.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.far_field import LONGEST, UNUSABLE
-from warpffrf.model.friction import FrictionLaw, as_friction
+from warpffrf.model.friction import FrictionLaw, FrictionLike, as_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.named_arguments import named_arguments
 
@@ -28,7 +29,7 @@ CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow n
 
 
 @named_arguments
-class Contact:
+class Contact(looks.Item):
     """Contact between two contact surfaces, `body["rim"]` each; the first must be of a flexible body.
 
     Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing
@@ -53,14 +54,14 @@ class Contact:
 
     def __init__(
         self,
-        a: Any,
-        b: Any,
+        a: SurfacePort,
+        b: SurfacePort,
         *,
-        law: Any = UNILATERAL,
-        friction: Any = 0.0,
-        evaluation: str = "semi",
-        grid: str = "auto",
-        gaps: str = "auto",
+        law: Law = UNILATERAL,
+        friction: FrictionLike = 0.0,
+        evaluation: Literal["full", "semi", "hyper"] = "semi",
+        grid: Literal["auto", "material", "patch"] = "auto",
+        gaps: Literal["auto", "points"] = "auto",
         cell_error: float = CELL_ERROR,
         cells: tuple[int, int] | None = None,
         capacity: int | None = None,

@@ -10,12 +10,26 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from warpffrf.model.arguments import Vector
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
 from warpffrf.model.named_arguments import named_arguments
+
+__all__ = [
+    "DAMPINGS",
+    "NAMED",
+    "DampingBands",
+    "Rayleigh",
+    "default_damping",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
 
 # ratio on the highest modes: they ring against the massless contact compliance after a load step
 CHATTER_DAMPING = 0.10
@@ -101,7 +115,10 @@ def default_damping(frequencies: np.ndarray) -> np.ndarray:
     return np.where(frequencies > CHATTER_FRACTION * frequencies.max(), CHATTER_DAMPING, 0.0)
 
 
-def damping_ratios(damping: Callable | Any, frequencies: np.ndarray, name: str) -> np.ndarray:
+Damping: TypeAlias = Callable[[np.ndarray], np.ndarray] | str | float | Vector | None  # of the modes of a body
+
+
+def damping_ratios(damping: Any, frequencies: np.ndarray, name: str) -> np.ndarray:
     """Ratios (m,) of body `name` from None (default), a number, an array (m,), a function of the frequencies [Hz], or a
     name of NAMED. Raises InputError for an unknown name, a wrong length, or a negative ratio."""
     if damping is None:

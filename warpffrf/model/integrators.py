@@ -34,6 +34,21 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.named_arguments import named_arguments
 
+__all__ = [
+    "INTEGRATORS",
+    "EnergyMomentum",
+    "GeneralizedAlpha",
+    "HHT",
+    "Integrator",
+    "Newmark",
+    "RungeKutta4",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 LEAST_ALPHA = -1.0 / 3.0  # HHT is unconditionally stable down to here
 
 

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.friction import as_constant_friction
+from warpffrf.model.friction import FrictionLike, as_constant_friction
 from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
 from warpffrf.model.named_arguments import named_arguments
@@ -24,7 +25,7 @@ STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is
 
 
 @named_arguments
-class LumpedContact:
+class LumpedContact(looks.Item):
     """Contact between the surfaces of two rigid bodies, or of one and the ground, by a law of force against approach.
 
     a, b: `body["tread"]`, named in `add_rigid_body(surfaces=...)` or by `body.surface(shape, name=)`. law: one of
@@ -38,7 +39,14 @@ class LumpedContact:
     kind = "lumped_contact"
 
     def __init__(
-        self, a: Any, b: Any, *, law: Any, friction: Any = 0.0, overlap: float | None = None, name: str | None = None
+        self,
+        a: SurfacePort,
+        b: SurfacePort,
+        *,
+        law: LumpedLaw,
+        friction: FrictionLike = 0.0,
+        overlap: float | None = None,
+        name: str | None = None,
     ) -> None:
         for port, place in ((a, "first"), (b, "second")):
             if not isinstance(port, SurfacePort):

@@ -8,6 +8,7 @@ written the next time.
 
 from __future__ import annotations
 
+import logging
 import os
 import secrets
 import socket
@@ -23,6 +24,9 @@ from warpffrf.model.processes import lives
 SIGN = b"warpffrf"
 SIGN_WITHIN = 1 << 16  # bytes of the beginning and of the end
 ENDING = ".part"
+UNITS = ("bytes", "kB", "MB", "GB", "TB")
+
+log = logging.getLogger("warpffrf")
 
 
 def checked_output_path(
@@ -38,7 +42,9 @@ def checked_output_path(
     if target.is_dir():
         raise InputError(f"{what}: '{target}' is a folder; give the name of a file in it")
     try:
-        target.parent.mkdir(parents=True, exist_ok=True)
+        if not target.parent.exists():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            log.info("%s: the folder '%s' is new", what, target.parent)
         with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".warpffrf-"):
             pass
         if target.exists():
@@ -116,3 +122,12 @@ def _remove_of_the_dead(file: Path, left_by: list[str]) -> None:
     host = socket.gethostname().replace(".", "-")
     if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not lives(int(left_by[1])):
         file.unlink(missing_ok=True)
+
+
+def size_text(size: float) -> str:
+    """A number of bytes as people say it: 14.2 MB."""
+    for unit in UNITS[:-1]:
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size /= 1000
+    return f"{size:.3g} {UNITS[-1]}"

@@ -9,7 +9,8 @@ import time
 from tqdm import tqdm
 
 log = logging.getLogger("warpffrf")
-LOG_INTERVAL = 10.0  # s between log lines off a terminal
+FIRST_LINE = 3.0  # s until the first log line off a terminal: what is over by then needs none
+LOG_INTERVAL = 10.0  # s between log lines
 
 
 class Progress:
@@ -17,7 +18,7 @@ class Progress:
 
     def __init__(self, label: str, total: int, *, enabled: bool, unit: str = "step") -> None:
         self.label, self.total, self.unit, self.done, self.begin = label, total, unit, 0, time.monotonic()
-        self.last = self.begin
+        self.next = self.begin + FIRST_LINE
         terminal = sys.stderr is not None and sys.stderr.isatty()  # None: a process without a standard error
         self.bar = tqdm(total=total, desc=label, unit=unit, leave=False) if enabled and terminal else None
         self.logs = enabled and not terminal
@@ -28,10 +29,10 @@ class Progress:
             self.bar.update(done - self.done)
         self.done = done
         now = time.monotonic()
-        if self.logs and now - self.last > LOG_INTERVAL and done:
+        if self.logs and now > self.next and 0 < done < self.total:
             left = (now - self.begin) / done * (self.total - done)
             log.info("%s: %d of %d %ss, about %.0f s left", self.label, done, self.total, self.unit, left)
-            self.last = now
+            self.next = now + LOG_INTERVAL
 
     def close(self) -> None:
         """End of the work."""

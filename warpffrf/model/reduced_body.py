@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from warpffrf.model import looks
 from warpffrf.model.body_summary import summary
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.output_paths import checked_output_path
@@ -20,24 +21,24 @@ from warpffrf.model.reduced_body_file import content_hash, read_reduced_body, wr
 
 @named_arguments
 @dataclass(frozen=True, eq=False, repr=False)
-class ReducedBody(ReducedBodyData):
+class ReducedBody(looks.Shown, ReducedBodyData):
     """A flexible body, reduced: mass properties, global modes, interfaces, contact surfaces, skin, and how it was made.
 
     Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame). The
     arrays and their units are those of `ReducedBodyData`.
     """
 
-    def __repr__(self) -> str:
-        """One line; the arrays by the thousand are for `info` to sum up."""
-        found = [f"{self.mass:.5g} kg", f"{len(self.frequencies)} global modes", f"{self.local_modes} local modes"]
+    def _facts(self) -> dict[str, Any]:
+        """The arrays by the thousand are for `info` to sum up."""
         named = {
             "interfaces": self.interfaces,
             "contact": self.contact_surfaces,
             "laps": self.laps,
             "stress": self.stress,
         }
-        found += [f"{what} {', '.join(names)}" for what, names in named.items() if names]
-        return f"<ReducedBody {'; '.join(found)}>"
+        found = {what: looks.names(items) for what, items in named.items() if items}
+        sizes = {"global_modes": len(self.frequencies), "local_modes": self.local_modes}
+        return {"mass": f"{self.mass:.5g} kg", **sizes, **found}
 
     def save(self, path: str | Path, *, overwrite: bool = False) -> Path:
         """Write one HDF5 file; returns its path. Raises `InputError` where it cannot be written, and for a file that

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from warpffrf.model import looks
+from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.assembly import joined_bodies, shift_bodies
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
 from warpffrf.model.claims import refuse_double_claims, refuse_double_laps
 from warpffrf.model.contact import Contact
-from warpffrf.model.damping import damping_ratios
+from warpffrf.model.damping import Damping, damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
 from warpffrf.model.films import Film
 from warpffrf.model.forces import JointSpringDamper, Pretension
@@ -28,6 +30,7 @@ from warpffrf.model.sensors import JointReaction, Sensor
 if TYPE_CHECKING:
     from warpffrf.model.reduced_body import ReducedBody
     from warpffrf.model.scene_check import SceneCheck
+    from warpffrf.model.surfaces import Shape
 
 SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
 _LISTS = ("joints", "drives", "forces", "contacts")
@@ -37,7 +40,7 @@ Item = TypeVar("Item")
 
 
 @named_arguments
-class Scene:
+class Scene(looks.Shown):
     """A machine: bodies with poses, and what connects and loads them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
@@ -45,7 +48,7 @@ class Scene:
     y, z, w).
     """
 
-    def __init__(self, *, gravity: Any = (0.0, 0.0, 0.0)) -> None:
+    def __init__(self, *, gravity: Vector = (0.0, 0.0, 0.0)) -> None:
         self.gravity = require_array(gravity, "scene: gravity", (3,))
         warn(gravity_doubts(self.gravity))
         self.ground = Ground()
@@ -59,16 +62,20 @@ class Scene:
         self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
 
+    def _facts(self) -> dict[str, Any]:
+        kinds = ("bodies", *_ADDED)
+        return {kind: looks.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
+
     def add_body(
         self,
         body: ReducedBody,
         *,
         name: str,
-        position: Any = (0.0, 0.0, 0.0),
-        rotation: Any = (0.0, 0.0, 0.0, 1.0),
-        velocity: Any = (0.0, 0.0, 0.0),
-        angular_velocity: Any = (0.0, 0.0, 0.0),
-        damping: Callable | Any = None,
+        position: Vector = (0.0, 0.0, 0.0),
+        rotation: RotationLike = (0.0, 0.0, 0.0, 1.0),
+        velocity: Vector = (0.0, 0.0, 0.0),
+        angular_velocity: Vector = (0.0, 0.0, 0.0),
+        damping: Damping = None,
         inertia: str = "auto",
         stiffening: bool = False,
     ) -> Body:
@@ -111,15 +118,15 @@ class Scene:
     def add_rigid_body(
         self,
         mass: float,
-        inertia_tensor: Any,
+        inertia_tensor: Vector | Matrix,
         *,
         name: str,
-        center_of_mass: Any = (0.0, 0.0, 0.0),
-        position: Any = (0.0, 0.0, 0.0),
-        rotation: Any = (0.0, 0.0, 0.0, 1.0),
-        velocity: Any = (0.0, 0.0, 0.0),
-        angular_velocity: Any = (0.0, 0.0, 0.0),
-        surfaces: Mapping[str, Any] | None = None,
+        center_of_mass: Vector = (0.0, 0.0, 0.0),
+        position: Vector = (0.0, 0.0, 0.0),
+        rotation: RotationLike = (0.0, 0.0, 0.0, 1.0),
+        velocity: Vector = (0.0, 0.0, 0.0),
+        angular_velocity: Vector = (0.0, 0.0, 0.0),
+        surfaces: Mapping[str, Shape] | None = None,
     ) -> Body:
         """Add a rigid body; returns its handle.
 
@@ -216,7 +223,7 @@ class Scene:
         self,
         contact: Contact,
         *,
-        along: Any = (0.0, 0.0, 1.0),
+        along: Vector = (0.0, 0.0, 1.0),
         gap: float = 0.0,
         with_bodies: Sequence[Body] | None = None,
     ) -> float:

@@ -6,19 +6,36 @@ sensors is the same scene. `SENSORS` is the registry by kind.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
-from warpffrf.model.bodies import Body, Ground, Port, as_port
+from warpffrf.model import looks
+from warpffrf.model.bodies import Body, Ground, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_count, unknown_name
 from warpffrf.model.joints import Joint
 from warpffrf.model.named_arguments import named_arguments
+
+__all__ = [
+    "SENSORS",
+    "Acceleration",
+    "InterfaceForce",
+    "JointReaction",
+    "Position",
+    "Sensor",
+    "Stress",
+    "Velocity",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
 
 FRAMES = ("world", "body")
 AXES = ("x", "y", "z")
 WRENCH = ("force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z")
 
 
-class Sensor:
+class Sensor(looks.Item):
     """Base of the sensors: a name, a unit, and names of the components of a row of values."""
 
     scene_list = "sensors"
@@ -40,7 +57,7 @@ class Sensor:
 class _PortSensor(Sensor):
     """Motion of a port: on an interface, of the interface as it deforms."""
 
-    def __init__(self, port: Any, *, frame: str = "world", name: str | None = None) -> None:
+    def __init__(self, port: PortLike, *, frame: Literal["world", "body"] = "world", name: str | None = None) -> None:
         label = self._label(name)
         self.port = as_port(port, f"{label}: port")
         if isinstance(self.port.body, Ground) or self.port.point is None:
@@ -62,7 +79,7 @@ class Position(_PortSensor):
     kind = "position"
     unit = "m"
 
-    def __init__(self, port: Any, *, name: str | None = None) -> None:
+    def __init__(self, port: PortLike, *, name: str | None = None) -> None:
         super().__init__(port, name=name)
 
 
@@ -111,7 +128,7 @@ class InterfaceForce(Sensor):
     unit = "N, N m"
     components = WRENCH
 
-    def __init__(self, port: Any, *, name: str | None = None) -> None:
+    def __init__(self, port: PortLike, *, name: str | None = None) -> None:
         label = self._label(name)
         self.port = as_port(port, f"{label}: port")
         if self.port.point is None:

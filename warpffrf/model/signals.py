@@ -13,12 +13,28 @@ from __future__ import annotations
 
 from functools import cached_property
 from math import comb
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from warpffrf.model.arguments import Matrix, Vector
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.named_arguments import named_arguments
+
+__all__ = [
+    "Constant",
+    "Polynomial",
+    "Ramp",
+    "Signal",
+    "SignalLike",
+    "SmoothStep",
+    "Table",
+]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
 
 TERMS = 8  # coefficients of a piece: degree up to 7
 SAMPLES = 9  # points of a piece where it is looked at
@@ -46,7 +62,7 @@ class Signal:
     def _pieces(self) -> tuple[np.ndarray, np.ndarray]:
         return self.polynomial()
 
-    def __call__(self, t: Any) -> np.ndarray:
+    def __call__(self, t: float | Vector) -> np.ndarray:
         """Value at times `t` [s], any shape."""
         breaks, c = self._pieces
         t = np.asarray(t, dtype=np.float64)
@@ -105,7 +121,7 @@ def _shifted(c: np.ndarray, d: float) -> np.ndarray:
 class Polynomial(Signal):
     """A signal given by its pieces: `breaks` (n+1,) [s] increasing, `coefficients` (n, up to 8)."""
 
-    def __init__(self, breaks: Any, coefficients: Any) -> None:
+    def __init__(self, breaks: Vector, coefficients: Matrix) -> None:
         self.breaks = require_array(breaks, "signal: breaks", (None,))
         given = require_array(coefficients, "signal: coefficients", (len(self.breaks) - 1, None))
         if len(given) < 1 or given.shape[1] > TERMS:
@@ -180,7 +196,7 @@ class Table(Signal):
     or infinite entries, naming the first.
     """
 
-    def __init__(self, times: Any, values: Any, *, cubic: bool = False, hold: bool = False) -> None:
+    def __init__(self, times: Vector, values: Vector, *, cubic: bool = False, hold: bool = False) -> None:
         for label, entries in (("times", times), ("values", values)):
             try:
                 array = np.asarray(entries, dtype=np.float64)
@@ -213,6 +229,9 @@ class Table(Signal):
     def scaled(self, factor: float) -> Table:
         """The table with its values times `factor`; still a table, so that a time it does not cover is noticed."""
         return Table(self.times, factor * self.values, cubic=self.cubic, hold=self.hold)
+
+
+SignalLike: TypeAlias = Signal | float  # a number stands for itself at all times
 
 
 def as_signal(value: Any, name: str) -> Signal:

@@ -1,36 +1,37 @@
-"""Progress of a reduction: a bar with the time left on a terminal, a log line elsewhere."""
+"""Progress of a reduction: a bar with the time left on a terminal, log lines elsewhere."""
 
 from __future__ import annotations
 
 import logging
-import sys
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
+from warpffrf.model.progress import Progress as Bar
+
+LONG = 1.0  # s: stages that take as long are worth a line to everybody
 logger = logging.getLogger("warpffrf.offline")
 Item = TypeVar("Item")
 
 
 class Progress:
-    """`track` shows how far a loop is; with `shown` False, or off a terminal, it only logs the time of each stage."""
+    """`track` shows how far a loop is, unless `shown` is False; times of stages are logged in any case."""
 
     def __init__(self, shown: bool) -> None:
-        self.bar = shown and sys.stderr is not None and sys.stderr.isatty()
+        self.shown = shown
         self.seconds: dict[str, float] = {}
 
-    def track(self, items: Iterable[Item], stage: str) -> Iterator[Item]:
+    def track(self, items: Sequence[Item], stage: str) -> Iterator[Item]:
         """Yield `items`, timing the loop as `stage`; an interrupted loop closes its bar and raises as usual."""
         start = time.perf_counter()
+        bar = Bar(f"reduce: {stage}", len(items), enabled=self.shown, unit="part")
         try:
-            if self.bar:
-                from tqdm import tqdm
-
-                yield from tqdm(items, desc=f"reduce: {stage}", leave=False, file=sys.stderr)
-            else:
-                yield from items
+            for done, item in enumerate(items, start=1):
+                yield item
+                bar.update(done)
         finally:
+            bar.close()
             self.add(stage, time.perf_counter() - start)
 
     @contextmanager
@@ -45,4 +46,4 @@ class Progress:
     def add(self, stage: str, seconds: float) -> None:
         """Count `seconds` for `stage`."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
-        logger.info("%s: %.2f s", stage, seconds)
+        logger.log(logging.INFO if seconds > LONG else logging.DEBUG, "reduce: %s took %.2f s", stage, seconds)

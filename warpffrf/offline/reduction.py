@@ -7,14 +7,16 @@ import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
 import warpffrf.offline.cache as body_cache
+from warpffrf.model.arguments import Matrix
 from warpffrf.model.bases import Basis
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
+from warpffrf.model.laps import LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
@@ -22,6 +24,9 @@ from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.plausibility import warn
 from warpffrf.model.reduced_body import ReducedBody, library_versions
 from warpffrf.model.reduced_body_data import DisplaySurface
+from warpffrf.model.speech import speaking
+from warpffrf.model.stress_field import StressPoints
+from warpffrf.model.surfaces import Shape
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
 from warpffrf.offline.contact.contact_grid import largest_radius
 from warpffrf.offline.contact.cubature import choose_sampling
@@ -65,26 +70,26 @@ def reduce(
     material: Material | Mapping[str, Material] | None = None,
     *,
     interfaces: Mapping[str, str] | None = None,
-    contact: Mapping[str, Any] | None = None,
+    contact: Mapping[str, Shape | None] | None = None,
     basis: str | Basis = "free_free",
     max_frequency: float | None = None,
     modes: int | None = None,
     traction_spacing: float | None = None,
     expected_half_width: float | None = None,
     contact_error: float = 0.01,
-    traction: str = "hats",
-    tangential: bool | str = False,
-    stress: Mapping[str, Any] | None = None,
+    traction: Literal["hats", "cells"] = "hats",
+    tangential: bool | Literal["hats", "cells"] = False,
+    stress: Mapping[str, str | Matrix | StressPoints] | None = None,
     local_dynamics: bool = False,
     inertia_modes: int | None = None,
-    stiffening: bool | str = False,
+    stiffening: bool | Literal["membrane"] = False,
     centrifugal: bool = False,
     periodic: bool | None = None,
     solver: str | None = None,
     memory_limit: float | None = None,
     sampling_error: float | None = None,
     patch_grid: bool | None = None,
-    laps: Mapping[str, Any] | None = None,
+    laps: Mapping[str, str | tuple[str, str] | LapCells] | None = None,
     membrane_modes: int | None = None,
     cache: bool = True,
     progress: bool = True,
@@ -144,7 +149,7 @@ def reduce(
         are. On the general path.
     cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
         and goes on from it when called again.
-    progress: a bar on a terminal.
+    progress: what is being done, on stderr: bars on a terminal, lines elsewhere. Warnings come in any case.
 
     The static response to every load in the span of the traction functions and on the interfaces is exact for any
     number of modes. A rotationally periodic mesh is reduced harmonic by harmonic, any other by one factorisation;
@@ -185,23 +190,27 @@ def reduce(
     assign(mesh, material)
     described = settings.describe(mesh)
     key = body_cache.cache_key(described)
-    if cache and (body := body_cache.load_cached(key)) is not None:
-        body.report["cached"] = True
-        body.report["seconds_cached"] = time.perf_counter() - start
-        logger.info("reduced body taken from the cache, %.2f s", body.report["seconds_cached"])
-        warn(body.report["warnings"])
-        return body
-    doubts = input_doubts(mesh, settings)
-    warn(doubts)  # before the work begins
-    with one_thread(), Checkpoint(body_cache.work_file(key) if cache else None) as checkpoint:
-        body = _reduced(mesh, settings, checkpoint, Progress(progress))
-        body.provenance.update(settings=described, key=key, versions=library_versions(LIBRARIES))
-        body.provenance["content_hash"] = body.content_hash()
-        body.report["seconds"] = time.perf_counter() - start
-        warn(body.report["warnings"])
-        body.report["warnings"] = doubts + body.report["warnings"]
-        if cache and (fault := body_cache.store(key, body)):
-            body.report["warnings"].append(fault)
+    name = f"'{mesh.name}'" if mesh.name else "a body"
+    with speaking(progress):
+        if cache and (body := body_cache.load_cached(key)) is not None:
+            body.report["cached"] = True
+            body.report["seconds_cached"] = time.perf_counter() - start
+            logger.info("reduce: %s is in the cache, read in %.2f s", name, body.report["seconds_cached"])
+            warn(body.report["warnings"])
+            return body
+        logger.info("reduce: %s, %d nodes, %d contact surfaces", name, len(mesh.points), len(settings.contact))
+        doubts = input_doubts(mesh, settings)
+        warn(doubts)  # before the work begins
+        with one_thread(), Checkpoint(body_cache.work_file(key) if cache else None) as checkpoint:
+            body = _reduced(mesh, settings, checkpoint, Progress(progress))
+            body.provenance.update(settings=described, key=key, versions=library_versions(LIBRARIES))
+            body.provenance["content_hash"] = body.content_hash()
+            body.report["seconds"] = time.perf_counter() - start
+            warn(body.report["warnings"])
+            body.report["warnings"] = doubts + body.report["warnings"]
+            if cache and (fault := body_cache.store(key, body)):
+                body.report["warnings"].append(fault)
+        logger.info("reduce: %s done in %.2f s, %d modes", name, body.report["seconds"], len(body.frequencies))
     return body
 
 

@@ -281,8 +281,9 @@ def run(
 
 @TURN
 def find_equilibrium(
-    scene: Scene, *, friction: bool = False, device: str = "cpu", settings: Settings | None = None
-) -> History:
+    scene: Scene, *, friction: bool = False, device: str = "cpu", settings: Settings | None = None,
+    progress: bool = False,
+) -> History:  # fmt: skip
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row.
 
     friction: of joints and contacts answers the slip from where the scene begins (`start.rub_to_rest`), as that of laps
@@ -293,7 +294,7 @@ def find_equilibrium(
         refuse_without_rest(scene)
     refuse_touching(scene.films)
     begin = time.perf_counter()
-    engine = Engine(scene, device=device, settings=settings)
+    engine = Engine(scene, device=device, settings=settings, progress=progress)
     built = time.perf_counter()
     apart = check_load_paths(scene)
     if not friction:

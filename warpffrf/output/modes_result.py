@@ -7,10 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.scene import Scene
 from warpffrf.model.second_order_motion import skin_displacement, skin_variation
+from warpffrf.model.speech import speaking
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
 from warpffrf.output.result import Result
@@ -20,7 +23,7 @@ NAMED_SHARE = 0.01  # of the kinetic energy: bodies with less are not named in t
 SIZE = (7.0, 4.2)  # inches
 
 
-class Modes:
+class Modes(looks.Shown):
     """Modes of a scene about a state, by rising frequency; made by `eigenmodes`.
 
     A motion is the real part of `shape * exp(eigenvalue * t)`. SI units, world axes. `about` says which state, `notes`
@@ -34,6 +37,11 @@ class Modes:
 
     def __len__(self) -> int:
         return len(self.eigenvalues)
+
+    def _facts(self) -> dict[str, Any]:
+        return {"about": self.about, "modes": len(self)} | {
+            f"mode {number}": f"{frequency:.6g} Hz" for number, frequency in enumerate(self.frequencies)
+        }
 
     def __repr__(self) -> str:
         lowest = f"{self.frequencies[0]:.6g} to {self.frequencies[-1]:.6g} Hz" if len(self) else "none"
@@ -149,13 +157,14 @@ class Modes:
 
 
 @named_arguments
-def eigenmodes(scene: Any, count: int = 20, *, about: Result | str | None = None) -> Modes:
+def eigenmodes(scene: Scene, count: int = 20, *, about: Result | str | None = None, progress: bool = True) -> Modes:
     """The `count` lowest modes of `scene`: complex modes of its small motions, damping and joints included.
 
     about: None for its equilibrium, "initial" for its initial positions and velocities, or the Result of a run, or of
     `equilibrium`, of this scene, whose last state is meant with its velocities: of a turning machine the modes then
-    have their gyroscopic and centrifugal parts, in axes that turn with the bodies. Raises InputError for wrong input
-    and where there is no equilibrium. How it is done: `warpffrf.online.vibrations.linearise`.
+    have their gyroscopic and centrifugal parts, in axes that turn with the bodies. progress: what takes long, on
+    stderr. Raises InputError for wrong input and where there is no equilibrium. How it is done:
+    `warpffrf.online.vibrations.linearise`.
     """
     if not hasattr(scene, "bodies") or not hasattr(scene, "content_hash"):
         raise InputError(f"eigenmodes: a Scene is needed, got {scene!r}")
@@ -169,4 +178,5 @@ def eigenmodes(scene: Any, count: int = 20, *, about: Result | str | None = None
         if not about.history.checkpoint:
             raise InputError("eigenmodes: about has no checkpoint, the state at its end; run it again")
         state = about.history
-    return Modes(find_modes(scene, count, about=state))
+    with speaking(progress):
+        return Modes(find_modes(scene, count, about=state, progress=progress))

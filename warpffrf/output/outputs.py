@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import logging
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -19,11 +20,13 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.output_paths import check_ending, checked_output_path
+from warpffrf.model.speech import notes
 from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import UnfinishedRun, different
 from warpffrf.output.result import Result
+from warpffrf.output.written import Written
 
 KEEP_EVERY = 20.0  # s of wall time between two parts of a run
 RECORD_SUFFIXES = (".rrd",)
@@ -42,8 +45,7 @@ class Whole:
 
     def written(self, result: Kind) -> Kind:
         """Write the results; they go with a note where that is not possible."""
-        if result.status != "completed":
-            log.warning("run ended early: %s: %s", result.status, result.message)
+        _tell_end(result)
         self.run.settle()
         result.history.notes.extend(self.run.troubles)
         with deferred_interrupts() as asked:
@@ -61,8 +63,7 @@ class NoFile(Whole):
 
     def written(self, result: Kind) -> Kind:
         """The result as it is."""
-        if result.status != "completed":
-            log.warning("run ended early: %s: %s", result.status, result.message)
+        _tell_end(result)
         return result
 
 
@@ -143,32 +144,47 @@ class Outputs:
         run.clear()
         return start
 
-    def record(self, result: Kind, path: Any) -> Kind:
-        """Write the recording where there are rows to draw; the result goes with a note where that is not possible."""
+    def record(self, result: Kind, path: Any, every: int | None, progress: bool) -> Kind:
+        """Write the recording where there are rows to draw; the result goes with a note where that is not possible.
+
+        every: draw every so many saved rows; None: so many that there are not too many frames.
+        """
         if path is not None and len(result.time):
-            _tried(result, "recording", Path(path), lambda: _record(result, path))
+            _tried(result, "recording", Path(path), lambda: _record(result, path, every, progress))
         return result
 
 
-def _record(result: Result, path: Any) -> Path:
+def _tell_end(result: Result) -> None:
+    """What a run has to say when it is over; of stages each has said it by itself."""
+    if result.status != "completed":
+        log.warning("run ended early: %s: %s", result.status, result.message)
+    if not hasattr(result, "stages"):
+        for note in result.history.notes:
+            notes.info("note: %s", note)
+
+
+def _record(result: Result, path: Any, every: int | None, progress: bool) -> Path:
     if result.history.stopping:
         raise KeyboardInterrupt
     from warpffrf.output.recording.recorder import record
 
-    info = record(result, path, overwrite=True)
-    log.info("recording: %d frames, stride %d", info.frames, info.stride)
+    info = record(result, path, every=every, overwrite=True, progress=progress)
+    log.info("recording: %d frames, every %d of %d saved rows", info.frames, info.stride, len(result.time))
     return info.path
 
 
 def _tried(result: Result, what: str, path: Path, write: Callable[[], Path]) -> bool:
     """Whether `write` wrote what is wanted; else the result says what went wrong."""
+    begin = time.perf_counter()
     try:
-        log.info("%s: %s", what, write())
+        written = Written.of(what, write(), time.perf_counter() - begin)
     except KeyboardInterrupt:
         trouble = f"{what}: '{path}' was not written: interrupted by the user"
     except Exception as error:  # a full disk makes libraries raise anything
         trouble = f"{what}: '{path}' could not be written: {error or type(error).__name__}; save it elsewhere"
     else:
+        log.info("%s: %s", what, written)
+        result.written.append(written)
         return True
     log.error(trouble)
     result.unwritten.append(trouble)

@@ -6,12 +6,15 @@ from __future__ import annotations
 import os
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
+from warpffrf.model import looks
+from warpffrf.model.arguments import Vector
 from warpffrf.model.errors import InputError
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.speech import speaking
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import (
     BodyHistory,
@@ -30,13 +33,19 @@ from warpffrf.output.geometry.scene_view import SceneView, scene_view
 from warpffrf.output.laps.lap_result import LapResult
 from warpffrf.output.loops.channels import channel
 from warpffrf.output.loops.hysteresis import Hysteresis
+from warpffrf.output.written import Written
 
 if TYPE_CHECKING:
+    import xarray
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from warpffrf.model.scene import Scene
     from warpffrf.output.bodies.stress import StressResult
 
 
 @named_arguments
-class Result:
+class Result(looks.Shown):
     """What a run left behind. Arrays have one row per saved step; SI units; positions in the world, quaternions
     (x, y, z, w).
 
@@ -46,6 +55,7 @@ class Result:
 
     def __init__(self, history: History) -> None:
         self.history = history
+        self.written: list[Written] = []  # files that `simulate` has written, with their seconds
         self.unwritten: list[str] = []  # what `simulate` could not write, and why
         self.view: SceneView = scene_view(history.scene)
 
@@ -70,7 +80,7 @@ class Result:
         return self.history.energy
 
     @property
-    def scene(self) -> Any:
+    def scene(self) -> Scene:
         """The scene of the run, to go on with: of `simulate(accuracy=)` with what was chosen. Raises InputError for a
         result that was read from a file."""
         if not hasattr(self.history.scene, "content_hash") or not hasattr(self.history.scene, "contacts"):
@@ -233,19 +243,36 @@ class Result:
         if not self.history.budget:
             if reason := budget.why_not(self):
                 raise InputError(f"not made: {reason}")
-            self.history.budget = budget.error_budget(self, progress=progress)
+            with speaking(progress):
+                self.history.budget = budget.error_budget(self, progress=progress)
         return self.history.budget
 
-    def report(self) -> str:
-        """Status, counters, contact figures at the last saved step, energy balance, the error budget where it has been
-        made, and everything neglected or capped."""
+    def report(self, *, progress: bool = True) -> str:
+        """Status, counters, contact figures at the last saved step, energy balance, the error budget, and everything
+        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long."""
         from warpffrf.output.report.report import report_text
 
-        return report_text(self)
+        return report_text(self, progress)
+
+    def _facts(self) -> dict[str, Any]:
+        end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
+        return {**self.history.shown(), "end": end}
 
     def __repr__(self) -> str:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return f"Result(status={self.status!r}, rows={len(self.time)}, end={end}, contacts={self.contact_names})"
+
+    @overload
+    def plot(
+        self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
+        film: str | None = None, row: int | None = None, lap: str | None = None,
+    ) -> Figure: ...  # fmt: skip
+
+    @overload
+    def plot(
+        self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
+        row: int | None = None, lap: str | None = None,
+    ) -> Axes: ...  # fmt: skip
 
     def plot(
         self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
@@ -263,7 +290,7 @@ class Result:
 
         return figure.plot(self, kind, ax, contact, film, row, lap)
 
-    def lap_page(self, lap: str | None = None, times: Any = None) -> Any:
+    def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
         """A matplotlib Figure of one lap, the first one if None: its pressure, state and loss at saved steps next to
         the `times` [s], three of the run if None. Raises InputError for a lap that there is not, and times outside of
         the run."""
@@ -271,7 +298,7 @@ class Result:
 
         return lap_figure(self, lap, times)
 
-    def to_xarray(self) -> Any:
+    def to_xarray(self) -> xarray.Dataset:
         """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional
         package xarray."""
         from warpffrf.output.files.dataset import to_xarray

@@ -7,13 +7,15 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
-from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS
+from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, Integrator
 from warpffrf.model.interruption import terminated_as_interrupted
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
+from warpffrf.model.speech import speaking
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
@@ -58,28 +60,29 @@ class StagedResult(Result):
 
 @named_arguments
 def simulate(
-    scene: Any,
+    scene: Scene,
     duration: float | None = None,
     *,
     step: float | None = None,
     stages: Sequence[Stage] | None = None,
     start: str | os.PathLike[str] | Result = "initial",
-    method: str | Monolithic = "separated",
+    method: Literal["separated", "monolithic"] | Monolithic = "separated",
     local: str | LocalDynamics = "quasi_static",
-    integrator: Any = None,
+    integrator: Integrator | None = None,
     accuracy: float | None = None,
     step_error: float | None = None,
     energy_tolerance: float | None = None,
     save_every: int = 1,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
+    record_every: int | None = None,
     device: str = "cpu",
     progress: bool = True,
     project_start: bool = False,
     overwrite: bool = False,
     resume: bool = False,
     keep_every: float = KEEP_EVERY,
-    kind: str = "dynamic",
+    kind: Literal["dynamic", "static"] = "dynamic",
 ) -> Result:
     """Simulate `scene` for `duration` [s] with steps of `step` [s], or in `stages` instead of the two.
 
@@ -103,7 +106,10 @@ def simulate(
     is left out. local: treatment of the local modes, "quasi_static", or "hht", "exponential", "auto" or a
     LocalDynamics, for bodies reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both
     are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
-    written is in `unwritten` of the Result and in its notes. With stages, results "run.h5" also means "run.NAME.h5"
+    written is in `unwritten` of the Result and in its notes. record_every: the recording shows every so many saved
+    steps, None: at most 300 of them. progress: what is being done, and the notes of the run, on stderr: bars on a
+    terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages, results
+    "run.h5" also means "run.NAME.h5"
     at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status` and
     `message` of the Result. Wrong input raises InputError before the run. Threads may call it at once, and get the
     same bits: steps go on side by side, all else one after the other (`warpffrf.online.turn`).
@@ -131,6 +137,8 @@ def simulate(
     if resume and results is None:
         raise InputError("simulate: resume goes on from what stands beside the results; give results")
     require_number(keep_every, "simulate: keep_every", positive=True)
+    if record_every is not None:
+        require_count(record_every, "simulate: record_every", 1)
     beginning = _start(scene, start)
     outputs = Outputs(overwrite, resume, keep_every)
     outputs.check(results, record)
@@ -147,23 +155,24 @@ def simulate(
         options["kind"] = kind
     if energy_tolerance is not None:
         options["energy_tolerance"] = require_number(energy_tolerance, "simulate: energy_tolerance", positive=True)
-    with terminated_as_interrupted():
+    with terminated_as_interrupted(), speaking(progress):
         if stages is None:
             if isinstance(beginning, History):
                 refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
             if limits is not None and duration is not None:
                 found = _accurate(scene, beginning, duration, step, limits, options, outputs, results)
-                return outputs.record(found, record)
+                return outputs.record(found, record, record_every, progress)
             if duration is None or step is None:
                 raise InputError(
                     "simulate: give duration and step, or stages=[Stage(name, duration, step), ...], or duration and "
                     "accuracy="
                 )
-            return outputs.record(outputs.run(scene, _run, beginning, duration, step, options, results), record)
+            found = outputs.run(scene, _run, beginning, duration, step, options, results)
+            return outputs.record(found, record, record_every, progress)
         if duration is not None or step is not None:
             raise InputError("simulate: stages have their own duration and step; leave those of the run out")
         found = _staged(scene, check_stages(scene, stages), beginning, results, options, outputs)
-        return outputs.record(found, record)
+        return outputs.record(found, record, record_every, progress)
 
 
 def _run(
@@ -171,6 +180,7 @@ def _run(
     kind: str = "dynamic", **options: Any,
 ) -> History:  # fmt: skip
     """The run by its method."""
+    log.info("%s", _what_is_run(scene, duration, options["step"], options["start"], kind))
     if kind == "static":
         own = {name: value for name, value in options.items() if name not in ("step_error", "project_start")}
         return run_static(scene, duration, **own)
@@ -183,6 +193,22 @@ def _run(
         chosen = method if isinstance(method, Monolithic) else None
         return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
+
+
+def _what_is_run(scene: Any, duration: Any, step: Any, start: Any, kind: str) -> str:
+    """One line on a run that begins."""
+    holds = _holds(scene)
+    first = "the equilibrium, then " if start == "equilibrium" and kind != "static" else ""
+    what = "load steps" if kind == "static" else "steps"
+    return f"simulate: {holds}; {first}{duration} s in {what} of {step} s"
+
+
+def _holds(scene: Any) -> str:
+    """What a scene is made of, in a few words."""
+    kinds = {"body": scene.bodies, "joint": scene.joints, "contact": scene.contacts, "film": scene.films}
+    counts = [(len(items), kind) for kind, items in kinds.items() if len(items)]
+    named = (f"{n} {kind if n == 1 else kind.replace('y', 'ie') + 's'}" for n, kind in counts)
+    return ", ".join(named) or "an empty scene"
 
 
 def _refuse_in_statics(where: str, **options: Any) -> None:
@@ -313,12 +339,13 @@ def stage_file(results: str | os.PathLike[str], name: str) -> Path:
 
 @named_arguments
 def equilibrium(
-    scene: Any,
+    scene: Scene,
     *,
     friction: bool = False,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
     device: str = "cpu",
+    progress: bool = True,
     overwrite: bool = False,
 ) -> Result:
     """The static state of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
@@ -327,14 +354,16 @@ def equilibrium(
     contact surfaces from where they are pressed together, as that of laps does in any case
     (`warpffrf.online.start.rub_to_rest`, with the path of loads that this means). Runs that `start` from the Result, in
     time or static, go on with it.
-    Not converging is a status, not an exception; wrong input raises InputError. overwrite: replace files of an earlier
-    call.
+    Not converging is a status, not an exception; wrong input raises InputError. progress: what is being done, and the
+    notes, on stderr. overwrite: replace files of an earlier call.
     """
     _known_scene(scene, "equilibrium")
     outputs = Outputs(overwrite)
     outputs.check(results, record)
-    with terminated_as_interrupted(), outputs.locked(results) as whole:
-        return outputs.record(whole.written(Result(find_equilibrium(scene, friction=friction, device=device))), record)
+    with terminated_as_interrupted(), speaking(progress), outputs.locked(results) as whole:
+        log.info("equilibrium: %s", _holds(scene))
+        found = whole.written(Result(find_equilibrium(scene, friction=friction, device=device, progress=progress)))
+        return outputs.record(found, record, None, progress)
 
 
 def _known(option: str, value: str, values: tuple[str, ...]) -> None:

@@ -33,6 +33,7 @@ WORDS = {
 }  # fmt: skip
 _TYPES: dict[str, Any] = {"float": float, "int": int, "bool": bool, "str": str, "Characteristic": dict}
 _TEXTS = ("Path", "os.PathLike[str]")
+_WORDS = "Literal"
 _TABLES = ("Mapping", "dict")
 _LISTS = ("Sequence", "list", "tuple")
 
@@ -114,7 +115,7 @@ def _type_of(annotation: str) -> Any:
     for part in (part.strip() for part in _split(annotation)):
         if part in _TYPES:
             kinds.append(_TYPES[part])
-        elif part in _TEXTS:
+        elif part in _TEXTS or part.startswith(_WORDS):
             kinds.append(str)
         elif part.startswith(_TABLES):
             kinds.append(dict)
@@ -292,7 +293,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
             "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self", "with_bodies")),
         },
-        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "overwrite"))},
+        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "progress", "overwrite"))},
         "simulate": {
             "": form_of("simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume"))
         },

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
@@ -14,6 +15,8 @@ from warpffrf.model.named_arguments import named_arguments
 from warpffrf.scene_file.build import TITLE, Builder
 from warpffrf.scene_file.document import document_of, read_document, to_toml
 from warpffrf.scene_file.source import Source
+
+log = logging.getLogger("warpffrf")
 
 DOCUMENT_SIGN = "# the scene as warpffrf ran it\n"
 
@@ -99,8 +102,10 @@ def run_scene(
     document = DOCUMENT_SIGN + loaded.to_toml()
     if text.resolve() != Path(path).expanduser().resolve():
         _write_document(text, document, overwrite, resume)
+    if log.isEnabledFor(logging.DEBUG):
+        log.debug("%s", loaded.scene.check())
     found: dict[str, Any] = {}
-    again = {"overwrite": overwrite or resume}  # an equilibrium is found anew in no time
+    again = {"progress": progress, "overwrite": overwrite or resume}  # an equilibrium is found anew in no time
     further = {"progress": progress, "overwrite": overwrite, "resume": resume}
     calls: Any = (("equilibrium", equilibrium, again), ("simulate", simulate, further))
     for section, call, options in calls:

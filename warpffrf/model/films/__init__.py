@@ -21,3 +21,7 @@ __all__ = [
     "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "ROUGHNESSES", "Barrel", "Feed", "Film", "Form", "Groove", "Hole",
     "Lobes", "Measured", "Ring", "Roughness", "Sum", "Worn",
 ]  # fmt: skip
+
+
+def __dir__() -> list[str]:
+    return __all__

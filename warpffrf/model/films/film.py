@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.contact_surface import ContactSurface
@@ -37,7 +38,7 @@ LOOSEST = (
 
 
 @named_arguments
-class Film:
+class Film(looks.Item):
     """An oil film between two surfaces, `body["bore"]` each; the first must be of a flexible body, the second is of one
     too or rigid.
 
@@ -58,19 +59,19 @@ class Film:
 
     def __init__(
         self,
-        a: Any,
-        b: Any,
+        a: SurfacePort,
+        b: SurfacePort,
         *,
-        oil: Any,
-        feeds: Sequence[Any] = (),
+        oil: Oil,
+        feeds: Sequence[Feed] = (),
         cavitation: str = "mass_conserving",
         ambient_pressure: float = 0.0,
-        law: Any = None,
+        law: Law | None = None,
         friction: float = 0.0,
-        form: Any = None,
-        form_second: Any = None,
-        roughness: Any = None,
-        roughness_second: Any = None,
+        form: Form | None = None,
+        form_second: Form | None = None,
+        roughness: Roughness | None = None,
+        roughness_second: Roughness | None = None,
         evaluation: str = "semi",
         powers: Sequence[int] = PROFILES,
         name: str | None = None,

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.arguments import Vector
+from warpffrf.model.bodies import PortLike
 from warpffrf.model.errors import InputError, require_direction, require_number
 from warpffrf.model.forces.bushing import TwoPorts
 from warpffrf.model.forces.laws import Coordinate, SpringLaw
@@ -53,10 +55,10 @@ class Bearing(TwoPorts):
 
     def __init__(
         self,
-        a: Any,
-        b: Any,
+        a: PortLike,
+        b: PortLike,
         *,
-        axis: Any,
+        axis: Vector,
         radial: float,
         axial: float = 0.0,
         tilt: float = 0.0,
@@ -66,7 +68,7 @@ class Bearing(TwoPorts):
         axial_damping: float = 0.0,
         tilt_damping: float = 0.0,
         spin_damping: float = 0.0,
-        point: Any = None,
+        point: Vector | None = None,
         name: str | None = None,
     ) -> None:
         super().__init__(a, b, point, name)

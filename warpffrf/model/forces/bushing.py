@@ -15,13 +15,15 @@ RigidBodySpringDamper uses Tait-Bryan angles instead; the rotation vector has no
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, TypeAlias
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model import rotation as rot
-from warpffrf.model.bodies import Port, as_port, require_relative_motion
+from warpffrf.model.arguments import Matrix, Vector
+from warpffrf.model.bodies import Port, PortLike, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.characteristics import Characteristic
 from warpffrf.model.forces.laws import (
@@ -40,14 +42,17 @@ from warpffrf.model.named_arguments import named_arguments
 ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
 
 
-class TwoPorts:
+Directions: TypeAlias = Matrix | Sequence[float | Characteristic]  # (6, 6), or one a direction
+
+
+class TwoPorts(looks.Item):
     """Two ports, of two bodies or two interfaces of one, that meet in a point, and marker axes there; base of bushing
     and bearing."""
 
     scene_list = "forces"
     kind = ""
 
-    def __init__(self, a: Any, b: Any, point: Any, name: str | None) -> None:
+    def __init__(self, a: PortLike, b: PortLike, point: Vector | None, name: str | None) -> None:
         self.name = name
         self.label = f"{self.kind} {name!r}" if name else self.kind
         self.a = as_port(a, f"{self.label}: first port")
@@ -108,14 +113,14 @@ class Bushing(TwoPorts):
 
     def __init__(
         self,
-        a: Any,
-        b: Any,
-        stiffness: Any,
-        damping: Any = None,
+        a: PortLike,
+        b: PortLike,
+        stiffness: Directions,
+        damping: Directions | None = None,
         *,
-        axes: Any = None,
-        point: Any = None,
-        preload: Any = None,
+        axes: Matrix | None = None,
+        point: Vector | None = None,
+        preload: Vector | None = None,
         name: str | None = None,
     ) -> None:
         super().__init__(a, b, point, name)

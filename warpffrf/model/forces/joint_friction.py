@@ -13,16 +13,17 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
+from warpffrf.model import looks
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.laws import Coordinate, SlipLaw
-from warpffrf.model.friction import as_constant_friction
+from warpffrf.model.friction import FrictionLike, as_constant_friction
 from warpffrf.model.joints import Joint
 from warpffrf.model.named_arguments import named_arguments
 
 
 @named_arguments
-class JointFriction:
+class JointFriction(looks.Item):
     """Friction of a joint of the kind `joint_kind`; see the subclasses."""
 
     scene_list = "forces"
@@ -30,7 +31,7 @@ class JointFriction:
     joint_kind: ClassVar[str] = ""
     numbers: ClassVar[tuple[str, ...]] = ()  # attributes that describe it beside joint and law
 
-    def __init__(self, joint: Joint, friction: Any, name: str | None) -> None:
+    def __init__(self, joint: Joint, friction: FrictionLike, name: str | None) -> None:
         self.name = name
         if not isinstance(joint, Joint) or joint.kind != self.joint_kind:
             got = f"{joint.kind} {joint.label}" if isinstance(joint, Joint) else repr(joint)

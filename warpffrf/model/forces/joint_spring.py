@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics import Characteristic
@@ -27,7 +28,7 @@ ROTATION = "rotation"
 
 
 @named_arguments
-class JointSpringDamper:
+class JointSpringDamper(looks.Item):
     """A spring and damper on a coordinate s of a joint: a displacement or an angle that it leaves free.
 
     The force [N] along (torque [N m] about) the axis on the second body is preload - stiffness (s - reference) -

@@ -15,15 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bodies import Body, Port, as_port
+from warpffrf.model import looks
+from warpffrf.model.arguments import Matrix, Vector
+from warpffrf.model.bodies import Body, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.laws import BodyLoad
 from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.signals import as_signal
+from warpffrf.model.signals import SignalLike, as_signal
 
 
 @named_arguments
-class NodalLoad:
+class NodalLoad(looks.Item):
     """Forces on the nodes of a free interface of a flexible body, in body axes.
 
     port: `body['name of the interface']`. forces: (k, 3) [N], one a node in the order of the interface's `nodes`, or
@@ -33,7 +35,14 @@ class NodalLoad:
     scene_list = "forces"
     kind = "nodal_load"
 
-    def __init__(self, port: Any, forces: Any, *, signal: Any = 1.0, name: str | None = None) -> None:
+    def __init__(
+        self,
+        port: PortLike,
+        forces: Vector | Matrix,
+        *,
+        signal: SignalLike = 1.0,
+        name: str | None = None,
+    ) -> None:
         label = f"nodal load {name!r}" if name else "nodal load"
         self.name = name
         self.port = as_port(port, f"{label}: port")
@@ -44,7 +53,7 @@ class NodalLoad:
                 "apply the resultant with PointForce and PointTorque"
             )
         count = len(interface.nodes)
-        if np.ndim(forces) == 1:
+        if np.ndim(np.asarray(forces)) == 1:
             forces = np.tile(require_array(forces, f"{label}: forces", (3,)) / count, (count, 1))
         self.forces = require_array(forces, f"{label}: forces", (count, 3))
         self.signal = as_signal(signal, f"{label}: signal")

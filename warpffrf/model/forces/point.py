@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
-from warpffrf.model.bodies import Ground, Port, as_port
+from warpffrf.model import looks
+from warpffrf.model.arguments import Vector
+from warpffrf.model.bodies import Ground, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.forces.laws import PointLoad
 from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.signals import Signal, as_signal
+from warpffrf.model.signals import Signal, SignalLike, as_signal
 
 FRAMES = ("world", "body")
 
 
-class _Concentrated:
+# three numbers or signals, or a signal and a direction (3,)
+Components: TypeAlias = Sequence[SignalLike] | tuple[SignalLike, Vector] | NDArray[Any]
+
+
+class _Concentrated(looks.Item):
     """Port, frame and three signals; see the subclasses."""
 
     scene_list = "forces"
     kind = ""
     what = ""  # "force" or "torque"
 
-    def __init__(self, port: Any, value: Any, frame: str, name: str | None) -> None:
+    def __init__(self, port: PortLike, value: Components, frame: str, name: str | None) -> None:
         label = f"{self.what} {name!r}" if name else f"point {self.what}"
         self.name = name
         self.port = as_port(port, f"{label}: port")
@@ -59,7 +67,14 @@ class PointForce(_Concentrated):
     kind = "point_force"
     what = "force"
 
-    def __init__(self, port: Any, force: Any, *, frame: str = "world", name: str | None = None) -> None:
+    def __init__(
+        self,
+        port: PortLike,
+        force: Components,
+        *,
+        frame: Literal["world", "body"] = "world",
+        name: str | None = None,
+    ) -> None:
         super().__init__(port, force, frame, name)
 
 
@@ -75,7 +90,14 @@ class PointTorque(_Concentrated):
     kind = "point_torque"
     what = "torque"
 
-    def __init__(self, port: Any, torque: Any, *, frame: str = "world", name: str | None = None) -> None:
+    def __init__(
+        self,
+        port: PortLike,
+        torque: Components,
+        *,
+        frame: Literal["world", "body"] = "world",
+        name: str | None = None,
+    ) -> None:
         super().__init__(port, torque, frame, name)
 
 

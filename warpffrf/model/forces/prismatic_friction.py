@@ -7,10 +7,9 @@ allow mu |M_z|/r.
 
 from __future__ import annotations
 
-from typing import Any
-
 from warpffrf.model.forces.joint_friction import JointFriction
 from warpffrf.model.forces.laws import SlipLaw
+from warpffrf.model.friction import FrictionLike
 from warpffrf.model.joints import Joint
 from warpffrf.model.named_arguments import named_arguments
 
@@ -33,7 +32,7 @@ class PrismaticFriction(JointFriction):
     def __init__(
         self,
         joint: Joint,
-        friction: Any,
+        friction: FrictionLike,
         *,
         bearing_length: float | None = None,
         flank_radius: float | None = None,

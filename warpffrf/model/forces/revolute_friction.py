@@ -6,11 +6,10 @@ that carry the pin (without bending mu r |R|); a thrust R_z on a collar of mean 
 
 from __future__ import annotations
 
-from typing import Any
-
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces.joint_friction import JointFriction
 from warpffrf.model.forces.laws import SlipLaw
+from warpffrf.model.friction import FrictionLike
 from warpffrf.model.joints import Joint
 from warpffrf.model.named_arguments import named_arguments
 
@@ -33,7 +32,7 @@ class RevoluteFriction(JointFriction):
     def __init__(
         self,
         joint: Joint,
-        friction: Any,
+        friction: FrictionLike,
         *,
         pin_radius: float = 0.0,
         thrust_radius: float = 0.0,

@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bodies import Port, as_port, require_relative_motion
+from warpffrf.model import looks
+from warpffrf.model.bodies import Port, PortLike, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics import Characteristic
 from warpffrf.model.forces.laws import (
@@ -23,7 +24,7 @@ from warpffrf.model.named_arguments import named_arguments
 
 
 @named_arguments
-class SpringDamper:
+class SpringDamper(looks.Item):
     """A spring and damper along the line between two ports.
 
     The force that pulls the ports together is stiffness (l - free_length) + damping dl/dt [N], l their distance [m];
@@ -36,8 +37,8 @@ class SpringDamper:
 
     def __init__(
         self,
-        a: Any,
-        b: Any,
+        a: PortLike,
+        b: PortLike,
         stiffness: float | Characteristic,
         damping: float | Characteristic = 0.0,
         *,

@@ -18,17 +18,19 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
+from warpffrf.model.arguments import Matrix
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.laws import BodyLoad
 from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.signals import as_signal
+from warpffrf.model.signals import SignalLike, as_signal
 
 GAUSS = 4  # points a direction in a cell: hats times the normal, of which a crown's is not polynomial; 1e-12 left
 
 
 @named_arguments
-class SurfaceLoad:
+class SurfaceLoad(looks.Item):
     """A pressure on a contact surface of a flexible body, in body axes.
 
     surface: `body['name of the surface']`. pressure: a number or signal [Pa], positive pushing inwards. distribution:
@@ -40,7 +42,12 @@ class SurfaceLoad:
     kind = "surface_load"
 
     def __init__(
-        self, surface: Any, pressure: Any, *, distribution: Callable | Any = None, name: str | None = None
+        self,
+        surface: SurfacePort,
+        pressure: SignalLike,
+        *,
+        distribution: Callable[[np.ndarray], np.ndarray] | Matrix | None = None,
+        name: str | None = None,
     ) -> None:
         label = f"surface load {name!r}" if name else "surface load"
         if not isinstance(surface, SurfacePort) or surface.rigid:

@@ -11,7 +11,7 @@ A law of one's own is a subclass of `FrictionLaw` with a coefficient and its slo
 from __future__ import annotations
 
 from numbers import Real
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -33,6 +33,9 @@ __all__ = [
     "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb",
     "RUBBED_REST", "as_constant_friction", "as_friction", "friction_notes",
 ]  # fmt: skip
+
+
+FrictionLike: TypeAlias = FrictionLaw | float  # a number is the coefficient of Coulomb
 
 
 def as_friction(value: Any, label: str) -> FrictionLaw:

@@ -55,3 +55,7 @@ __all__ = [
     "Universal",
     "coincident_within",
 ]
+
+
+def __dir__() -> list[str]:
+    return __all__

@@ -13,8 +13,10 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model import rotation as rot
-from warpffrf.model.bodies import Port, as_port, require_relative_motion
+from warpffrf.model.arguments import Vector
+from warpffrf.model.bodies import Port, PortLike, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_array, require_direction, unknown_name
 from warpffrf.model.joints.rows import Row
 from warpffrf.model.named_arguments import named_arguments
@@ -54,7 +56,7 @@ class Marker:
 
 
 @named_arguments
-class Joint:
+class Joint(looks.Item):
     """Two ports and an axis; see the subclasses.
 
     a, b: ports (`body['interface']`, `body.at(point)`, `scene.ground`) of two bodies, or two interfaces of one flexible
@@ -67,7 +69,9 @@ class Joint:
     rows: ClassVar[tuple[Row, ...]] = ()
     coordinates: ClassVar[dict[str, Row]] = {}
 
-    def __init__(self, a: Any, b: Any, *, axis: Any, point: Any = None, name: str | None = None) -> None:
+    def __init__(
+        self, a: PortLike, b: PortLike, *, axis: Vector, point: Vector | None = None, name: str | None = None
+    ) -> None:
         label = f"joint {name!r}" if name else f"{self.kind} joint"
         self.name = name
         self.a = as_port(a, f"{label}: first port")

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
+from warpffrf.model.bodies import PortLike
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.base import Joint, Marker, coincident_within
 from warpffrf.model.joints.rows import Row
@@ -23,7 +22,7 @@ class Distance(Joint):
     rows = (Row("distance"),)
     coordinates = {"distance": Row("distance")}
 
-    def __init__(self, a: Any, b: Any, *, name: str | None = None) -> None:
+    def __init__(self, a: PortLike, b: PortLike, *, name: str | None = None) -> None:
         super().__init__(a, b, axis=(0.0, 0.0, 1.0), name=name)
         for port in (self.a, self.b):
             if port.point is None:

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal
 
+from warpffrf.model import looks
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.base import Joint
 from warpffrf.model.joints.rows import Row
 from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.signals import as_signal
+from warpffrf.model.signals import Signal, SignalLike, as_signal
 
 QUANTITIES = ("velocity", "position")
 
 
 @named_arguments
-class Drive:
+class Drive(looks.Item):
     """Prescribes a coordinate of a joint, or its rate.
 
     signal: a number or a signal; [rad/s] or [m/s] for quantity="velocity", [rad] or [m] for quantity="position", which
@@ -30,9 +31,9 @@ class Drive:
     def __init__(
         self,
         joint: Joint,
-        signal: Any,
+        signal: SignalLike,
         *,
-        quantity: str = "velocity",
+        quantity: Literal["velocity", "position"] = "velocity",
         coordinate: str | None = None,
         name: str | None = None,
     ) -> None:
@@ -59,7 +60,7 @@ class Drive:
         """The joint's function that is prescribed."""
         return self.joint.coordinates[self.coordinate]
 
-    def position(self) -> Any:
+    def position(self) -> Signal:
         """The prescribed coordinate [rad or m] as a signal: the signal, or its integral from t = 0 (which is counted
         from the initial value of the coordinate)."""
         return self.signal if self.quantity == "position" else self.signal.integral()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from warpffrf.model.arguments import Vector
+from warpffrf.model.bodies import PortLike
 from warpffrf.model.joints.base import NO_SPIN, PARALLEL, POINT, Joint
 from warpffrf.model.named_arguments import named_arguments
 
@@ -16,6 +16,12 @@ class Fixed(Joint):
     rows = (*POINT, *PARALLEL, *NO_SPIN)
 
     def __init__(
-        self, a: Any, b: Any, *, axis: Any = (0.0, 0.0, 1.0), point: Any = None, name: str | None = None
+        self,
+        a: PortLike,
+        b: PortLike,
+        *,
+        axis: Vector = (0.0, 0.0, 1.0),
+        point: Vector | None = None,
+        name: str | None = None,
     ) -> None:
         super().__init__(a, b, axis=axis, point=point, name=name)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
-
+from warpffrf.model.arguments import Vector
+from warpffrf.model.bodies import PortLike
 from warpffrf.model.joints.base import POINT, Joint
 from warpffrf.model.named_arguments import named_arguments
 
@@ -15,5 +15,5 @@ class Spherical(Joint):
     kind = "spherical"
     rows = POINT
 
-    def __init__(self, a: Any, b: Any, *, point: Any = None, name: str | None = None) -> None:
+    def __init__(self, a: PortLike, b: PortLike, *, point: Vector | None = None, name: str | None = None) -> None:
         super().__init__(a, b, axis=(0.0, 0.0, 1.0), point=point, name=name)

@@ -15,6 +15,8 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.arguments import Vector
+from warpffrf.model.bodies import PortLike
 from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.joints.base import POINT, Joint
 from warpffrf.model.joints.rows import Row
@@ -36,7 +38,14 @@ class Universal(Joint):
     coordinates = {"rotation": Row("angle", 0, 1), "second_rotation": Row("second_angle", 1, 0)}
 
     def __init__(
-        self, a: Any, b: Any, *, axis: Any, second_axis: Any, point: Any = None, name: str | None = None
+        self,
+        a: PortLike,
+        b: PortLike,
+        *,
+        axis: Vector,
+        second_axis: Vector,
+        point: Vector | None = None,
+        name: str | None = None,
     ) -> None:
         super().__init__(a, b, axis=axis, point=point, name=name)
         second = require_direction(second_axis, f"{self.label}: second_axis")

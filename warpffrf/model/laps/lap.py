@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
+from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import LapPort, SurfacePort
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.friction import as_constant_friction
+from warpffrf.model.friction import FrictionLike, as_constant_friction
 from warpffrf.model.laps.pairing import Pairing, pair_faces
-from warpffrf.model.laws import Unilateral, as_law
+from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.named_arguments import named_arguments
 
 UNILATERAL = Unilateral()
@@ -41,7 +42,7 @@ class LapCellsOf:
 
 
 @named_arguments
-class Lap:
+class Lap(looks.Item):
     """Contact with friction between two faces that slide a little on each other.
 
     a: `body["lap"]` of two faces of one body (`reduce(laps={"lap": ("top", "bottom")})`), then b is left out; or a face
@@ -61,11 +62,11 @@ class Lap:
 
     def __init__(
         self,
-        a: Any,
-        b: Any = None,
+        a: LapPort,
+        b: LapPort | SurfacePort | None = None,
         *,
-        friction: Any = 0.0,
-        law: Any = UNILATERAL,
+        friction: FrictionLike = 0.0,
+        law: Law = UNILATERAL,
         interference: float = 0.0,
         tangential_stiffness: float | None = None,
         name: str | None = None,
@@ -76,7 +77,8 @@ class Lap:
                 f"reduce(laps={{...}}), got {getattr(a, 'label', None) or repr(a)}"
             )
         pair = a.surface.pair
-        self.a, self.b = a, b
+        self.a = a
+        self.b: Any = b  # a LapPort, a SurfacePort or None
         self.name = name or (f"{a.body.name}-{a.name}" if b is None else f"{a.body.name}-{getattr(b, 'body', b).name}")
         label = self.label
         if pair and b is not None:

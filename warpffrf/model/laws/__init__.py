@@ -54,6 +54,10 @@ __all__ = [
 ]  # fmt: skip
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 def as_law(value: Any, label: str) -> Law:
     """`value` if it is a law with a curve; raises `InputError` naming `label`, with the laws there are."""
     if isinstance(value, LumpedLaw):

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import cut as cutting
@@ -38,8 +39,8 @@ class Matrices:
 
 
 @named_arguments
-@dataclass(frozen=True, eq=False)
-class Mesh:
+@dataclass(frozen=True, eq=False, repr=False)
+class Mesh(looks.Shown):
     """Points (n, 3) [m], cells by kind, named facet and cell sets, rotational periodicity where there is one.
 
     `cells`: {kind: (m, k) int64}, kinds in `elements.CELL_KINDS`; cells are numbered through the blocks in the order of
@@ -98,6 +99,12 @@ class Mesh:
         object.__setattr__(self, "cell_sets", SetNames(sets))
         object.__setattr__(self, "materials", dict(self.materials))
         object.__setattr__(self, "notes", tuple(self.notes))
+
+    def _facts(self) -> dict[str, Any]:
+        cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in self.cells.items())
+        size = " x ".join(f"{length:.4g}" for length in np.ptp(self.points, axis=0)) if len(self.points) else "0"
+        facts = {"name": self.name, "nodes": len(self.points), "cells": cells or "none", "size": f"{size} m"}
+        return {**facts, "facet_sets": looks.names(self.facet_sets), "cell_sets": looks.names(self.cell_sets)}
 
     @property
     def cell_count(self) -> int:

@@ -29,6 +29,10 @@ OILS = {oil.kind: oil for oil in (Newtonian, Barus, Roelands)}
 __all__ = ["OILS", "Barus", "DowsonHigginson", "Newtonian", "Oil", "Roelands", "as_oil", "iso_vg", "vogel", "walther"]
 
 
+def __dir__() -> list[str]:
+    return __all__
+
+
 def as_oil(value: Any, label: str) -> Oil:
     """`value` if it is an oil; raises `InputError` naming `label`, with the oils there are."""
     if not isinstance(value, Oil):

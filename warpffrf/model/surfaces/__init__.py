@@ -45,6 +45,11 @@ __all__ = [
     "from_description",
 ]
 
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 _KINDS = (
     Cylinder, CrownedCylinder, ProfiledCylinder, Groove, Sphere, Cone, Plane, Bore, Ring, Cup, ConicalBore,
 )  # fmt: skip

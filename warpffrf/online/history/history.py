@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model.errors import unknown_name
 from warpffrf.online.history.budget_line import BudgetLine
 
@@ -31,8 +32,8 @@ ENERGY_LINES = (
 _NOT_RECORDED = np.zeros(0)  # stands for the arrays that an older file does not hold
 
 
-@dataclass
-class BodyHistory:
+@dataclass(repr=False)
+class BodyHistory(looks.Rows):
     """Motion of one body: user-frame origin, orientation, velocities, modal coordinates."""
 
     position: np.ndarray  # (T, 3) m, origin of the user frame
@@ -55,8 +56,8 @@ class BodyHistory:
                 setattr(self, name, np.full(np.shape(self.modal), np.nan))
 
 
-@dataclass
-class JointHistory:
+@dataclass(repr=False)
+class JointHistory(looks.Rows):
     """Reaction of one joint on its second body, and the joint coordinates where it has some: `named("rotation")`."""
 
     coordinate: np.ndarray  # (T,) rad or m, the first of `names`; NaN where the joint has none
@@ -78,8 +79,8 @@ class JointHistory:
         return np.asarray(values)
 
 
-@dataclass
-class JointFrictionHistory:
+@dataclass(repr=False)
+class JointFrictionHistory(looks.Rows):
     """Friction in one joint, at the surfaces that slide, along the joint's axis and around it; 0 in a direction that
     the joint holds. Where no radius of them is known, around means at an arm of 1 m."""
 
@@ -90,8 +91,8 @@ class JointFrictionHistory:
     power: np.ndarray  # (T,) W, dissipated in the last step, never negative
 
 
-@dataclass
-class ForceHistory:
+@dataclass(repr=False)
+class ForceHistory(looks.Rows):
     """One force element: what it exerts on the body that it loads; of an element between two ports on the second one,
     its opposite acts on the first."""
 
@@ -101,8 +102,8 @@ class ForceHistory:
     friction: JointFrictionHistory | None = None  # of friction in a joint
 
 
-@dataclass
-class SensorHistory:
+@dataclass(repr=False)
+class SensorHistory(looks.Rows):
     """Values of one sensor, with what they are."""
 
     kind: str
@@ -112,8 +113,8 @@ class SensorHistory:
     values: np.ndarray  # (T, components)
 
 
-@dataclass
-class CellHistory:
+@dataclass(repr=False)
+class CellHistory(looks.Rows):
     """Where the cells were that travel with the patch of a pair: equal strips across, over `half_width` W on each side
     of the place `column` of the first surface's grid; rows on its meridian."""
 
@@ -124,8 +125,8 @@ class CellHistory:
     column_second: np.ndarray  # (T,) opposite, of the second surface's grid, 0 where it is rigid
 
 
-@dataclass
-class FrictionHistory:
+@dataclass(repr=False)
+class FrictionHistory(looks.Rows):
     """Friction of one contact pair, in the window of `ContactHistory.pressure`, along (e_theta, t_z) of the first
     surface: around it, and along its meridian."""
 
@@ -138,8 +139,8 @@ class FrictionHistory:
     cells_per_step: np.ndarray  # (T,) most columns that the patch advanced in a step since the last saved row
 
 
-@dataclass
-class ContactHistory:
+@dataclass(repr=False)
+class ContactHistory(looks.Rows):
     """One contact pair. Pressure lives on the hats of the first body's contact grid, loads of the second on its own."""
 
     force: np.ndarray  # (T, 3) N, on the first body
@@ -160,8 +161,8 @@ class ContactHistory:
     cells: CellHistory | None = None  # where `pressure` is constant on cells that travel with the patch
 
 
-@dataclass
-class LumpedHistory:
+@dataclass(repr=False)
+class LumpedHistory(looks.Rows):
     """One lumped contact; world axes. Where the surfaces are apart the forces are zero and the place is where they are
     nearest."""
 
@@ -175,8 +176,8 @@ class LumpedHistory:
     lamina_force: np.ndarray  # (T, laminae) N, normal force of each; one column of a law that has none
 
 
-@dataclass
-class LapHistory:
+@dataclass(repr=False)
+class LapHistory(looks.Rows):
     """One lap: fields over its cells (c), along their frames (n, t_1, t_2), which turn with the first body."""
 
     force: np.ndarray  # (T, 3) N, on the second face, world axes; the opposite acts on the first
@@ -190,8 +191,8 @@ class LapHistory:
     loss: np.ndarray  # (T, c) J, by friction so far
 
 
-@dataclass
-class FilmHistory:
+@dataclass(repr=False)
+class FilmHistory(looks.Rows):
     """One oil film. Fields stand at the nodes of the contact grid of the first surface."""
 
     force: np.ndarray  # (T, 3) N, on the first body, shear included; the opposite acts on the second
@@ -223,8 +224,8 @@ class FilmHistory:
         return 1.0 - part
 
 
-@dataclass
-class History:
+@dataclass(repr=False)
+class History(looks.Shown):
     """A run: histories, the energy ledger, solver counts, status, and the state to continue from."""
 
     scene: Any  # the Scene that was run, or what a file tells of it
@@ -258,3 +259,12 @@ class History:
     film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_check`, likewise
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once they have been looked at
     stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin
+
+    def shown(self) -> dict[str, Any]:
+        """How it ended and what it holds, name -> value, for a table."""
+        kinds = ("bodies", "joints", "forces", "contacts", "lumped_contacts", "films", "laps", "sensors")
+        found = {kind: looks.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
+        message = {"message": self.message} if self.message else {}
+        return {"status": self.status, **message, "rows": len(self.time), **found}
+
+    _facts = shown

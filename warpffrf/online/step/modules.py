@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from collections.abc import Iterable
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor, as_completed, wait
 from typing import Any
 
 import warp as wp
@@ -15,6 +16,9 @@ from warpffrf.online.step import kernel_cache
 from warpffrf.online.warp_start import quiet
 
 MOST_AT_ONCE = 8  # a compiler takes some hundred megabytes
+READ_BY = 2.0  # s in which modules that are in the cache have been read
+
+log = logging.getLogger("warpffrf")
 
 
 def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
@@ -26,6 +30,11 @@ def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
         with quiet(), ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, MOST_AT_ONCE)) as pool:
             running = [pool.submit(_load, module, device) for module in wanted]
             try:
+                if progress and wait(running, READ_BY).not_done:
+                    log.info(
+                        "compile kernels: %d modules, once for this kind of scene on this machine; kept in %s",
+                        len(wanted), wp.config.kernel_cache_dir,
+                    )  # fmt: skip
                 for done, future in enumerate(as_completed(running), start=1):
                     future.result()
                     bar.update(done)

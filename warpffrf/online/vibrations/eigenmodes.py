@@ -96,6 +96,7 @@ def find_modes(
     about: History | str | None = None,
     device: str = "cpu",
     settings: Settings | None = None,
+    progress: bool = False,
 ) -> SceneModes:
     """The `count` modes of lowest frequency of `scene` about a state.
 
@@ -104,7 +105,7 @@ def find_modes(
     be found.
     """
     count = require_count(count, "eigenmodes: count", 1)
-    engine = Engine(scene, device=device, settings=settings)
+    engine = Engine(scene, device=device, settings=settings, progress=progress)
     notes: list[str] = []
     name = _prepare(engine, about, notes)
     linear = linearise(engine)

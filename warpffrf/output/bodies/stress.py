@@ -28,6 +28,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.model.errors import InputError
 from warpffrf.model.membrane import membrane_amplitudes, membrane_forms
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
@@ -39,8 +40,8 @@ from warpffrf.output.bodies.patch_stress import PatchStress
 from warpffrf.output.geometry.scene_view import SceneView
 
 
-@dataclass(frozen=True, eq=False)
-class StressResult:
+@dataclass(frozen=True, eq=False, repr=False)
+class StressResult(looks.Rows):
     """Stress at `points` (p, 3) [m, user frame, undeformed] at the saved steps `time` (T,) [s]; `tensor` (T, p, 6) [Pa]
     in the order xx, yy, zz, xy, yz, zx, axes of the body's user frame."""
 

@@ -14,12 +14,14 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.output.contact.friction import FrictionResult
 from warpffrf.output.contact.hertz import effective_modulus, effective_radius, hertz, pair_curvature, patch_kind
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
 from warpffrf.output.geometry.scene_view import PairView
+from warpffrf.output.recorded import Recorded
 
 
 class PatchPressure(NamedTuple):
@@ -52,7 +54,7 @@ def section_moments(x: np.ndarray, p: np.ndarray, h: Any, own: float) -> LineMom
     return LineMoments(h * total, center, half_width)
 
 
-class PairResult(ABC):
+class PairResult(looks.Shown, ABC):
     """One contact pair of a run; arrays have one row per saved step.
 
     Forces act on the pair's first body in world axes, torques about that body's user origin. `friction` holds
@@ -61,22 +63,46 @@ class PairResult(ABC):
 
     loaded = "hats"  # what carries the pressure, in words
 
+    _hidden = frozenset(
+        {
+            "history", "view", "bodies", "loaded", "side", "moments", "cell_lines", "reaches_ends", "in_section",
+            "section_row", "patch_center", "creep_place", "ends", "window", "rows", "cell_areas", "spacing", "measure",
+            "mid_radius", "places",
+        }
+    )  # fmt: skip
+
+    force = Recorded("(T, 3) N, the force on the first body, world axes: pressures and tractions of the pair together.")
+    torque = Recorded("(T, 3) N m, its torque on the first body about that body's user origin, world axes.")
+    force_second = Recorded(
+        "(T, 3) N, the force on the second body, world axes, integrated on its own surface: the opposite of `force` up "
+        "to what the two grids differ."
+    )
+    torque_second = Recorded(
+        "(T, 3) N m, its torque on the second body about that body's user origin, of the ground about the world's, "
+        "world axes."
+    )
+    approach = Recorded(
+        "(T,) m, by how much the bodies have come closer than touch without deforming: of rollers the sum of the radii "
+        "less the distance of the axes at mid-width, of pairs at points minus the smallest undeformed gap. Negative "
+        "where they are apart."
+    )
+    active_hats = Recorded("(T,) number of functions of the contact grid, or cells, that carry pressure.")
+
     def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
         """bodies: motions by name, `History.bodies`; without them both user frames are taken at the world's origin."""
         self.history = history
         self.view = view
         self.name = view.name
         self.bodies = bodies or {}
-        self.force = history.force  # (T, 3) N, on the first body
-        self.torque = history.torque  # (T, 3) N m
-        self.force_second = history.force_second  # (T, 3) N, on the second body, integrated on its own surface
-        self.torque_second = history.torque_second  # (T, 3) N m
-        self.approach = history.approach  # (T,) m
-        self.active_hats = history.active_hats  # (T,)
+
+    def _facts(self) -> dict[str, Any]:
+        touch = int(np.count_nonzero(self.touching))
+        facts = {"name": self.name, "rows": len(self.force), "touching": f"in {touch} rows", "patch": self.patch_kind}
+        return {**facts, "friction": self.has_friction}
 
     @property
     def force_magnitude(self) -> np.ndarray:
-        """(T,) N."""
+        """(T,) N, the length of `force`."""
         return np.linalg.norm(self.force, axis=1)
 
     @property

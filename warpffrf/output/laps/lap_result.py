@@ -4,27 +4,45 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
+from warpffrf.model import looks
 from warpffrf.online.history.history import BodyHistory, LapHistory
 from warpffrf.output.bodies.lap_loads import left_out
 from warpffrf.output.geometry.scene_view import LapView
 from warpffrf.output.laps.sliding import of_user_frames, rigid_sliding
 from warpffrf.output.laps.slip_zone import ACROSS, SlipZone, slip_zone
 from warpffrf.output.loops.cycles import cycle_times, value_at
+from warpffrf.output.recorded import Recorded
 
 OPEN, STICK, SLIP = 0, 1, 2
 SLIDES = 0.5  # of the size of a cell: faces that slide further have other partners than those of the run
 
 
-class LapResult:
+class LapResult(looks.Shown):
     """One lap of a run; arrays have one row per saved step, SI units.
 
     Forces act on the second face in world axes, the torque about the middle of the first face's cells; their opposite
     on the first. Fields are over cells (c), means over each, along its frame (n, t_1, t_2), n outwards of the first
     face; frames and places are in the user frame of the first body, and move with it.
     """
+
+    _hidden = frozenset({"history", "view"})
+
+    force = Recorded("(T, 3) N, on the second face, world axes.")
+    torque = Recorded("(T, 3) N m, on the second face about the middle of the first face's cells, world axes.")
+    normal_force = Recorded("(T,) N, of all cells, whatever their directions.")
+    pressure = Recorded("(T, c) Pa, of the cells.")
+    traction = Recorded("(T, c, 2) Pa, on the second face along t_1, t_2.")
+    gap = Recorded("(T, c) m, of the cells.")
+    slip = Recorded("(T, c, 2) m, of the second face against the first so far, along t_1, t_2.")
+    state = Recorded("(T, c) 0 open, 1 stick, 2 slip.")
+    cell_loss = Recorded("(T, c) J, by friction so far.", "history.loss")
+    points = Recorded("(c, 3) m, user frame of the first body: middles of the cells.", "view.points")
+    frames = Recorded("(c, 3, 3), rows n, t_1, t_2, user axes.", "view.frames")
+    area = Recorded("(c,) m2, areas of the cells.", "view.area")
 
     def __init__(self, history: LapHistory, view: LapView, time: np.ndarray, bodies: Mapping[str, BodyHistory]) -> None:
         self.history = history
@@ -33,18 +51,6 @@ class LapResult:
         self.time = time  # (T,) s
         self._bodies = bodies
         self.friction = view.friction  # the coefficient, -
-        self.force = history.force  # (T, 3) N, on the second face
-        self.torque = history.torque  # (T, 3) N m
-        self.normal_force = history.normal_force  # (T,) N, of all cells, whatever their directions
-        self.pressure = history.pressure  # (T, c) Pa
-        self.traction = history.traction  # (T, c, 2) Pa, on the second face along t_1, t_2
-        self.gap = history.gap  # (T, c) m
-        self.slip = history.slip  # (T, c, 2) m, of the second face against the first so far, along t_1, t_2
-        self.state = history.state  # (T, c) 0 open, 1 stick, 2 slip
-        self.cell_loss = history.loss  # (T, c) J, by friction so far
-        self.points = view.points  # (c, 3) m, user frame of the first body: middles of the cells
-        self.frames = view.frames  # (c, 3, 3), rows n, t_1, t_2, user axes
-        self.area = view.area  # (c,) m2
 
     @property
     def cells(self) -> int:
@@ -178,5 +184,5 @@ class LapResult:
             )
         return found
 
-    def __repr__(self) -> str:
-        return f"LapResult({self.name!r}, cells={self.cells}, rows={len(self.time)})"
+    def _facts(self) -> dict[str, Any]:
+        return {"name": self.name, "cells": self.cells, "rows": len(self.time)}

@@ -26,10 +26,13 @@ def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
     if steps == 1 or max_frames == 1:
         return np.array([steps - 1]), max(steps, 1)
     stride = -(-(steps - 1) // (max_frames - 1))
+    return rows_every(steps, stride), stride
+
+
+def rows_every(steps: int, stride: int) -> np.ndarray:
+    """Every `stride`th row from the first on, and the last."""
     rows = np.arange(0, steps, stride)
-    if rows[-1] != steps - 1:
-        rows = np.append(rows, steps - 1)
-    return rows, stride
+    return rows if rows[-1] == steps - 1 else np.append(rows, steps - 1)
 
 
 def round_factor(factor: float) -> float:

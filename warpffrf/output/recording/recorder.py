@@ -22,8 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.errors import InputError, require_count, unknown_name
 from warpffrf.model.output_paths import checked_output_path, written_whole
+from warpffrf.model.progress import Progress
 from warpffrf.output.bodies.lap_loads import left_out
 from warpffrf.output.geometry.thinning import vertex_normals
 from warpffrf.output.plots.colors import DISPLACEMENT_STOPS, ColorClasses, ColorScale, largest, legend_picture
@@ -79,9 +80,11 @@ def record(
     *,
     deformation_factor: float | None = None,
     max_frames: int = 300,
+    every: int | None = None,
     max_points: int = MAX_POINTS,
     color: str = DISPLACEMENT,
     overwrite: bool = False,
+    progress: bool = False,
 ) -> RecordingInfo:
     """Write a .rrd of a Result (or History) that `rerun FILE` opens.
 
@@ -89,8 +92,9 @@ def record(
     "pressure", with friction "traction" and "state", and of contacts with friction "slip" and "wear".
 
     deformation_factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None; rigid
-    motion is never magnified. At most `max_frames` saved rows are drawn, at most `max_points` points of each body's
-    surface. Rows with a value that is not finite are left out and listed in the answer and in the recording. Raises
+    motion is never magnified. Drawn are every `every`th saved row and the last, or where that is None, so many that
+    there are at most `max_frames`; of each body's surface at most `max_points` points. Rows with a value that is not
+    finite are left out and listed in the answer and in the recording. progress: how far it is, on stderr. Raises
     InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
     have, a run without saved rows, and a file that exists, unless `overwrite` is set and warpffrf wrote it.
     """
@@ -103,20 +107,23 @@ def record(
         raise InputError(
             f"record: max_frames is {max_frames} and max_points {max_points}; they must be at least 1 and 4"
         )
+    if every is not None:
+        require_count(every, "record: every", 1)
     if len(result.time) == 0:
         raise InputError("record: the run has no saved row to draw")
     target = checked_output_path(path, "record", overwrite=overwrite)
     known = [DISPLACEMENT, *{f: None for skin in result.skins().values() for f in skin.contact_fields}]
     if color not in known:
         raise unknown_name("record: color", color, known)
-    rows, stride = fr.frame_rows(len(result.time), max_frames)
+    saved = len(result.time)
+    rows, stride = fr.frame_rows(saved, max_frames) if every is None else (fr.rows_every(saved, every), every)
     with np.errstate(invalid="ignore"):
         bodies = fr.body_frames(result, rows, max_points, None if color == DISPLACEMENT else color)
     good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
     skipped = [int(i) for i in rows[~good]]
     with written_whole(target) as partial:
         recorder = _Recorder(result, bodies, rows, good, stride, deformation_factor, color)
-        recorder.write(partial, skipped)
+        recorder.write(partial, skipped, progress)
     return RecordingInfo(target, int(good.sum()), stride, recorder.factor, skipped, recorder.notes)
 
 
@@ -186,28 +193,31 @@ class _Recorder:
         """Entity path with every part escaped."""
         return self.rr.new_entity_path(list(parts))
 
-    def write(self, file: Path, skipped: list[int]) -> None:
+    def write(self, file: Path, skipped: list[int], progress: bool = False) -> None:
         """Log everything to `file` and close the stream."""
         try:
             memory = in_memory(self.stream, blueprint(self))
-            self._log(skipped)
+            self._log(skipped, progress)
             written = memory.drain_as_bytes()
         finally:
             close_stream(self)
         file.write_bytes(written)
 
-    def _log(self, skipped: list[int]) -> None:
+    def _log(self, skipped: list[int], progress: bool) -> None:
         if skipped:
             self.notes.append(f"left out because a value is not finite: saved rows {', '.join(map(str, skipped))}")
         self._static()
         self._series()
+        bar = Progress("recording", len(self.rows), enabled=progress, unit="frame")
         for f, i in enumerate(self.rows):
+            bar.update(f)
             if self.good[f]:
                 self.stream.set_time("time", duration=float(self.result.time[i]))
                 self._bodies(f, int(i))
                 self.glyphs.frame(int(i))
                 for scene in (*self.scenes, *self.lap_scenes):
                     scene.frame(int(i))
+        bar.close()
 
     # --- once ---
 

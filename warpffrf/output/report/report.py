@@ -21,9 +21,9 @@ KINDS = {
 }
 
 
-def report_text(result: Any) -> str:
+def report_text(result: Any, progress: bool = False) -> str:
     """Status, counters, contacts at the last saved step beside Hertz, joints, forces, sensors, energy balance, notes:
-    plain text, one fact a line."""
+    plain text, one fact a line. progress: that of the error budget, which may be made here."""
     history = result.history
     lines = [f"status            {result.status}" + (f": {result.message}" if result.message else "")]
     if len(result.time) == 0:
@@ -36,6 +36,7 @@ def report_text(result: Any) -> str:
             f"largest {int(history.iterations[1:].max())} iterations a {'step' if every_step else 'saved row'}"
         )
     lines += [f"{name.replace('_', ' '):<17} {value:.6g}" for name, value in history.counters.items()]
+    lines += [f"{file.what:<17} {file}" for file in result.written]
     for name in result.contact_names:
         lines += _contact_lines(result.contact(name))
     lines += item_lines(result)
@@ -61,13 +62,13 @@ def report_text(result: Any) -> str:
         lines.append(
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
         )
-    return "\n".join([*lines, *_budget_lines(result), *_notes(history)])
+    return "\n".join([*lines, *_budget_lines(result, progress), *_notes(history)])
 
 
-def _budget_lines(result: Any) -> list[str]:
+def _budget_lines(result: Any, progress: bool) -> list[str]:
     """The error budget, made here where it has not been and can be."""
     try:
-        return budget_text(result.error_budget())
+        return budget_text(result.error_budget(progress=progress))
     except InputError as error:
         return [f"error budget      {error}"]
 

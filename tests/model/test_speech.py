@@ -1,0 +1,120 @@
+"""What a script hears: lines on stderr unless the application has set up logging, and how it becomes quiet."""
+
+import logging
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from warpffrf.model import progress
+from warpffrf.model.speech import quiet, speaking
+
+log = logging.getLogger("warpffrf")
+REDUCE = """
+import warpffrf as wf
+mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=8, layers=1, axial=1, order=1)
+{before}
+wf.reduce(mesh, wf.Material(210, 0.3, 7850), modes=2, cache=False{options})
+{after}
+"""
+
+
+@contextmanager
+def unheard() -> Iterator[None]:
+    """As in a script: no handler (those of pytest are hung up when a test begins), no level set."""
+    before = log.handlers, log.propagate, log.level
+    log.handlers, log.propagate = [], False
+    log.setLevel(logging.NOTSET)
+    yield
+    log.handlers, log.propagate = before[:2]
+    log.setLevel(before[2])
+
+
+def script(before: str = "", options: str = "", after: str = "") -> str:
+    """The standard error of a script that reduces a body of a material in GPa."""
+    code = REDUCE.format(before=before, options=options, after=after)
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stderr
+
+
+def test_a_script_hears_what_is_done_and_the_warnings() -> None:
+    said = script().splitlines()
+    assert said[0].startswith("reduce: 'roller', ") and "done in" in said[-1]
+    assert sum("the speed of sound" in line for line in said) == 1
+
+
+def test_quiet_scripts_hear_the_warnings_alone() -> None:
+    for said in (script("wf.quiet()"), script(options=", progress=False")):
+        assert len(said.splitlines()) == 1 and "the speed of sound" in said
+
+
+def test_an_application_with_logging_gets_what_it_asked_for() -> None:
+    own = "import logging; logging.basicConfig(format='app: %(message)s', level='{}')"
+    at_warning, at_info = (script(own.format(level)).splitlines() for level in ("WARNING", "INFO"))
+    assert len(at_warning) == 1 and len(at_info) > 2
+    assert all(line.startswith("app: ") for line in at_warning + at_info)
+    silent = "import logging; logging.getLogger('warpffrf').addHandler(logging.NullHandler())"
+    assert script(silent) == ""
+
+
+def test_nothing_stays_behind(capsys: pytest.CaptureFixture) -> None:
+    with unheard(), speaking():
+        log.info("heard")
+        with speaking(False):
+            log.info("not heard, the inner call is quiet")
+            with speaking():
+                log.info("not heard either")
+            log.warning("a doubt")
+        log.info("heard again")
+    with unheard():
+        log.info("not heard any more")
+        assert capsys.readouterr().err.splitlines() == ["heard", "a doubt", "heard again"]
+        with speaking(), pytest.raises(ZeroDivisionError), speaking():
+            _ = 1 / 0
+        assert log.handlers == [] and log.level == logging.NOTSET
+
+
+def test_levels_of_the_user_stay(capsys: pytest.CaptureFixture) -> None:
+    with unheard():
+        quiet()
+        with speaking():
+            log.info("not heard")
+            log.getChild("mesh").warning("a doubt")
+        assert log.level == logging.WARNING
+    assert capsys.readouterr().err == "a doubt\n"
+
+
+def test_threads_hear_their_own_lines(capsys: pytest.CaptureFixture) -> None:
+    def silent() -> None:
+        with speaking(False):
+            log.info("of a quiet call")
+
+    with unheard(), speaking():
+        thread = threading.Thread(target=silent)
+        thread.start()
+        thread.join()
+        log.info("of this call")
+    assert capsys.readouterr().err == "of this call\n"
+
+
+def test_a_process_without_standard_error(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "stderr", None)
+    with unheard(), speaking():
+        log.warning("nobody hears it")
+
+
+def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+    now = [100.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    with unheard(), speaking():
+        bar = progress.Progress("simulate", 100, enabled=True)
+        for done in range(1, 101):
+            now[0] += 0.5
+            bar.update(done)
+        bar.close()
+    said = capsys.readouterr().err.splitlines()
+    # a line every 10 s of the 50 s, the first behind 3 s: at 3.5, 14, 24.5, 35, 45.5 s
+    assert said[0] == "simulate: 7 of 100 steps, about 46 s left"
+    assert len(said) == 5 and said[-1] == "simulate: 91 of 100 steps, about 4 s left"

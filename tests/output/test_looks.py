@@ -1,0 +1,135 @@
+"""How objects show themselves: one short line at a prompt, a small table in a notebook, documented names alone."""
+
+import inspect
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.model import looks
+from warpffrf.online.history.history import BodyHistory, History, JointHistory
+from warpffrf.output.contact.cell_result import CellContactResult
+from warpffrf.output.contact.film_result import FilmResult
+from warpffrf.output.contact.pair_result import PairResult
+from warpffrf.output.contact.result import ContactResult
+from warpffrf.output.laps.lap_result import LapResult
+from warpffrf.output.result import Result
+
+SHORT = 240  # characters: what fits on two lines
+
+
+def described() -> dict[str, Any]:
+    """Everything a scene is described with."""
+    steel = wf.Material(210e9, 0.3, 7850, name="steel")
+    mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=24, layers=2, axial=2, order=1)
+    body = wf.reduce(
+        mesh, steel, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=2, cache=False,
+        progress=False,
+    )  # fmt: skip
+    scene = wf.Scene()
+    lower, upper = (scene.add_body(body, name=name) for name in ("lower", "upper"))
+    upper.position = (0, 0, 0.1)
+    block = scene.add_rigid_body(
+        2.0,
+        (1, 1, 1),
+        name="block",
+        surfaces={"tread": wf.surfaces.Cylinder(radius=0.1, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))},
+    )
+    axle = scene.add(wf.joints.Revolute(scene.ground, lower["bore"], axis=(0, 1, 0), name="axle"))
+    return {
+        "material": steel, "mesh": mesh, "reduced": body, "scene": scene, "body": upper, "rigid": block,
+        "ground": scene.ground, "port": lower["bore"], "surface": lower["rim"], "joint": axle,
+        "drive": scene.add(wf.joints.Drive(axle, 1.0)),
+        "force": scene.add(wf.forces.PointForce(upper["bore"], (0, 0, 1))),
+        "spring": scene.add(wf.forces.TorsionalSpringDamper(axle, 1.0)),
+        "contact": scene.add(wf.Contact(lower["rim"], upper["rim"])),
+        "sensor": scene.add(wf.sensors.Position(upper["bore"])),
+    }  # fmt: skip
+
+
+def test_descriptions_show_themselves_in_short() -> None:
+    things = described()
+    for name, thing in things.items():
+        assert len(repr(thing)) <= SHORT and "0x" not in repr(thing) and "array(" not in repr(thing), (name, thing)
+    assert repr(things["joint"]) == "Revolute('axle', on=ground and lower['bore'])"
+    assert repr(things["port"]) == "Port(\"lower['bore']\")"
+    assert repr(things["mesh"]).startswith("Mesh('roller', nodes=216, cells=96 hex8, size=0.1 x 0.02 x 0.1 m")
+    assert repr(things["rigid"]) == "Body('block', kind=rigid, mass=2 kg, position=(0, 0, 0) m, places='tread')"
+    assert repr(things["scene"]).startswith("Scene(bodies='lower', 'upper', 'block', joints='axle', drives=")
+
+
+def test_notebooks_get_tables() -> None:
+    for name, thing in described().items():
+        if name != "material":
+            table = thing._repr_html_()
+            assert table.startswith("<table>") and table.endswith("</table>") and len(table) < 2000, name
+            assert f"<b>{type(thing).__name__}</b>" in table
+
+
+def test_names_of_the_user_are_escaped() -> None:
+    scene = wf.Scene()
+    body = scene.add_rigid_body(1.0, (1, 1, 1), name="<b>&")
+    assert "&lt;b&gt;&amp;" in body._repr_html_() and "<b>&" not in body._repr_html_()
+
+
+def test_lists_of_names_are_cut() -> None:
+    many = looks.names([f"roller_{i}" for i in range(24)])
+    assert len(many) <= looks.LONGEST + 10 and many.endswith(", ... (24)") and many.startswith("'roller_0', 'roller_1'")
+    assert looks.names([]) == "none"
+
+
+def test_histories_show_shapes() -> None:
+    T = 1000
+    rows = np.zeros((T, 3))
+    body = BodyHistory(rows, np.zeros((T, 4)), rows, rows, np.zeros((T, 8)))
+    assert repr(body).startswith("BodyHistory(position=(1000, 3), rotation=(1000, 4), velocity=(1000, 3)")
+    joint = JointHistory(np.zeros(T), rows, rows, coordinate_names=("rotation",))
+    assert repr(joint) == "JointHistory(coordinate=(1000), force=(1000, 3), torque=(1000, 3), second_coordinate=(1000))"
+    assert "<td" in joint._repr_html_()
+
+
+def test_results_show_themselves_in_short(history: History) -> None:
+    result = Result(history)
+    pair = result.contact(result.contact_names[0])
+    for thing in (history, result, pair):
+        assert len(repr(thing)) <= SHORT and "array(" not in repr(thing), thing
+        assert "<table>" in thing._repr_html_()
+    assert f"rows={len(result.time)}" in repr(pair) and repr(pair).startswith("ContactResult('")
+
+
+@pytest.mark.parametrize("kind", [ContactResult, CellContactResult, FilmResult, LapResult])
+def test_completion_shows_documented_names_alone(kind: type) -> None:
+    shown = [name for name in dir(kind) if not name.startswith("_") and name not in kind._hidden]
+    undocumented = [name for name in shown if not inspect.getdoc(inspect.getattr_static(kind, name))]
+    assert undocumented == []
+    assert {"force", "torque"} <= set(shown) and "N" in str(inspect.getdoc(inspect.getattr_static(kind, "force")))
+
+
+def test_internal_names_are_hidden_and_answer_still(history: History) -> None:
+    pair = Result(history).contact(Result(history).contact_names[0])
+    assert not {"view", "history", "measure", "side", "bodies"} & set(dir(pair))
+    assert pair.view.name == pair.name and {"force", "approach", "half_width", "hertz"} <= set(dir(pair))
+    with pytest.raises(AttributeError, match="ContactResult.force is what was recorded"):
+        pair.force = np.zeros(3)  # pyright: ignore[reportAttributeAccessIssue]
+    assert isinstance(pair, PairResult) and np.array_equal(pair.force, pair.history.force)
+
+
+def test_no_module_of_the_model_is_left_with_a_bare_look() -> None:
+    """What is added to a scene looks like something: every class with a `scene_list`."""
+    for module in (wf.joints, wf.forces, wf.sensors):
+        for name in module.__all__:
+            value = getattr(module, name)
+            if hasattr(value, "scene_list"):
+                assert issubclass(value, looks.Item), name
+    for kind in (wf.Contact, wf.LumpedContact, wf.Film, wf.Lap):
+        assert issubclass(kind, looks.Item)
+
+
+def test_the_files_of_a_result_are_told(tmp_path: Path) -> None:
+    from warpffrf.output.written import Written
+
+    file = tmp_path / "run.h5"
+    file.write_bytes(bytes(14_200_000))
+    assert str(Written.of("results", file, 1.234)) == f"'{file}', 14.2 MB, written in 1.23 s"

@@ -1,0 +1,72 @@
+"""How a command ends where something goes wrong: a line on stderr, in words of the command line, and an exit code.
+
+The package speaks of arguments, as `part=` or `traction_spacing`; whoever uses the command line knows `--part` and
+`--traction-spacing`. So the names of a command's own options are put in their place.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import re
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import typer
+
+INTERRUPTED = 130  # exit code, as shells have it
+OTHER_NAMES = {"interfaces": "interface", "expected_half_width": "half_width", "laps": "lap"}  # argument -> option
+
+log = logging.getLogger("warpffrf")
+
+
+@contextmanager
+def one_line_errors() -> Iterator[None]:
+    """Wrong input, files that cannot be had and interruptions end the command inside with a line and a code."""
+    from warpffrf.model.errors import InputError
+    from warpffrf.model.interruption import terminated_as_interrupted
+
+    try:
+        with terminated_as_interrupted():
+            yield
+    except BrokenPipeError:  # the reader of the output, such as head, has left: nothing more to say to it
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(0) from None
+    except (InputError, OSError) as error:
+        if log.isEnabledFor(logging.DEBUG):
+            log.debug("where it happened:", exc_info=True)
+        print(f"error: {in_options(str(error), _options)}", file=sys.stderr)
+        raise typer.Exit(1) from None
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+
+
+_options: dict[str, str] = {}
+
+
+def know_options(context: typer.Context) -> None:
+    """From now on errors speak of the options of the command that `context`, of the main command, leads to, or of all
+    commands below it: argument -> what the user writes."""
+    group: Any = context.command
+    chosen = group.commands.get(context.invoked_subcommand)
+    commands = getattr(chosen, "commands", {"": chosen}).values() if chosen is not None else ()
+    pairs = ((p.name, max(p.opts, key=len)) for command in commands for p in command.params)
+    _options.clear()
+    _options.update({name: option for name, option in pairs if option.startswith("--")})
+
+
+def in_options(text: str, options: dict[str, str]) -> str:
+    """`text` with the arguments of `options` as options: `part='pad'` becomes `--part pad`, `overwrite=True` with or
+    without its option behind it `--overwrite`. Names that are words as well are meant only where `=` follows."""
+    known = options | {name: options[other] for name, other in OTHER_NAMES.items() if other in options}
+    for name, option in known.items():
+        text = re.sub(rf"\b{name}=True( \({option}\))?", option, text)
+        text = re.sub(rf"\b{name}='([^']*)'", rf"{option} \1", text)
+        text = re.sub(rf"(?<![-\w]){name}=(?=\S)", f"{option} ", text)
+        text = re.sub(rf"(?<![-\w]){name}=", option, text)
+        if "_" in name:
+            text = re.sub(rf"(?<![-\w.'\"]){name}(?![\w'\"])", option, text)
+    return text

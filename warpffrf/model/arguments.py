@@ -1,0 +1,18 @@
+"""Types of what users hand over, as editors and type checkers see them; whatever comes is checked again when it runs.
+
+Texts are sequences too, but of texts: they are no `Vector`, which NumPy's `ArrayLike` would let pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+Vector: TypeAlias = Sequence[float] | NDArray[Any]  # numbers one behind the other: a point, a direction, a quaternion
+Matrix: TypeAlias = Sequence[Vector] | NDArray[Any]  # rows of numbers: an inertia tensor, points, a table
+RotationLike: TypeAlias = "Vector | Matrix | Mapping[str, Any] | Rotation"  # the forms of `rotation.orientation`

@@ -1,0 +1,71 @@
+"""How objects show themselves: in one line at a prompt and in messages, as a small table in a notebook.
+
+A class says by `_facts` what matters of it, name -> value, in few words; arrays are told by their shapes. Both looks
+follow from that, so that none of them writes out the numbers of a mesh or of a run.
+"""
+
+from __future__ import annotations
+
+from dataclasses import fields
+from html import escape
+from typing import Any
+
+LONGEST = 60  # characters of a list of names
+
+
+class Shown:
+    """Looks made of `_facts`; an entry "name" stands first, by itself."""
+
+    _hidden: frozenset[str] = frozenset()  # names that are for other modules, and that completion does not show
+
+    def __dir__(self) -> list[str]:
+        return sorted({*super().__dir__()} - self._hidden)
+
+    def _facts(self) -> dict[str, Any]:
+        raise TypeError(f"{type(self).__name__} does not say what to show")
+
+    def __repr__(self) -> str:
+        facts = self._facts()
+        parts = [repr(facts.pop("name"))] if "name" in facts else []
+        return f"{type(self).__name__}({', '.join([*parts, *(f'{key}={value}' for key, value in facts.items())])})"
+
+    def _repr_html_(self) -> str:
+        cell = '<{0} style="text-align:left">{1}</{0}>'
+        rows = "".join(
+            f"<tr>{cell.format('th', escape(key))}{cell.format('td', escape(str(value)))}</tr>"
+            for key, value in self._facts().items()
+        )
+        return f"<table><caption><b>{escape(type(self).__name__)}</b></caption>{rows}</table>"
+
+
+class Item(Shown):
+    """Looks of what is added to a scene: its name, and the places that it acts on or between."""
+
+    name: str | None
+    ports: Any
+
+    def _facts(self) -> dict[str, Any]:
+        return {"name": self.name, "on": " and ".join(port.label for port in self.ports)}
+
+
+class Rows(Shown):
+    """Looks of a dataclass of arrays, of which those that are there are told by their shapes."""
+
+    def _facts(self) -> dict[str, Any]:
+        values = {f.name: getattr(self, f.name, None) for f in fields(self)}  # pyright: ignore[reportArgumentType]
+        return {name: shape_or_value(value) for name, value in values.items() if value is not None}
+
+
+def shape_or_value(value: Any) -> Any:
+    """The shape of an array, what is shown of other things."""
+    shape = getattr(value, "shape", None)
+    return value if shape is None else f"({', '.join(map(str, shape))})"
+
+
+def names(items: Any) -> str:
+    """Names one behind the other, cut where they are many: 'lower', 'upper', ... (12)."""
+    listed = [getattr(item, "name", item) for item in items]
+    text = ", ".join(repr(name) for name in listed)
+    if len(text) <= LONGEST:
+        return text or "none"
+    return f"{text[: text.rfind(',', 0, LONGEST)]}, ... ({len(listed)})"

@@ -1,0 +1,31 @@
+"""Quantities of a history that a result hands on as they are, each with what it is, its shape, unit and frame."""
+
+from __future__ import annotations
+
+from operator import attrgetter
+from typing import Any, Self, overload
+
+import numpy as np
+
+
+class Recorded:
+    """An array that stands in the result's `history`, or where `place` says ("view.points"), with its meaning."""
+
+    def __init__(self, meaning: str, place: str = "") -> None:
+        self.__doc__, self.place = meaning, place
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.__name__ = name
+        self.read = attrgetter(self.place or f"history.{name}")
+
+    @overload
+    def __get__(self, result: None, owner: type) -> Self: ...
+
+    @overload
+    def __get__(self, result: Any, owner: type) -> np.ndarray: ...
+
+    def __get__(self, result: Any, owner: type) -> Any:
+        return self if result is None else self.read(result)
+
+    def __set__(self, result: Any, value: Any) -> None:
+        raise AttributeError(f"{type(result).__name__}.{self.__name__} is what was recorded, and stays")

@@ -1,0 +1,26 @@
+"""A file that a run has written: where it is, how large it is, and how long that took."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from warpffrf.model.output_paths import size_text
+
+
+@dataclass(frozen=True)
+class Written:
+    """A file of a run. `what`: "results" or "recording"; `size` [byte]; `seconds`: of wall time that it took."""
+
+    what: str
+    path: Path
+    size: int
+    seconds: float
+
+    @classmethod
+    def of(cls, what: str, path: Path, seconds: float) -> Written:
+        """The file at `path`, as it is now."""
+        return cls(what, path, path.stat().st_size, seconds)
+
+    def __str__(self) -> str:
+        return f"'{self.path}', {size_text(self.size)}, written in {self.seconds:.3g} s"
