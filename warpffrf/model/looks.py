@@ -41,7 +41,7 @@ class Shown:
 class Item(Shown):
     """Looks of what is added to a scene: its name, and the places that it acts on or between."""
 
-    name: str | None
+    name: Any  # text; None until a scene gives one
     ports: Any
 
     def _facts(self) -> dict[str, Any]:
