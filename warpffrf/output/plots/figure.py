@@ -16,7 +16,7 @@ from warpffrf.output.plots.colors import largest
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
-from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.picture import write_drawing, write_picture
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
@@ -326,16 +326,15 @@ def write_plot(
 ) -> Path:  # fmt: skip
     """Write `plot(result, kind, ...)` as a picture; the ending chooses the format (.png, .pdf, .svg). Raises InputError
     as `plot` does, for a path not writable, and for a file that exists where `overwrite` is not set."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    if kind == "summary":
-        figure = plot(result, kind, None, contact, film, row, lap)
-    else:
-        figure = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
-        plot(result, kind, figure.add_subplot(), contact, film, row, lap)
-    return write_picture(figure, path, "figure", overwrite=overwrite, dpi=dpi)
+    def draw(ax: Any) -> None:
+        plot(result, kind, ax, contact, film, row, lap)
+
+    if kind != "summary":
+        return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)
+    return write_picture(
+        plot(result, kind, None, contact, film, row, lap), path, "figure", overwrite=overwrite, dpi=dpi
+    )
 
 
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:
