@@ -23,6 +23,7 @@ SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch
 MOST_INSIDE = 8  # curves named in a legend inside the axes; more stand to the right of them
 COLORS, STYLES = 10, ("-", "--", ":", "-.")  # after so many colours another line style, so that none comes twice
 LEGEND_ROWS = 16  # names above each other there
+PAGE_COLUMNS = 6  # names beside each other below a page
 HEADROOM = 1.08  # of the largest value of a plot
 SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
@@ -80,6 +81,17 @@ def _legend(ax: Any, curves: int) -> None:
         )
     elif curves > 1:
         ax.legend(frameon=False)
+
+
+def _crowd_below(figure: Any) -> None:
+    """Move legends that stand beside their axes below the page, where they take no width from its panels."""
+    for ax in figure.axes:
+        legend = ax.get_legend()
+        if legend is not None and len(legend.get_texts()) > MOST_INSIDE:
+            handles, labels = ax.get_legend_handles_labels()
+            legend.remove()
+            place = {"loc": "outside lower center", "ncols": PAGE_COLUMNS, "fontsize": 7, "frameon": False}
+            figure.legend(handles, labels, title=ax.get_title(), title_fontsize=8, **place)
 
 
 def force(result: Any, ax: Any) -> None:
@@ -305,6 +317,7 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
     FigureCanvasAgg(figure)
     for n, kind in enumerate(kinds):
         drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
+    _crowd_below(figure)
     end = f"{result.time[-1] * 1e3:.4g} ms, {len(result.time)} saved rows, status: {result.status}"
     if isinstance(result, OfPair):
         end += f"; pair {result.contact_names[0]!r}"
