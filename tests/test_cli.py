@@ -59,7 +59,18 @@ def coarse(tmp_path: Path) -> Path:
 
 @pytest.mark.parametrize(
     "command",
-    [[], ["demo"], ["demo", "two-rollers"], ["reduce"], ["info"], ["run"], ["modes"], ["compare"], ["plot"]],
+    [
+        [],
+        ["demo"],
+        ["demo", "two-rollers"],
+        ["reduce"],
+        ["info"],
+        ["run"],
+        ["modes"],
+        ["compare"],
+        ["plot"],
+        ["spectrum"],
+    ],
     ids=lambda c: "-".join(c) or "main",
 )
 def test_help_explains_every_option(command: list[str], capsys: pytest.CaptureFixture) -> None:

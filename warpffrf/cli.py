@@ -1,4 +1,4 @@
-"""The command line: `warpffrf demo | run | modes | reduce | info | compare | plot | study`.
+"""The command line: `warpffrf demo | run | modes | reduce | info | compare | plot | spectrum | study`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to

@@ -1,4 +1,4 @@
-"""The commands `warpffrf compare` and `warpffrf plot`: what is made of results files."""
+"""The commands `warpffrf compare`, `warpffrf plot` and `warpffrf spectrum`: what is made of results files."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ OVERWRITE = typer.Option("--overwrite", help="Replace a picture that is there.")
 
 
 def add_result_commands(app: typer.Typer, one_line_errors: Callable[[], AbstractContextManager[None]]) -> None:
-    """Add `compare` and `plot` to `app`; errors are told within `one_line_errors()`."""
+    """Add `compare`, `plot` and `spectrum` to `app`; errors are told within `one_line_errors()`."""
 
     @app.command("compare")
     def compare_results(
@@ -94,3 +94,33 @@ def add_result_commands(app: typer.Typer, one_line_errors: Callable[[], Abstract
                 raise InputError("say where to write the picture with --out, as in --out force.png")
             written = write_plot(result, kind, out, contact=contact, film=film, lap=lap, row=row, overwrite=overwrite)
             print(f"written to {written}")
+
+    @app.command("spectrum")
+    def spectrum_of_results(
+        file: Annotated[Path, typer.Argument(metavar="FILE", help="Results file (.h5).")],
+        history: Annotated[
+            str, typer.Argument(metavar="HISTORY", help="As columns of to_csv are called: 'contact_force_z[a on b]'.")
+        ],
+        orders_of: Annotated[
+            str | None,
+            typer.Option(metavar="BODY", help="By orders of the rotation of this body instead of by frequency."),
+        ] = None,
+        peaks: Annotated[int, typer.Option(help="How many peaks to list, the largest first.")] = 5,
+        out: Annotated[
+            Path | None, typer.Option("--out", metavar="PNG", help="Also draw it here: .png, .pdf or .svg.")
+        ] = None,
+        overwrite: Annotated[bool, OVERWRITE] = False,
+    ) -> None:
+        """List the largest amplitudes in a history of a run by frequency, or by orders of the rotation of a body.
+
+        Example: warpffrf spectrum press.h5 "contact_force_z[lower-upper]" --out spectrum.png
+        """
+        with one_line_errors():
+            from warpffrf.output.plots.picture import write_drawing
+            from warpffrf.output.result import Result
+
+            result = Result.load(file)
+            found = result.spectrum(history) if orders_of is None else result.orders(history, orders_of)
+            print(found.report(peaks))
+            if out is not None:
+                print(f"drawn to {write_drawing(found.draw, out, 'spectrum', overwrite=overwrite)}")

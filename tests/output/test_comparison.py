@@ -109,7 +109,7 @@ def test_files_are_compared_and_drawn(body: ReducedBody, tmp_path: Path) -> None
         assert np.isfinite(first.get_ydata()).all() and len(second.get_xdata()) == len(found.b.time)
         assert "[" in axes.get_ylabel()
     # the component that differs most of (sin, 0, cos) near t = 0
-    assert figure.axes[0].get_title().startswith("sensor_z[tip]: relative L2 1.00e+00")
+    assert figure.axes[0].get_title("right").startswith("sensor_z[tip]: relative L2 1.00e+00")
     assert len(found.figure(["sensor[tip]"]).axes) == 1
     assert found.save_figure(tmp_path / "both.png").stat().st_size > 10_000
     with pytest.raises(InputError, match="did you mean 'sensor"):

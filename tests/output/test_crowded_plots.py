@@ -66,3 +66,13 @@ def test_tractions_of_both_signs_are_inside_the_axes(body: ReducedBody, sign: fl
     dashed = [line for line in ax.get_lines() if line.get_linestyle() == "--"]
     assert np.array_equal(dashed[0].get_ydata(), -np.asarray(dashed[1].get_ydata()))
     assert f"±{MU:g} p" in [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def test_on_a_page_the_names_stand_below_the_panels(crowded: Result) -> None:
+    figure = crowded.plot("summary")
+    figure.canvas.draw()
+    (legend,) = figure.legends
+    box, panels = legend.get_window_extent(), [ax.get_window_extent() for ax in figure.axes if ax.get_xlabel()]
+    assert len(legend.get_texts()) == PAIRS and box.y1 <= min(panel.y0 for panel in panels)
+    assert 0.0 <= box.x0 and box.x1 <= figure.bbox.x1 and figure.axes[0].get_legend() is None
+    assert min(panel.width for panel in panels) > 0.15 * figure.bbox.width  # of three columns with their labels

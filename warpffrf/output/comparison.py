@@ -6,7 +6,7 @@ A history with components, as a force, is compared as a vector. With a and b the
 
 by the trapezoidal rule, over the time that both runs have. Where their times differ, b is interpolated linearly between
 the rows of B. Quaternions q and -q are one rotation: that nearer to A's is taken. What counts or numbers something
-(iterations, columns of a grid, states) belongs to a run's settings and is not compared. What is below 1e-9 of the
+(iterations, columns of a grid, states) belongs to a run's settings and is not compared. What is below 1e-8 of the
 largest of its quantity in both runs is round-off: counted, but not listed.
 """
 
@@ -28,7 +28,7 @@ from warpffrf.output.plots.picture import write_picture
 from warpffrf.output.result import Result
 
 SAME_TIME = 1e-9  # of the duration: times that are apart by less are the same
-LEAST_SEEN = 1e-9  # of the largest of a quantity: less in both runs is round-off
+LEAST_SEEN = 1e-8  # of the largest of a quantity: less in both runs is round-off
 LISTED = 20  # histories in a report
 DRAWN = 6  # histories in a picture
 COUNTED = {field.name for field in RUN_FIELDS} | {

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
     from warpffrf.model.scene import Scene
     from warpffrf.output.bodies.stress import StressResult
+    from warpffrf.output.spectrum import Spectrum
 
 
 @named_arguments
@@ -154,6 +155,36 @@ class Result(looks.Shown):
         F = channel(self, force, "N", "force")
         x = channel(self, against, "m", "displacement")
         return Hysteresis(self.time, F.values, x.values, F.label, x.label, F.unit, x.unit)
+
+    def spectrum(self, history: str | np.ndarray) -> Spectrum:
+        """Amplitudes of a history by frequency: `.place` [Hz], `.amplitude`, `.peaks()`, `.report()`, `.draw(ax)`.
+
+        history: the name of a column of `to_dataframe`, as "contact_force_z[roller on plate]", or an array (T,). Raises
+        InputError for a name that there is not, fewer than 8 rows and rows without a value.
+        """
+        from warpffrf.output.spectrum import frequency_spectrum
+
+        return frequency_spectrum(self.time, *self._history(history))
+
+    def orders(self, history: str | np.ndarray, body: str, axis: Any = None) -> Spectrum:
+        """The same by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis` (3,) in the
+        world, that of its mean angular velocity if None; also while its speed changes.
+
+        Raises InputError as `spectrum`, and for a body that turns fewer than 2 times, or back.
+        """
+        from warpffrf.output.spectrum import order_spectrum
+
+        values, label, units = self._history(history)
+        return order_spectrum(self.time, values, self.body(body).angular_velocity, label, units, body, axis)
+
+    def _history(self, history: str | np.ndarray) -> tuple[np.ndarray, str, str]:
+        """Values (T,), name and unit."""
+        from warpffrf.output.files.table import column
+
+        if not isinstance(history, str):
+            return np.asarray(history, dtype=float), "values", "as given"
+        values, units = column(self, history)
+        return values, history, units
 
     @property
     def sensor_names(self) -> list[str]:

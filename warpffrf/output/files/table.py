@@ -16,16 +16,19 @@ from __future__ import annotations
 import csv
 import os
 from dataclasses import dataclass
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import check_ending, checked_output_path, written_whole
 from warpffrf.output.files.dataset import owner_groups
 from warpffrf.output.files.fields import COMPONENTS, ENERGY_UNITS, RUN_FIELDS, Field, of_owner
 
 NUMBERED = ("coordinate", "lamina")  # dimensions with a few entries of one owner, numbered from 0
+MOST_NEAR = 4  # names in the answer to one that there is not
 TIME_HEADER = "time [s]"
 FIRST_CELLS = (TIME_HEADER, "step_size [s]", "iterations [1]")  # of a CSV file of ours: by them it is known
 
@@ -103,6 +106,18 @@ def _series(field: Field, name: str, owner: Any) -> Series | None:
         if place < len(owner.names):
             units = "rad" if owner.names[place].endswith("rotation") else "m"
     return Series(field.name, name, components, units, field.frame, values)
+
+
+def column(result: Any, name: str) -> tuple[np.ndarray, str]:
+    """Values (T,) and unit of one column. Raises `InputError` with the nearest names for one that there is not."""
+    known: dict[str, tuple[np.ndarray, str]] = {}
+    for series in histories(result):
+        known |= {column: (np.asarray(values, float), series.units) for column, values in series.columns.items()}
+    if name in known:
+        return known[name]
+    near = get_close_matches(name, known, n=MOST_NEAR, cutoff=0.3) or list(known)[:MOST_NEAR]
+    said = ", ".join(map(repr, near))
+    raise InputError(f"the result has no history {name!r}; near to it: {said}; to_dataframe and to_csv have all")
 
 
 def to_dataframe(result: Any) -> Any:

@@ -16,13 +16,14 @@ from warpffrf.output.plots.colors import largest
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
-from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.picture import write_drawing, write_picture
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
 MOST_INSIDE = 8  # curves named in a legend inside the axes; more stand to the right of them
 COLORS, STYLES = 10, ("-", "--", ":", "-.")  # after so many colours another line style, so that none comes twice
 LEGEND_ROWS = 16  # names above each other there
+PAGE_COLUMNS = 6  # names beside each other below a page
 HEADROOM = 1.08  # of the largest value of a plot
 SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
 PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
@@ -80,6 +81,17 @@ def _legend(ax: Any, curves: int) -> None:
         )
     elif curves > 1:
         ax.legend(frameon=False)
+
+
+def _crowd_below(figure: Any) -> None:
+    """Move legends that stand beside their axes below the page, where they take no width from its panels."""
+    for ax in figure.axes:
+        legend = ax.get_legend()
+        if legend is not None and len(legend.get_texts()) > MOST_INSIDE:
+            handles, labels = ax.get_legend_handles_labels()
+            legend.remove()
+            place = {"loc": "outside lower center", "ncols": PAGE_COLUMNS, "fontsize": 7, "frameon": False}
+            figure.legend(handles, labels, title=ax.get_title(), title_fontsize=8, **place)
 
 
 def force(result: Any, ax: Any) -> None:
@@ -305,6 +317,7 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
     FigureCanvasAgg(figure)
     for n, kind in enumerate(kinds):
         drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
+    _crowd_below(figure)
     end = f"{result.time[-1] * 1e3:.4g} ms, {len(result.time)} saved rows, status: {result.status}"
     if isinstance(result, OfPair):
         end += f"; pair {result.contact_names[0]!r}"
@@ -326,16 +339,15 @@ def write_plot(
 ) -> Path:  # fmt: skip
     """Write `plot(result, kind, ...)` as a picture; the ending chooses the format (.png, .pdf, .svg). Raises InputError
     as `plot` does, for a path not writable, and for a file that exists where `overwrite` is not set."""
-    from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    if kind == "summary":
-        figure = plot(result, kind, None, contact, film, row, lap)
-    else:
-        figure = Figure(layout="constrained")
-        FigureCanvasAgg(figure)
-        plot(result, kind, figure.add_subplot(), contact, film, row, lap)
-    return write_picture(figure, path, "figure", overwrite=overwrite, dpi=dpi)
+    def draw(ax: Any) -> None:
+        plot(result, kind, ax, contact, film, row, lap)
+
+    if kind != "summary":
+        return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)
+    return write_picture(
+        plot(result, kind, None, contact, film, row, lap), path, "figure", overwrite=overwrite, dpi=dpi
+    )
 
 
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:

@@ -26,10 +26,12 @@ class Overlaid:
     def draw(self, ax: Any, names: tuple[str, str]) -> None:
         """Draw on matplotlib axes, the runs called `names`."""
         mark = "o" if min(len(self.first[0]), len(self.second[0])) == 1 else ""
-        ax.plot(self.first[0] * 1e3, self.first[1], lw=1.6, color=FIRST, marker=mark, label=names[0])
-        ax.plot(self.second[0] * 1e3, self.second[1], "--", lw=1.1, color=SECOND, marker=mark, label=names[1])
+        ax.plot(self.first[0] * 1e3, self.first[1], lw=2.2, color=FIRST, marker=mark, label=names[0])
+        ax.plot(
+            self.second[0] * 1e3, self.second[1], "--", lw=0.9, alpha=0.8, color=SECOND, marker=mark, label=names[1]
+        )
         ax.set(xlabel="time [ms]", ylabel=f"{self.label.partition('[')[0].replace('_', ' ')} [{self.units}]")
-        ax.set_title(self.title, fontsize=9)
+        ax.set_title(self.title, fontsize=9, loc="right")  # a power of ten stands on the left
         ax.grid(alpha=0.3)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -25,3 +26,16 @@ def write_picture(
         options = {} if dpi is None else {"dpi": dpi}
         figure.savefig(partial, format=ending[1:], metadata={SIGNATURE[ending]: "warpffrf"}, **options)
     return target
+
+
+def write_drawing(
+    draw: Callable[[Any], Any], path: str | os.PathLike[str], what: str, *, overwrite: bool = False, dpi: int = 130
+) -> Path:
+    """Write what `draw` draws on axes of its own, as `write_picture` does."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(layout="constrained")
+    FigureCanvasAgg(figure)
+    draw(figure.add_subplot())
+    return write_picture(figure, path, what, overwrite=overwrite, dpi=dpi)

@@ -1,0 +1,147 @@
+r"""Amplitudes in a history by frequency, or by orders of a body's rotation.
+
+With N values x_n at equal distances d of time, or of turns, and Hann's window w_n = sin^2(pi n/N),
+
+    A_k = 2 |sum_n w_n (x_n - m) e^(-2 pi i k n/N)| / sum_n w_n,      m = sum_n w_n x_n / sum_n w_n,
+
+at k/(N d) for k = 0 .. N/2, once instead of twice in the last one of an even N: a sine of amplitude A at one of these
+places has A_k = A there and A/2 in both neighbours; between two places the nearer one shows at least 8/(3 pi) = 0.85 of
+it. Two lines are told apart when they are 4 places apart. Linear interpolation, where it is needed, takes (2 pi/m)^2/12
+off the amplitude of what has m rows a period.
+
+Orders count per turn: values are taken at equal angles of the body, over the whole number of turns that ends with the
+run, so that what goes with the rotation stands at one place also while the speed changes. The angle is the integral of
+the angular velocity about the axis, by the trapezoidal rule over the saved rows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_count, require_direction
+
+ROUND_OFF = 1e-14  # of the largest value: less is none
+EVEN = 1e-6  # of the distance between rows: times that differ by less are evenly spaced
+FEWEST_ROWS = 8
+FEWEST_TURNS = 2
+FLOOR = 1e-6  # of the largest amplitude: where the axis of a plot ends
+TURN = 2.0 * np.pi
+LINE = "#1b6ca8"
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """Amplitudes of the history `label` in `units`: `place` (n,) [Hz], of orders [1/turn], and `amplitude` (n,) of a
+    sine there. `of` says which of both; `notes` what was done to the values before."""
+
+    label: str
+    units: str
+    of: str  # "frequency [Hz]" or "order of the rotation of 'shaft' [1/turn]"
+    place: np.ndarray
+    amplitude: np.ndarray
+    notes: list[str] = field(default_factory=list)
+
+    @property
+    def resolution(self) -> float:
+        """Distance of two places [Hz or 1/turn]."""
+        return float(self.place[1] - self.place[0])
+
+    def peaks(self, count: int = 5) -> list[tuple[float, float]]:
+        """(place, amplitude) of the largest local maxima, largest first, at most `count`; zeros are none."""
+        a = self.amplitude
+        count = require_count(count, "peaks: count", 1)
+        inner = np.flatnonzero((a[1:-1] > a[:-2]) & (a[1:-1] >= a[2:])) + 1
+        inner = inner[a[inner] > 0.0]
+        best = inner[np.argsort(-a[inner], kind="stable")][:count]
+        return [(float(self.place[k]), float(a[k])) for k in best]
+
+    def report(self, count: int = 5) -> str:
+        """The largest peaks as a table."""
+        lines = [f"{self.label}: amplitudes by {self.of}, resolution {self.resolution:.4g}"]
+        lines += [f"note: {note}" for note in self.notes]
+        peaks = self.peaks(count)
+        lines += [f"{place:14.6g}  {size:12.5g} {self.units}" for place, size in peaks] or ["no peak: it is constant"]
+        return "\n".join(lines)
+
+    def draw(self, ax: Any, *, logarithmic: bool = True) -> None:
+        """Draw on matplotlib axes, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear one."""
+        ax.plot(self.place, self.amplitude, lw=1.0, color=LINE)
+        most = float(self.amplitude.max())
+        if logarithmic and most > 0.0:
+            ax.set_yscale("log")
+            ax.set_ylim(FLOOR * most, 2.0 * most)
+        ax.set_xlim(0.0, self.place[-1])
+        ax.set(xlabel=self.of, ylabel=f"amplitude [{self.units}]")
+        ax.set_title(self.label, fontsize=10)
+        ax.grid(alpha=0.3)
+
+
+def frequency_spectrum(time: np.ndarray, values: np.ndarray, label: str, units: str) -> Spectrum:
+    """The `Spectrum` by frequency of `values` (T,) at `time` (T,) [s]; rows at uneven times are interpolated linearly
+    to even ones, which a note says. Raises InputError for fewer than 8 rows and values that are no numbers."""
+    _check(time, values, label)
+    even = np.linspace(time[0], time[-1], len(time))
+    step = even[1] - even[0]
+    notes = []
+    if np.max(np.abs(time - even)) > EVEN * step:
+        values = np.interp(even, time, values)
+        notes.append(f"rows at uneven times, interpolated linearly to every {step:.4g} s")
+    place, amplitude = amplitudes(values, step)
+    return Spectrum(label, units, "frequency [Hz]", place, amplitude, notes)
+
+
+def order_spectrum(
+    time: np.ndarray, values: np.ndarray, spin: np.ndarray, label: str, units: str, body: str, axis: Any = None
+) -> Spectrum:
+    """The `Spectrum` by orders of the rotation of `body`, whose angular velocity is `spin` (T, 3) [rad/s, world]; axis:
+    direction (3,) in the world, that of the mean angular velocity if None. Raises InputError for a body that turns
+    fewer than 2 times, or back, about the axis, for too few rows a turn, and as `frequency_spectrum`."""
+    _check(time, values, label)
+    mean = np.trapezoid(spin, time, axis=0) if axis is None else require_direction(axis, "orders: axis")
+    size = np.linalg.norm(mean)
+    rate = spin @ (mean / size) if size > 0.0 else np.zeros(len(time))
+    rate = -rate if np.sum(rate) < 0.0 else rate
+    turns = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))]) / TURN
+    whole = int(np.floor(turns[-1] * (1.0 + EVEN)))
+    if whole < FEWEST_TURNS:
+        raise InputError(
+            f"orders: body '{body}' turns {max(turns[-1], 0.0):.3g} times about the axis, and orders need "
+            f"{FEWEST_TURNS}; simulate longer, or look at frequencies with spectrum"
+        )
+    if np.any(np.diff(turns) < 0.0):
+        raise InputError(f"orders: body '{body}' turns back on the way; look at frequencies with spectrum instead")
+    begin = max(turns[-1] - whole, 0.0)
+    count = int(np.count_nonzero(turns > begin))
+    if count < 2 * whole:
+        raise InputError(
+            f"orders: {count} rows in {whole} turns of body '{body}' tell no order; save more of them, save_every=1"
+        )
+    even = begin + (turns[-1] - begin) * np.arange(count) / count
+    place, amplitude = amplitudes(np.interp(even, turns, values), (even[1] - even[0]))
+    notes = [f"the last {whole} turns of {turns[-1]:.4g}, interpolated linearly to {count} equal angles"]
+    return Spectrum(label, units, f"order of the rotation of '{body}' [1/turn]", place, amplitude, notes)
+
+
+def amplitudes(values: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
+    """Places (n,) [1/distance] and amplitudes (n,), as in the module docstring, of values (N,) at equal distances."""
+    count = len(values)
+    window = np.sin(np.pi * np.arange(count) / count) ** 2
+    weight = window.sum()
+    found = 2.0 * np.abs(np.fft.rfft(window * (values - window @ values / weight))) / weight
+    found[0] = 0.0
+    found[found < ROUND_OFF * np.max(np.abs(values))] = 0.0
+    if count % 2 == 0:
+        found[-1] *= 0.5
+    return np.fft.rfftfreq(count, distance), found
+
+
+def _check(time: np.ndarray, values: np.ndarray, label: str) -> None:
+    if len(time) < FEWEST_ROWS:
+        raise InputError(f"{label}: {len(time)} saved rows, a spectrum needs {FEWEST_ROWS}; simulate longer")
+    if np.shape(values) != np.shape(time):
+        raise InputError(f"{label}: a value for each of the {len(time)} saved rows, got shape {np.shape(values)}")
+    if not np.all(np.isfinite(values)):
+        raise InputError(f"{label}: some rows have no value, as where a contact is open; choose another history")
