@@ -145,6 +145,19 @@ def test_verbose_says_more_and_with_times(coarse: Path, tmp_path: Path, capsys: 
     assert all(" ms] " in line for line in said[1].splitlines())
 
 
+def test_quiet_demos_print_no_figures(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+    def main(out: Path, *, quick: bool, progress: bool) -> int:
+        print(f"figures {progress}")
+        return 1
+
+    monkeypatch.setattr("warpffrf.demos.two_rollers.main", main)
+    said = []
+    for level in ([], ["-q"]):
+        assert cli.main([*level, "demo", "two-rollers"]) == 1  # the code says how it went
+        said.append(capsys.readouterr().out)
+    assert said == ["figures True\n", ""]
+
+
 @pytest.mark.parametrize("command", [[], ["demo"], ["reduce"], ["study", "stability"]], ids=" ".join)
 def test_h_is_help(command: list[str], capsys: pytest.CaptureFixture) -> None:
     assert cli.main([*command, "-h"]) == 0

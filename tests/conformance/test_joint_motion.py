@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from joint_scenes import GRAVITY, KINDS, pair
@@ -116,7 +118,7 @@ def test_first_reaction_solves_the_equations_of_motion_at_rest(kind: str) -> Non
 
 @pytest.mark.parametrize("quantity", ["velocity", "position"])
 @pytest.mark.parametrize(("kind", "name"), COORDINATES)
-def test_drives_of_every_coordinate_are_followed_and_recorded(kind: str, name: str, quantity: str) -> None:
+def test_drives_of_every_coordinate_are_followed_and_recorded(kind: str, name: str, quantity: Any) -> None:
     """The recorded coordinate is the prescribed one, over several turns where it is an angle; energy is closed."""
     is_angle = not joints.JOINT_KINDS[kind].coordinates[name].is_length
     reach = 15.0 if is_angle else 0.2

@@ -50,7 +50,7 @@ class GaussianAsperities(laws.Law):
         return f"its asperities are no higher than {BEGINS:g} deviations"
 
 
-def pressed(body: ReducedBody, evaluation: str) -> Any:
+def pressed(body: ReducedBody, evaluation: Any) -> Any:
     """A roller held above the ground, asperities alone between them; the run."""
     scene = Scene()
     roller = scene.add_body(body, name="roller", position=(0.0, 0.0, RADIUS - 6e-4))
@@ -106,4 +106,4 @@ def test_what_is_refused(name: str, message: str, fine_roller: ReducedBody) -> N
     with pytest.raises(InputError, match=message):
         Contact(roller["rim"], floor, law=refused(name), name="pair")
     with pytest.raises(InputError, match=r"law must be one of laws.Unilateral, .*, or a laws.Law of your own"):
-        Contact(roller["rim"], floor, law=1e9, name="pair")
+        Contact(roller["rim"], floor, law=1e9, name="pair")  # pyright: ignore[reportArgumentType]

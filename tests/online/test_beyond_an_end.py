@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def body() -> ReducedBody:
     return replace(plain, contact_surfaces={"rim": replace(rim, sampling=sampling)})
 
 
-def collision(body: ReducedBody, side: float, past: float, evaluation: str) -> History:
+def collision(body: ReducedBody, side: float, past: float, evaluation: Any) -> History:
     """A roller hits another one, shifted along its axis until the first Gauss points of its last cells stand `past` [m]
     over the end on `side`, and skew so that what is opposite stands further out."""
     cell = WIDTH / ROWS
@@ -49,7 +50,7 @@ def collision(body: ReducedBody, side: float, past: float, evaluation: str) -> H
 
 @pytest.mark.parametrize("evaluation", ["semi", "hyper"])
 @pytest.mark.parametrize("past", [-2e-5, 2e-5, 6e-5, 1.2e-4])
-def test_both_ends_are_alike(body: ReducedBody, past: float, evaluation: str) -> None:
+def test_both_ends_are_alike(body: ReducedBody, past: float, evaluation: Any) -> None:
     low, high = (collision(body, side, past, evaluation) for side in (-1.0, 1.0))
     assert low.status == high.status == "completed", (low.message, high.message)
     forces = [history.contacts["pair"].force for history in (low, high)]

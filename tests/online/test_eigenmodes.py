@@ -316,7 +316,7 @@ def test_bad_input() -> None:
     with pytest.raises(InputError, match="about must be None"):
         eigenmodes(scene, about="rest")
     with pytest.raises(InputError, match="a Scene is needed"):
-        eigenmodes(42)
+        eigenmodes(42)  # pyright: ignore[reportArgumentType]
     modes = eigenmodes(scene)
     with pytest.raises(InputError, match="mode 1 does not exist"):
         modes.shape(1, "bob")

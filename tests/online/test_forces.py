@@ -328,7 +328,7 @@ def test_preload_of_a_bushing_pushes_at_the_initial_pose() -> None:
 
 
 @pytest.mark.parametrize("frame", ["world", "body"])
-def test_torque_spins_a_body_up_and_works(frame: str) -> None:
+def test_torque_spins_a_body_up_and_works(frame: Any) -> None:
     """About a principal axis: omega = T t / J, work = J omega^2 / 2 exactly, for a ramped torque T = r t: r t^2/2J."""
     turn = np.array([0.0, 0.0, np.sin(0.3), np.cos(0.3)])
     scene = Scene()

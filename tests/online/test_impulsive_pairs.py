@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -38,7 +40,7 @@ def block() -> ReducedBody:
     )
 
 
-def between(block: ReducedBody, gap: float, *, walls: int = 1, velocity: float = SPEED, force: object = None) -> Scene:
+def between(block: ReducedBody, gap: float, *, walls: int = 1, velocity: float = SPEED, force: Any = None) -> Scene:
     """A mass on a guide along x that flies to a clamped block at `gap` [m], and back to another one as far behind."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     faces = {
@@ -76,7 +78,7 @@ def bounce(spring: float, gap: float, h: float) -> tuple[float, float]:
         d = depth(theta)
         return 0.5 * spring * d**2 - theta * spring * d * (x + d)
 
-    theta = float(brentq(created, 1e-9, 1.0, xtol=1e-15))  # pyright: ignore[reportArgumentType]
+    theta = float(brentq(created, 1e-9, 1.0, xtol=1e-15))
     force = spring * depth(theta)
     v -= h * theta * force / MASS
     stored = 0.5 * force**2 / spring
@@ -84,7 +86,7 @@ def bounce(spring: float, gap: float, h: float) -> tuple[float, float]:
     def left(mean: float) -> float:  # the mean force that opens
         return stored + mean * (h * v - 0.5 * h**2 * mean / MASS)
 
-    mean = float(brentq(left, 1e-9 * force, force, xtol=1e-12))  # pyright: ignore[reportArgumentType]
+    mean = float(brentq(left, 1e-9 * force, force, xtol=1e-12))
     speed = v - h * mean / MASS
     assert 0.5 * h * (v + speed) < -depth(theta)  # it does leave the spring in this step
     return force, speed

@@ -283,7 +283,7 @@ def test_several_bodies_and_stages_of_a_flight(body: ReducedBody) -> None:
 
 
 @pytest.mark.parametrize("frame", ["world", "body"])
-def test_point_loads_do_what_they_do_on_the_device(body: ReducedBody, frame: str) -> None:
+def test_point_loads_do_what_they_do_on_the_device(body: ReducedBody, frame: Any) -> None:
     """A growing force and a torque at an interface that moves: one motion, and the ledger closes."""
 
     def scene() -> Scene:

@@ -467,7 +467,7 @@ def test_what_cannot_rub_is_refused() -> None:
     with pytest.raises(InputError, match="in m/s; give it the pin_radius"):
         forces.RevoluteFriction(pin, RegularisedCoulomb(0.3, 0.01), preload=1.0)
     with pytest.raises(InputError, match="friction must be a coefficient"):
-        forces.RevoluteFriction(pin, "dry", pin_radius=0.1)
+        forces.RevoluteFriction(pin, "dry", pin_radius=0.1)  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="bearing_length"):
         forces.RevoluteFriction(pin, 0.3, pin_radius=0.1, bearing_length=0.0)
     with pytest.raises(InputError, match="'rub'.*has no friction in joints"):

@@ -176,7 +176,7 @@ def refused() -> dict[str, tuple[Any, str]]:
     other = joints.Fixed(scene.ground, body.at((0, 0, 0)), name="elsewhere")
     return {
         "ground": (lambda: sensors.Position(scene.ground.at((0, 0, 0))), "the ground does not move"),
-        "frame": (lambda: sensors.Velocity(body.at((0, 0, 0)), frame="user"), "frame must be one of"),
+        "frame": (lambda: sensors.Velocity(body.at((0, 0, 0)), frame="user"), "frame must be one of"),  # pyright: ignore[reportArgumentType]
         "no joint": (lambda: sensors.JointReaction(body), "a joint is needed"),  # pyright: ignore[reportArgumentType]
         "foreign joint": (lambda: scene.add(sensors.JointReaction(other)), "add its joint 'elsewhere'"),
         "rigid": (lambda: sensors.Stress(body, "root"), "a flexible body is needed"),

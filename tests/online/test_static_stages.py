@@ -329,7 +329,7 @@ def test_what_says_nothing_of_equilibria_is_refused(beam: ReducedBody) -> None:
         with pytest.raises(InputError, match=word):
             wf.simulate(scene, 1.0, step=0.1, kind="static", progress=False, **options)
     with pytest.raises(InputError, match="'dynamic', 'static'"):
-        wf.simulate(scene, 1.0, step=0.1, kind="statics", progress=False)
+        wf.simulate(scene, 1.0, step=0.1, kind="statics", progress=False)  # pyright: ignore[reportArgumentType]
     with pytest.raises(InputError, match="integrator"):
         wf.Stage("press", 1.0, 0.1, {"integrator": wf.GeneralizedAlpha()}, kind="static")
     with pytest.raises(InputError, match="'dynamic' or 'static'"):

@@ -259,7 +259,7 @@ def test_plots_draw_cells(patch: Result, kind: str, tmp_path: Path) -> None:
 
 
 def test_the_map_has_the_cells_in_millimetres(patch: Result) -> None:
-    axes = patch.plot("stick_slip", Figure().add_subplot())
+    axes: Any = patch.plot("stick_slip", Figure().add_subplot())
     mesh, arrows = axes.collections[:2]
     lines = np.asarray(mesh.get_coordinates())
     assert np.ptp(lines[..., 0]) == pytest.approx(2e3 * cell_widths()[-1]) and np.ptp(lines[..., 1]) == pytest.approx(

@@ -426,7 +426,7 @@ def test_maps_show_the_fields_from_0_to_360_degrees(result: Result, tmp_path: Pa
         ("film_pressure", result.film("bearing").pressure * 1e-6),
         ("film_gap", result.film("bearing").gap * 1e6),
     ):
-        ax = again.plot(kind, row=2)
+        ax: Any = again.plot(kind, row=2)
         mesh = ax.collections[0]
         drawn, x = np.asarray(mesh.get_array()), mesh.get_coordinates()[0, :, 0]
         assert drawn.shape == (ROWS, COLUMNS + 1) and np.all(np.diff(x) > 0.0)
@@ -439,7 +439,7 @@ def test_maps_show_the_fields_from_0_to_360_degrees(result: Result, tmp_path: Pa
 
 
 def test_the_orbit_is_drawn_over_the_clearance(result: Result) -> None:
-    ax = result.plot("film_orbit", film="bearing")
+    ax: Any = result.plot("film_orbit", film="bearing")
     path = next(line for line in ax.get_lines() if len(line.get_xdata()) == STEPS)
     np.testing.assert_allclose(
         np.array(path.get_data()).T, result.film("bearing").eccentricity / result.film("bearing").clearance
@@ -448,7 +448,7 @@ def test_the_orbit_is_drawn_over_the_clearance(result: Result) -> None:
 
 
 def test_the_smallest_film_is_drawn_over_time(result: Result) -> None:
-    ax = result.plot("film_thickness")
+    ax: Any = result.plot("film_thickness")
     np.testing.assert_allclose(ax.get_lines()[0].get_ydata(), result.film("bearing").smallest_gap * 1e6)
 
 

@@ -231,7 +231,7 @@ def test_plots(result: Result, kind: str) -> None:
 
 
 def test_a_map_has_the_colour_of_its_cells(result: Result, lap: LapResult) -> None:
-    ax = result.plot("lap_pressure", row=10)
+    ax: Any = result.plot("lap_pressure", row=10)
     (cells,) = ax.collections
     np.testing.assert_allclose(cells.get_array(), lap.pressure[10, lap.polygons[1]] * 1e-6)
 

@@ -28,7 +28,7 @@ class SceneOfHistory:
 
 
 @pytest.fixture
-def scene(history: History) -> SceneOfHistory:
+def scene(history: History) -> Any:
     return SceneOfHistory(Result(history).view.content_hash)
 
 
@@ -50,7 +50,7 @@ def calls(monkeypatch: pytest.MonkeyPatch, history: History) -> list[tuple[Any, 
 
 
 def test_arguments_reach_the_engine_and_files_are_written(
-    calls: list, scene: SceneOfHistory, history: History, tmp_path: Path
+    calls: list, scene: Any, history: History, tmp_path: Path
 ) -> None:
     result = simulate(
         scene, 0.1, step=1e-4, save_every=3, results=tmp_path / "r.h5", record=tmp_path / "r.rrd", progress=False
@@ -69,7 +69,7 @@ def test_arguments_reach_the_engine_and_files_are_written(
 
 
 def test_files_are_told_with_their_sizes_and_seconds(
-    calls: list, scene: SceneOfHistory, history: History, tmp_path: Path, caplog: pytest.LogCaptureFixture
+    calls: list, scene: Any, history: History, tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
     history.notes.append("something was left out")
     with caplog.at_level("INFO", "warpffrf"):
@@ -88,9 +88,7 @@ def test_files_are_told_with_their_sizes_and_seconds(
         simulate(scene, 0.1, step=1e-4, record=tmp_path / "r.rrd", record_every=0)
 
 
-def test_a_run_that_ended_early_is_written_as_well(
-    calls: list, scene: SceneOfHistory, history: History, tmp_path: Path
-) -> None:
+def test_a_run_that_ended_early_is_written_as_well(calls: list, scene: Any, history: History, tmp_path: Path) -> None:
     history.status, history.message = "interrupted", "stopped by the user; continue with start=result"
     simulate(scene, 0.1, step=1e-4, results=tmp_path / "r.h5", record=tmp_path / "r.rrd")
     loaded = Result.load(tmp_path / "r.h5")
@@ -98,7 +96,7 @@ def test_a_run_that_ended_early_is_written_as_well(
     assert (tmp_path / "r.rrd").exists()
 
 
-def test_paths_are_checked_before_the_run(calls: list, scene: SceneOfHistory, tmp_path: Path) -> None:
+def test_paths_are_checked_before_the_run(calls: list, scene: Any, tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
     for name, file in (("results", "x.h5"), ("record", "x.rrd")):
@@ -112,9 +110,7 @@ def test_paths_are_checked_before_the_run(calls: list, scene: SceneOfHistory, tm
     assert not calls
 
 
-def test_a_result_is_continued_also_from_its_file(
-    calls: list, scene: SceneOfHistory, result: Result, tmp_path: Path
-) -> None:
+def test_a_result_is_continued_also_from_its_file(calls: list, scene: Any, result: Result, tmp_path: Path) -> None:
     simulate(scene, 0.1, step=1e-4, start=result)
     assert calls[0][2]["start"] is result.history
     loaded = Result.load(result.save(tmp_path / "r.h5"))
@@ -134,13 +130,13 @@ def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
 
 
 @pytest.mark.parametrize("option", ["start", "method", "local"])
-def test_unknown_options_list_the_known(calls: list, scene: SceneOfHistory, option: str) -> None:
+def test_unknown_options_list_the_known(calls: list, scene: Any, option: str) -> None:
     with pytest.raises(InputError, match=f"{option} (is )?'nonsense'.*; known: '"):
         simulate(scene, 0.1, step=1e-4, **{option: "nonsense"})  # pyright: ignore[reportArgumentType]
     assert not calls
 
 
-def test_equilibrium_is_a_result(calls: list, scene: SceneOfHistory, tmp_path: Path) -> None:
+def test_equilibrium_is_a_result(calls: list, scene: Any, tmp_path: Path) -> None:
     result = equilibrium(scene, results=tmp_path / "e.h5")
     assert isinstance(result, Result) and calls == [(scene, "cpu", False)]
     assert (tmp_path / "e.h5").exists()

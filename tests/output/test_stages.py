@@ -199,9 +199,9 @@ def test_gravity_that_changes_between_stages_leaves_the_ledger_closed() -> None:
 
 def test_what_is_no_scene_no_integrator_and_no_number_is_refused() -> None:
     with pytest.raises(wf.InputError, match="a Scene is needed"):
-        simulate(None, 1.0, step=0.1)
+        simulate(None, 1.0, step=0.1)  # pyright: ignore[reportArgumentType]
     with pytest.raises(wf.InputError, match="a Scene is needed"):
-        wf.equilibrium(None)
+        wf.equilibrium(None)  # pyright: ignore[reportArgumentType]
     with pytest.raises(wf.InputError, match="save_every must be a whole number"):
         simulate(falling(), 1e-2, step=1e-3, save_every=2.5, progress=False)  # type: ignore[arg-type]
     wrong = [Stage("a", 1e-2, 1e-3, {"integrator": "alpha"})]

@@ -28,7 +28,7 @@ def body() -> ReducedBody:
     return roller_body(900, layers=3, axial=2, grading=1.6, order=1, max_frequency=12e3, cache=False)
 
 
-def pressed(body: ReducedBody, force: float, law: object) -> Scene:
+def pressed(body: ReducedBody, force: float, law: laws.Law) -> Scene:
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     lower = scene.add_body(body, name="lower")
     upper = scene.add_body(body, name="upper", position=(0.0, 0.0, 2.0 * RADIUS))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.special import ellipk
@@ -102,7 +104,7 @@ DRIVES = [
 
 
 @pytest.mark.parametrize(("name", "quantity"), DRIVES)
-def test_driven_joints_reach_their_prescribed_positions(name: str, quantity: str) -> None:
+def test_driven_joints_reach_their_prescribed_positions(name: str, quantity: Any) -> None:
     """Revolute and prismatic; the angle passes several turns, so that it must not be counted in half turns."""
     signal = SIGNALS[name]
     scene = Scene()

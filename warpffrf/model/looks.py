@@ -41,11 +41,9 @@ class Shown:
 class Item(Shown):
     """Looks of what is added to a scene: its name, and the places that it acts on or between."""
 
-    name: Any  # text; None until a scene gives one
-    ports: Any
-
     def _facts(self) -> dict[str, Any]:
-        return {"name": self.name, "on": " and ".join(port.label for port in self.ports)}
+        item: Any = self
+        return {"name": item.name, "on": " and ".join(port.label for port in item.ports)}
 
 
 class Rows(Shown):

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, Integrator
+from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
 from warpffrf.model.interruption import terminated_as_interrupted
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
@@ -68,7 +68,7 @@ def simulate(
     start: str | os.PathLike[str] | Result = "initial",
     method: Literal["separated", "monolithic"] | Monolithic = "separated",
     local: str | LocalDynamics = "quasi_static",
-    integrator: Integrator | None = None,
+    integrator: Integrator | RungeKutta4 | EnergyMomentum | None = None,
     accuracy: float | None = None,
     step_error: float | None = None,
     energy_tolerance: float | None = None,
