@@ -103,6 +103,10 @@ def test_files_are_compared_and_drawn(body: ReducedBody, tmp_path: Path) -> None
     paths = [run_on(body, factor=f).save(tmp_path / f"{name}.h5") for name, f in (("one", 1.0), ("two", 2.0))]
     found = wf.compare(*paths)
     assert found.names == ("one.h5", "two.h5")
+    (tmp_path / "other").mkdir()
+    twin = run_on(body).save(tmp_path / "other" / "one.h5")
+    assert wf.compare(paths[0], twin).names == (str(paths[0]), str(twin))
+    assert wf.compare(twin, twin).names == (f"{twin} (A)", f"{twin} (B)")
     figure = found.figure()
     for axes in figure.axes:
         first, second = axes.get_lines()

@@ -76,3 +76,21 @@ def test_on_a_page_the_names_stand_below_the_panels(crowded: Result) -> None:
     assert len(legend.get_texts()) == PAIRS and box.y1 <= min(panel.y0 for panel in panels)
     assert 0.0 <= box.x0 and box.x1 <= figure.bbox.x1 and figure.axes[0].get_legend() is None
     assert min(panel.width for panel in panels) > 0.15 * figure.bbox.width  # of three columns with their labels
+
+
+def test_ripple_fills_its_axes(body: ReducedBody) -> None:
+    """Five rows in the second half, of a force 1 + e, 1 - e, ...: their mean is 1 + e/5."""
+    history = make_history(body)
+    (contact,) = history.contacts.values()
+    e, rows = 1e-3, np.arange(len(history.time))
+    contact.force = np.outer(2e3 * (1.0 + e * (-1.0) ** rows), [0.0, 0.0, -1.0])
+    ax = Result(history).plot("ripple", Figure().add_subplot())
+    force = ax.get_lines()[0]
+    assert np.array_equal(force.get_xdata(), history.time[4:] * 1e3)
+    mean = 1.0 + e / 5.0
+    expected = 100.0 * ((1.0 + e * (-1.0) ** rows[4:]) / mean - 1.0)
+    assert force.get_ydata() == pytest.approx(expected, rel=1e-9)  # 13 digits of 1 + e
+    assert ax.get_legend().get_texts()[0].get_text() == "force, 0.2 % from end to end"
+    low, high = ax.get_ylim()
+    drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines()])
+    assert low < drawn.min() and drawn.max() < high and high - low < 2.0 * np.ptp(drawn)

@@ -200,10 +200,17 @@ def compare(a: Result | str | os.PathLike[str], b: Result | str | os.PathLike[st
     >>> print(wf.compare("fine.h5", "coarse.h5").report())  # doctest: +SKIP
     """
     runs = [run if isinstance(run, Result) else Result.load(run) for run in (a, b)]
-    names = ["result" if isinstance(run, Result) else Path(run).name for run in (a, b)]
-    if names[0] == names[1]:
-        names = [f"{name} ({letter})" for name, letter in zip(names, "AB", strict=True)]
-    return Comparison(runs[0], runs[1], (names[0], names[1]))
+    return Comparison(runs[0], runs[1], _names(a, b))
+
+
+def _names(a: Any, b: Any) -> tuple[str, str]:
+    """What the runs are called: names of their files, with folders where those are the same, else with A and B."""
+    runs = (a, b)
+    for part in (lambda path: path.name, str):
+        first, second = ("result" if isinstance(run, Result) else part(Path(run)) for run in runs)
+        if first != second:
+            return first, second
+    return f"{first} (A)", f"{second} (B)"
 
 
 def _largest(values: np.ndarray) -> float:

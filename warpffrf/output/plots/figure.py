@@ -26,7 +26,7 @@ LEGEND_ROWS = 16  # names above each other there
 PAGE_COLUMNS = 6  # names beside each other below a page
 HEADROOM = 1.08  # of the largest value of a plot
 SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
-PROFILE, REFERENCE = "#1b6ca8", "#d1495b"
+PROFILE, REFERENCE, FORCE = "#1b6ca8", "#d1495b", "#2a9d6f"
 
 
 class OfPair:
@@ -222,10 +222,32 @@ def widths(result: Any, ax: Any) -> None:
     ax.title.set_fontsize(10)
 
 
+def ripple(result: Any, ax: Any) -> None:
+    """Force, half-width and peak pressure of the second half of the run about their means in per cent, so that a small
+    change looks large."""
+    contact = _contact(result)
+    rows = np.flatnonzero(contact.touching & (result.time >= 0.5 * (result.time[0] + result.time[-1])))
+    curves = {
+        "force": (contact.force_magnitude, FORCE), "half-width": (contact.half_width, PROFILE),
+        "peak pressure": (contact.mid_peak_pressure, REFERENCE),
+    }  # fmt: skip
+    for name, (values, color) in curves.items():
+        mean = float(np.mean(values[rows])) if len(rows) else 0.0
+        about = 100.0 * (values[rows] / mean - 1.0) if mean > 0.0 else np.zeros(len(rows))
+        label = f"{name}, {np.ptp(about) if len(rows) else 0.0:.2g} % from end to end"
+        ax.plot(result.time[rows] * 1e3, about, lw=1.1, color=color, label=label)
+    ax.axhline(0.0, color="0.7", lw=0.6)
+    ax.margins(y=0.25)
+    ax.set(xlabel="time [ms]", ylabel="about the mean [%]")
+    ax.set_title("Ripple in the second half of the run", fontsize=10)
+    ax.legend(frameon=False, fontsize=7, loc="upper left")
+
+
 Draw = Callable[[Any, Any], None]
 PLOTS: dict[str, Draw] = {
     "force": force,
     "widths": widths,
+    "ripple": ripple,
     "across": across,
     "along": along,
     "patch": patch,
