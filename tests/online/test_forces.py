@@ -346,7 +346,8 @@ def test_torque_spins_a_body_up_and_works(frame: Any) -> None:
 
 def test_body_torque_turns_with_the_body_and_a_world_one_does_not() -> None:
     """A wheel spins at a held speed about z; a body torque about x then averages to nothing, a world one does not."""
-    for frame, grows in (("world", True), ("body", False)):
+    frames: Any = (("world", True), ("body", False))
+    for frame, grows in frames:
         scene = Scene()
         body = scene.add_rigid_body(MASS, (0.1, 0.1, 0.1), name="body", angular_velocity=(0.0, 0.0, 20.0 * np.pi))
         scene.add(forces.PointTorque(body.at((0, 0, 0)), (1e-2, 0.0, 0.0), frame=frame))

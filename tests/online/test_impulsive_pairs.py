@@ -78,7 +78,7 @@ def bounce(spring: float, gap: float, h: float) -> tuple[float, float]:
         d = depth(theta)
         return 0.5 * spring * d**2 - theta * spring * d * (x + d)
 
-    theta = float(brentq(created, 1e-9, 1.0, xtol=1e-15))
+    theta = float(brentq(created, 1e-9, 1.0, xtol=1e-15))  # pyright: ignore[reportArgumentType]
     force = spring * depth(theta)
     v -= h * theta * force / MASS
     stored = 0.5 * force**2 / spring
@@ -86,7 +86,7 @@ def bounce(spring: float, gap: float, h: float) -> tuple[float, float]:
     def left(mean: float) -> float:  # the mean force that opens
         return stored + mean * (h * v - 0.5 * h**2 * mean / MASS)
 
-    mean = float(brentq(left, 1e-9 * force, force, xtol=1e-12))
+    mean = float(brentq(left, 1e-9 * force, force, xtol=1e-12))  # pyright: ignore[reportArgumentType]
     speed = v - h * mean / MASS
     assert 0.5 * h * (v + speed) < -depth(theta)  # it does leave the spring in this step
     return force, speed

@@ -122,10 +122,10 @@ def test_a_result_is_continued_also_from_its_file(calls: list, scene: Any, resul
 
 def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
     with pytest.raises(InputError, match="result of another scene"):
-        simulate(SceneOfHistory("another"), 0.1, step=1e-4, start=result)
+        simulate(SceneOfHistory("another"), 0.1, step=1e-4, start=result)  # pyright: ignore[reportArgumentType]
     result.history.checkpoint = {}
     with pytest.raises(InputError, match="no checkpoint"):
-        simulate(SceneOfHistory(result.view.content_hash), 0.1, step=1e-4, start=result)
+        simulate(SceneOfHistory(result.view.content_hash), 0.1, step=1e-4, start=result)  # pyright: ignore[reportArgumentType]
     assert not calls
 
 

@@ -86,7 +86,7 @@ def test_wrong_laws_are_refused(body: ReducedBody) -> None:
         with pytest.raises(InputError, match="LinearLayer: stiffness"):
             laws.LinearLayer(value)
     with pytest.raises(InputError, match="law must be one of laws.Unilateral, laws.LinearLayer"):
-        pressed(body, 1.0, "soft")
+        pressed(body, 1.0, "soft")  # pyright: ignore[reportArgumentType]
 
 
 def test_another_law_is_another_scene(body: ReducedBody) -> None:

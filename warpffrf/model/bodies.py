@@ -20,7 +20,6 @@ from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.surfaces import Shape
 
 if TYPE_CHECKING:
-    from warpffrf.model.contact_surface import ContactSurface
     from warpffrf.model.laps import LapSurface
     from warpffrf.model.reduced_body import ReducedBody
 
@@ -88,7 +87,7 @@ class SurfacePort(looks.Shown):
         return self.body.index == GROUND_INDEX
 
     @property
-    def surface(self) -> ContactSurface | Any:
+    def surface(self) -> Any:
         """The reduced contact surface, or the `RigidSurface` of a rigid body or the ground."""
         surfaces = self.body.surfaces if self.rigid else self.body.reduced.contact_surfaces
         return surfaces[self.name]

@@ -166,7 +166,7 @@ def _cylinder(
 
 
 def _run(
-    scene: Scene, face: Any, port: Any, evaluation: str, duration: float, step: float, stiffer: float,
+    scene: Scene, face: Any, port: Any, evaluation: Any, duration: float, step: float, stiffer: float,
     stick: float | None,
 ) -> Result:  # fmt: skip
     unit = default_layer(face.surface)

@@ -11,7 +11,7 @@ from collections.abc import Collection
 import numpy as np
 
 from warpffrf.model import joints
-from warpffrf.model.bodies import Body
+from warpffrf.model.bodies import Body, PortLike
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.joints.base import Joint
@@ -79,6 +79,6 @@ def two_rings(
     return scene
 
 
-def _driven(scene: Scene, holder: object, body: Body, port: str, speed: float) -> None:
+def _driven(scene: Scene, holder: PortLike, body: Body, port: str, speed: float) -> None:
     axle: Joint = scene.add(joints.Revolute(holder, body[port], axis=(0, 1, 0), name=f"{body.name} axle"))
     scene.add(joints.Drive(axle, speed, quantity="velocity"))

@@ -18,6 +18,7 @@ import numpy as np
 
 from warpffrf.model import forces, joints
 from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Port
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 from warpffrf.study.hard_cases.case import Case, Finding
@@ -69,7 +70,7 @@ def build() -> Scene:
         J = (0.6 * inertia, 0.6 * inertia, inertia)
         bodies.append(scene.add_rigid_body(mass, J, name=f"K{i + 1}", position=(*center, 0.0), rotation=turn))
 
-    def at(i: int, place: np.ndarray) -> object:
+    def at(i: int, place: np.ndarray) -> Port:
         body = bodies[i - 1]
         return body.at(tuple(body.to_user(np.array([*place, 0.0]))))
 
