@@ -20,13 +20,13 @@ SOLVED = 1e-8  # of the largest force: ten times what Newton's method leaves, as
 STAYS = 1e-9  # m: a run in time comes to rest anew, to its own tolerance; penetrations are 1e-5
 
 
-def rim(grid: str) -> Any:
+def rim(grid: Any) -> Any:
     return roller_body(
         120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=grid == "patch"
     )
 
 
-def on_floor(force: Any, *, gravity: Any = ORIGIN, grid: str = "material", spring: float = 0.0) -> tuple[Scene, Any]:
+def on_floor(force: Any, *, gravity: Any = ORIGIN, grid: Any = "material", spring: float = 0.0) -> tuple[Scene, Any]:
     """A roller on a plane, its bore on an axle in a cart on guides along z and x; and the axle. force: on the cart."""
     scene = Scene(gravity=gravity)
     floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, -RADIUS), outward=(0, 0, 1)), name="floor")
@@ -52,7 +52,7 @@ def pulled(share: float, **options: Any) -> Scene:
     return scene
 
 
-def incline(tangent: float, grid: str = "material", *, brake: bool = True) -> Scene:
+def incline(tangent: float, grid: Any = "material", *, brake: bool = True) -> Scene:
     """A wheel on an incline, its brake a joint that rubs. tangent: of the force on the patch, tangential over normal;
     the slide, which the guide holds, presses but does not pull."""
     weight = rim(grid).mass + 1.0
@@ -64,7 +64,7 @@ def incline(tangent: float, grid: str = "material", *, brake: bool = True) -> Sc
     return scene
 
 
-def twisted(share: float, grid: str) -> Scene:
+def twisted(share: float, grid: Any) -> Scene:
     """Two rollers, the lower one fixed, the upper one pressed down and turned by a torque, by `share` of what friction
     bears."""
     scene = Scene(gravity=ORIGIN)
@@ -136,7 +136,7 @@ def test_a_spring_takes_what_friction_does_not() -> None:
 
 
 @pytest.mark.parametrize("grid", ["material", "patch"])
-def test_a_braked_wheel_rests_on_an_incline_below_the_angle_of_friction(grid: str) -> None:
+def test_a_braked_wheel_rests_on_an_incline_below_the_angle_of_friction(grid: Any) -> None:
     scene = incline(0.95 * FRICTION, grid)
     rest = at_rest(scene)
     force = rest.history.contacts["nip"].force[0]
@@ -145,7 +145,7 @@ def test_a_braked_wheel_rests_on_an_incline_below_the_angle_of_friction(grid: st
 
 
 @pytest.mark.parametrize("grid", ["material", "patch"])
-def test_beyond_the_angle_it_slides(grid: str) -> None:
+def test_beyond_the_angle_it_slides(grid: Any) -> None:
     rest = wf.equilibrium(incline(1.05 * FRICTION, grid), friction=True)
     assert rest.status == "no_equilibrium" and "friction of 'nip' holds" in rest.history.message
 
@@ -157,7 +157,7 @@ def test_without_a_brake_it_rolls() -> None:
 
 
 @pytest.mark.parametrize("grid", ["material", "patch"])
-def test_two_rollers_hold_a_torque_up_to_what_friction_bears(grid: str) -> None:
+def test_two_rollers_hold_a_torque_up_to_what_friction_bears(grid: Any) -> None:
     """The force is the torque over the distance of the patch from the axle."""
     scene = twisted(0.9, grid)
     rest = at_rest(scene)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from rubbing_run import MU, add_friction
@@ -15,6 +16,12 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.result import Result
 
 PAIRS = 24
+
+
+def texts_of(ax: Axes) -> list[str]:
+    legend = ax.get_legend()
+    assert legend is not None
+    return [text.get_text() for text in legend.get_texts()]
 
 
 @pytest.fixture
@@ -35,6 +42,7 @@ def test_a_legend_of_24_pairs_hides_no_curve_and_stays_in_the_picture(crowded: R
     ax = crowded.plot("force", figure.add_subplot())
     figure.canvas.draw()
     legend = ax.get_legend()
+    assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == crowded.contact_names
     box, axes, page = legend.get_window_extent(), ax.get_window_extent(), figure.bbox
     assert box.x0 >= axes.x1 and box.x1 <= page.x1 and page.y0 <= box.y0 and box.y1 <= page.y1
@@ -48,7 +56,7 @@ def test_two_pairs_have_their_legend_inside(crowded: Result) -> None:
     few = dict(list(history.contacts.items())[:2])
     view = replace(history.scene, pairs={name: history.scene.pairs[name] for name in few})
     ax = Result(replace(history, contacts=few, scene=view)).plot("force", Figure().add_subplot())
-    assert len(ax.get_legend().get_texts()) == 2
+    assert len(texts_of(ax)) == 2
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -65,7 +73,7 @@ def test_tractions_of_both_signs_are_inside_the_axes(body: ReducedBody, sign: fl
     assert low < np.nanmin(values) < 0.0 < np.nanmax(values) < high
     dashed = [line for line in ax.get_lines() if line.get_linestyle() == "--"]
     assert np.array_equal(dashed[0].get_ydata(), -np.asarray(dashed[1].get_ydata()))
-    assert f"±{MU:g} p" in [text.get_text() for text in ax.get_legend().get_texts()]
+    assert f"±{MU:g} p" in texts_of(ax)
 
 
 def test_on_a_page_the_names_stand_below_the_panels(crowded: Result) -> None:
@@ -90,7 +98,7 @@ def test_ripple_fills_its_axes(body: ReducedBody) -> None:
     mean = 1.0 + e / 5.0
     expected = 100.0 * ((1.0 + e * (-1.0) ** rows[4:]) / mean - 1.0)
     assert force.get_ydata() == pytest.approx(expected, rel=1e-9)  # 13 digits of 1 + e
-    assert ax.get_legend().get_texts()[0].get_text() == "force, 0.2 % from end to end"
+    assert texts_of(ax)[0] == "force, 0.2 % from end to end"
     low, high = ax.get_ylim()
     drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines()])
     assert low < drawn.min() and drawn.max() < high and high - low < 2.0 * np.ptp(drawn)

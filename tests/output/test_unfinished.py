@@ -271,7 +271,7 @@ def test_a_full_disk_loses_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyP
 def test_what_goes_wrong_after_a_run_loses_no_result(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for error, said in ((RuntimeError("File-writer thread"), "File-writer"), (KeyboardInterrupt(), "interrupted")):
 
-        def failing(result: wf.Result, path: Path, error: BaseException = error) -> Path:
+        def failing(*_: Any, error: BaseException = error) -> Path:
             raise error
 
         monkeypatch.setattr(outputs, "_record", failing)

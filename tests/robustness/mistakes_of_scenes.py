@@ -13,7 +13,7 @@ simulate, Contact, Scene = untyped(wf.simulate), untyped(wf.Contact), untyped(wf
 BODIES = (
     Mistake("gravity upwards", lambda w: wf.Scene(gravity=(0, 0, 9.81)), ("points upwards", "(0, 0, -9.81)")),
     Mistake("gravity in mm/s2", lambda w: wf.Scene(gravity=(0, 0, -9810)), ("9810 m/s2", "not mm")),
-    Mistake("gravity as a number", lambda w: wf.Scene(gravity=-9.81), ("gravity must have shape (3)",)),
+    Mistake("gravity as a number", lambda w: Scene(gravity=-9.81), ("gravity must have shape (3)",)),
     Mistake("gravty=", lambda w: Scene(gravty=ORIGIN), ("did you mean 'gravity'?",)),
     Mistake(
         "a mesh for a body", lambda w: untyped(w.scene).add_body(roller_mesh(), name="x"), ("reduce(mesh, material",)
@@ -100,20 +100,20 @@ JOINTS = (
     ),
     Mistake(
         "a coordinate that is held",
-        lambda w: wf.joints.Drive(w.guide, 1.0, coordinate="rotation"),
+        lambda w: joints.Drive(w.guide, 1.0, coordinate="rotation"),
         ("'rotation'", "'translation'"),
     ),
     Mistake(
         "a driven joint that is not there",
         lambda w: w.scene.add(
-            wf.joints.Drive(wf.joints.Prismatic(w.scene.ground, w.slider.at(ORIGIN), axis=(0, 0, 1), name="g"), 1.0)
+            joints.Drive(wf.joints.Prismatic(w.scene.ground, w.slider.at(ORIGIN), axis=(0, 0, 1), name="g"), 1.0)
         ),
         ("add its joint 'g'",),
     ),
-    Mistake("a lambda for a signal", lambda w: wf.joints.Drive(w.guide, lambda t: t), ("signals.Table(times",)),
-    Mistake("a signal by its name", lambda w: wf.joints.Drive(w.guide, "sin"), ("signals are objects",)),
-    Mistake("values for a signal", lambda w: wf.joints.Drive(w.guide, [0.0, 1.0]), ("signals.Table(times, values)",)),
-    Mistake("a signal's class", lambda w: wf.joints.Drive(w.guide, wf.signals.Ramp), ("signals.Ramp(...)",)),
+    Mistake("a lambda for a signal", lambda w: joints.Drive(w.guide, lambda t: t), ("signals.Table(times",)),
+    Mistake("a signal by its name", lambda w: joints.Drive(w.guide, "sin"), ("signals are objects",)),
+    Mistake("values for a signal", lambda w: joints.Drive(w.guide, [0.0, 1.0]), ("signals.Table(times, values)",)),
+    Mistake("a signal's class", lambda w: joints.Drive(w.guide, wf.signals.Ramp), ("signals.Ramp(...)",)),
     Mistake("arguments by place", lambda w: signals.SmoothStep(0, 100, 0.01), ("duration=...",)),
     Mistake("times that fall", lambda w: wf.signals.Table([0, 2, 1], [0, 1, 2]), ("times must increase, times[2]",)),
     Mistake("NaN in a table", lambda w: wf.signals.Table([0, 1], [0, np.nan]), ("values[1] is nan",)),
@@ -122,21 +122,21 @@ JOINTS = (
 FORCES = (
     Mistake(
         "a direction in the plane",
-        lambda w: wf.forces.PointForce(w.slider.at(ORIGIN), (0, 1)),
+        lambda w: forces.PointForce(w.slider.at(ORIGIN), (0, 1)),
         ("(signal, direction)", "(10.0, (0, 0, 1))"),
     ),
     Mistake(
         "one number",
-        lambda w: wf.forces.PointForce(w.slider.at(ORIGIN), 5),
+        lambda w: forces.PointForce(w.slider.at(ORIGIN), 5),
         ("three components", "(signal, direction)"),
     ),
     Mistake(
         "a force on the ground",
-        lambda w: wf.forces.PointForce(w.scene.ground.at(ORIGIN), (0, 0, 1)),
+        lambda w: forces.PointForce(w.scene.ground.at(ORIGIN), (0, 0, 1)),
         ("choose a port of a body",),
     ),
     Mistake(
-        "frame='local'", lambda w: wf.forces.PointForce(w.slider.at(ORIGIN), (0, 0, 1), frame="local"), ("world, body",)
+        "frame='local'", lambda w: forces.PointForce(w.slider.at(ORIGIN), (0, 0, 1), frame="local"), ("world, body",)
     ),
     Mistake("a spring on a body", lambda w: forces.JointSpringDamper(w.slider, 1e3), ("acts on a joint",)),
     Mistake(
@@ -193,7 +193,7 @@ CONTACTS = (
     Mistake("fricton=", lambda w: Contact(w.lower["rim"], w.floor, fricton=0.3), ("did you mean 'friction'?",)),
     Mistake(
         "evaluation='best'",
-        lambda w: wf.Contact(w.lower["rim"], w.floor, evaluation="best"),
+        lambda w: Contact(w.lower["rim"], w.floor, evaluation="best"),
         ("known: 'full', 'semi', 'hyper'",),
     ),
     Mistake(
@@ -237,12 +237,12 @@ RUNS = (
     ),
     Mistake(
         "a drive that begins elsewhere",
-        lambda w: (w.scene.add(wf.joints.Drive(w.guide, 0.1, quantity="position", name="push")), w.run()),
+        lambda w: (w.scene.add(joints.Drive(w.guide, 0.1, quantity="position", name="push")), w.run()),
         ("drive 'push'", "begin at that value"),
     ),
     Mistake(
         "a table that ends early",
-        lambda w: (w.scene.add(wf.joints.Drive(w.guide, wf.signals.Table([0, 1e-3], [0, 0]), name="push")), w.run()),
+        lambda w: (w.scene.add(joints.Drive(w.guide, wf.signals.Table([0, 1e-3], [0, 0]), name="push")), w.run()),
         ("push", "hold=True"),
     ),
     Mistake("a scene without bodies", lambda w: wf.Scene().check(), ("scene.add_body",)),
