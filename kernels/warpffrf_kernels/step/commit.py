@@ -43,10 +43,10 @@ RESOLVED = wp.constant(wp.float64(0.1))
 MOST_GAINED = wp.constant(wp.float64(0.01))
 # ... but this part of the energy tolerance always, or steps would be halved for round-off
 LEAST_GAIN = wp.constant(wp.float64(0.0625))
-# a load step that has been halved as often as allowed begins with a proximal step shorter by 100 to this power at most
 # rounds of a load step in which friction that holds has taken over what held a body before (`proximal`), but for ...
 SLIDES = wp.constant(4)
 DRAGS = wp.constant(wp.float64(1.0e-4))  # ... this part of the largest force
+# a load step that has been halved as often as allowed begins with a proximal step shorter by 100 to this power at most
 MOST_CAREFUL = wp.constant(4)
 # of the largest change of an energy: a static step that rises by more goes towards a maximum; below, changes cancel and
 # the grids of contact show
