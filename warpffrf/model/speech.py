@@ -23,6 +23,8 @@ from contextvars import ContextVar
 
 from tqdm import tqdm
 
+from warpffrf.model.named_arguments import named_arguments
+
 log = logging.getLogger("warpffrf")
 notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them as well
 
@@ -84,6 +86,7 @@ _lock = threading.Lock()
 _heard = _Heard()
 
 
+@named_arguments
 def quiet() -> None:
     """From now on only warnings and errors go to stderr, no lines about what is being done.
 

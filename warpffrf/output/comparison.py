@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.output.files.fields import RUN_FIELDS
 from warpffrf.output.files.table import Series, histories
 from warpffrf.output.plots.overlay import Overlaid, overlay_figure
@@ -192,6 +193,7 @@ class Comparison:
         return write_picture(self.figure(labels), path, "compare", overwrite=overwrite)
 
 
+@named_arguments
 def compare(a: Result | str | os.PathLike[str], b: Result | str | os.PathLike[str]) -> Comparison:
     """Run `b` against run `a`, results or their files: `.report()` has the settings that differ and, for every history,
     the relative L2 and largest difference on A's times; `.save_figure(path)` draws both. Raises InputError for files
