@@ -143,7 +143,7 @@ def quoted_after(number: int) -> list[str]:
     return [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
 
 
-@pytest.mark.parametrize(("number", "lines"), [(2, 3), (3, 10)])
+@pytest.mark.parametrize(("number", "lines"), [(2, 6), (3, 10)])
 def test_what_the_readme_quotes_is_what_the_example_prints(number: int, lines: int, tmp_path: Path) -> None:
     quoted = quoted_after(number)
     assert len(quoted) == lines

@@ -97,7 +97,9 @@ def test_every_spring_of_the_registry_is_here() -> None:
     springs = {kind for kind, element in forces.FORCES.items() if hasattr(element, "law")}
     assert springs == {name for name in SPRINGS if name in forces.FORCES}
     terms = ("law", "slip", "tension", "load")
-    assert all(sum(hasattr(element, term) for term in terms) == 1 for element in forces.FORCES.values())
+    for element in forces.FORCES.values():
+        have = {term for term in terms if hasattr(element, term)}
+        assert len(have) == 1 or have == {"law", "tension"}  # a spring with a preload in time pulls beside its law
 
 
 def spring_scene(name: str) -> tuple[Scene, Any]:

@@ -184,7 +184,7 @@ def test_saved_and_loaded(slit, tmp_path: Path) -> None:
             assert np.array_equal(getattr(again.laps[name], key), array)
         assert again.laps[name].facts() == lap.facts()
     assert np.array_equal(again.stress["inside"].laps, body.stress["inside"].laps)
-    assert "lap             lap: 10 cells by facets" in again.info() and "laps lap, foot, nodes" in repr(again)
+    assert "lap             lap: 10 cells by facets" in again.info() and "laps='lap', 'foot', 'nodes'" in repr(again)
     assert again.report["laps"]["lap"]["cells"] == 10
     changed = replace(body, lap_compliance=2.0 * body.lap_compliance)
     assert changed.content_hash() != body.content_hash()

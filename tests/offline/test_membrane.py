@@ -364,7 +364,8 @@ def test_files_of_schema_10_have_no_second_order_motion(tmp_path) -> None:
     view = BodyView("plate", again, again.mass, again.center_of_mass, stiffening=True)
     assert motion_of(view) is None
     q = np.linspace(1.0, 2.0, len(again.frequencies))
-    np.testing.assert_array_equal(skin_displacement(view, q), np.tensordot(q, again.surface.modes, 1))
+    linear = np.tensordot(q, again.surface.modes, 1)
+    np.testing.assert_allclose(skin_displacement(view, q), linear, atol=1e-14 * np.abs(linear).max())  # order of sums
 
 
 def test_shapes_are_those_of_all_pairs(rimmed) -> None:

@@ -96,7 +96,7 @@ def test_a_contact_surface_of_two_materials_is_noted(small_roller):
 
 def test_a_body_prints_as_one_line(small_roller):
     body = reduced(small_roller, modes=2)
-    assert len(repr(body)) < 200 and "interfaces bore" in repr(body)
+    assert len(repr(body)) < 200 and "interfaces='bore'" in repr(body)
 
 
 def test_lanczos_keeps_its_basis_orthonormal_over_a_wide_spectrum():

@@ -99,10 +99,11 @@ def rate_of(c: Coefficients, rate0: vec3, a0: vec3, a1: vec3) -> vec3:
 @wp.func
 def share_of_miss(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> real:
     """What a force at the end of a step changes by with the mean over it, of forces whose mean is given (`mean_work`);
-    0 where none is: in all but steps in time that remember accelerations."""
-    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or ctl[w].forget != 0:
-        return real(0.0)
+    0 where none is: in all but steps in time that remember accelerations, and in evaluations that are no step, whose
+    velocities have no part of the accelerations (gamma = 0, `linearise`)."""
     c = clk[w].outer
+    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or ctl[w].forget != 0 or c.gamma == real(0.0):
+        return real(0.0)
     return (real(1.0) - c.alpha_m) / (c.gamma * (real(1.0) - c.alpha_f))
 
 
