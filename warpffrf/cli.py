@@ -87,7 +87,7 @@ def options(
     log.setLevel(logging.DEBUG if verbose else logging.WARNING if quiet else logging.INFO)
 
 
-app.add_typer(study_app(one_line_errors, lambda: _State.quiet), name="study")
+app.add_typer(study_app(lambda: _State.quiet), name="study")
 
 
 def _add_demo(module: str, about: str) -> None:
@@ -374,7 +374,7 @@ def info(
         )
 
 
-add_result_commands(app, one_line_errors)
+add_result_commands(app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from warpffrf.cli_errors import one_line_errors
+
 OVERWRITE = typer.Option("--overwrite", help="Replace a picture that is there.")
 
 
-def add_result_commands(app: typer.Typer, one_line_errors: Callable[[], AbstractContextManager[None]]) -> None:
-    """Add `compare`, `plot` and `spectrum` to `app`; errors are told within `one_line_errors()`."""
+def add_result_commands(app: typer.Typer) -> None:
+    """Add `compare`, `plot` and `spectrum` to `app`."""
 
     @app.command("compare")
     def compare_results(

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import tomllib
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+
+from warpffrf.cli_errors import one_line_errors
 
 IN_FILE = "simulate."  # before an option of the run, as `--set` names it
 
@@ -61,8 +62,8 @@ def _made(name: str, value: Any) -> Any:
         raise InputError(f"--choice {name}: {table} cannot be used: {error}") from error
 
 
-def study_app(one_line_errors: Callable[[], AbstractContextManager[None]], quiet: Callable[[], bool]) -> typer.Typer:
-    """The commands; one_line_errors: what turns errors into exit codes, quiet: whether no progress is wanted."""
+def study_app(quiet: Callable[[], bool]) -> typer.Typer:
+    """The commands; quiet: whether no progress is wanted."""
     app = typer.Typer(
         help="Speed against error, and stability on hard cases.", no_args_is_help=True, rich_markup_mode=None
     )

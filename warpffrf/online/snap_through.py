@@ -26,6 +26,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.rotation import matrix
+from warpffrf.model.second_order_motion import skin_displacement
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
 from warpffrf.online.start.settle import LEAST, settle
@@ -130,9 +131,8 @@ def _places(engine: Engine) -> dict[str, Array]:
         local = np.zeros((1, 3))
         if body.reduced is not None:
             first = engine.compiled.modal_start[i]
-            surface = body.reduced.surface
-            moved = np.tensordot(q[first : first + body.mode_count], surface.modes, 1)
-            local = surface.points + moved - body.center_of_mass
+            moved = skin_displacement(body, q[first : first + body.mode_count])
+            local = body.reduced.surface.points + moved - body.center_of_mass
         found[body.name] = r[i] + local @ matrix(p[i]).T
     return found
 

@@ -25,6 +25,7 @@ Loads p g work on u, so that with slaved motion their potential is -p g.(Phi q +
 from __future__ import annotations
 
 import copy
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -54,7 +55,7 @@ class Ends:
     D: Array
 
 
-class Energy:
+class Energy(ABC):
     """A reduced energy of `coordinates` q, its forces and tangents, counted in multiply-adds; the work of the load is
     `linear`.q + q.`bend` q/2. `definite`: least over largest eigenvalue of V4 on pairs at unit energy of bending, None
     where nobody forms it."""
@@ -69,13 +70,13 @@ class Energy:
     force_operations: int
     tangent_operations: int
 
+    @abstractmethod
     def force(self, q: Array) -> Array:
         """dV/dq."""
-        raise NotImplementedError
 
+    @abstractmethod
     def tangent(self, q: Array) -> Array:
         """d2V/dq2."""
-        raise NotImplementedError
 
     def load(self, q: Array) -> Array:
         """Derivative (n,) of the work of the load of factor 1."""

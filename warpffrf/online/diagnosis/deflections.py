@@ -11,10 +11,10 @@ Of bodies that loads stiffen a line says, as far as they have it:
 
 Of others a line comes where it is needed: where interfaces turn far, where a body deflects by `THICK` of its smallest
 extent, that of the box with its mass and inertia (a clamped plate is then softer than it should be by a tenth and more,
-a beam that may shorten by nothing), and where pictures, contact surfaces or laps lack what
-interfaces do of second order. And of all bodies where
-the skin is strained above `STRAINED` (`warpffrf.model.skin_strain`): the material of a body is St. Venant-Kirchhoff's,
-linear in the strains of Green, of which those of a metal or of rubber differ by about the strain itself.
+a beam that may shorten by nothing), and where pictures, contact surfaces or laps lack what interfaces do of second
+order. And of all bodies where the skin is strained above `STRAINED` (`warpffrf.model.skin_strain`): the material of a
+body is St. Venant-Kirchhoff's, linear in the strains of Green, of which those of a metal or of rubber differ by about
+the strain itself.
 
 Skins are looked at in few of the saved steps: where the modes have most energy, and where each of the `LEADING` modes
 with most of it has its largest part. Deflections, strains and angles are by the global modes.
