@@ -45,10 +45,15 @@ app = typer.Typer(
 )
 demo = typer.Typer(
     help="Run a complete example, print its figures beside what they must be, and write its results to a folder.",
-    no_args_is_help=True,
     rich_markup_mode=None,
 )
 app.add_typer(demo, name="demo")
+
+
+@demo.callback(invoke_without_command=True)
+def list_demos(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 class _State:
