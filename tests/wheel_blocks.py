@@ -35,7 +35,7 @@ ELSEWHERE = {("two_rollers.md", "warpffrf demo two-rollers")}
 MODULE = re.compile(r"python\s+-m\s+(warpffrf[\w.]+)")
 INLINE = re.compile(r"`warpffrf ([a-z][a-z-]*(?: [a-z][a-z-]+)?)[^`]*`")
 WORKERS = 2
-LONGEST = 600  # s, of one block; on a quiet machine none takes a quarter of it
+LONGEST = 1800  # s, of one block: none takes two minutes on a quiet machine, all may stand in line on a busy one
 SHOWN = 3000  # characters of what a block that failed has said
 
 
