@@ -199,7 +199,7 @@ def test_reduce_then_info(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_options_of_a_reduction_reach_it(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     target = tmp_path / "body.h5"
-    mesh, mm = str(DATA / "tet_roller.msh"), ["--length-unit", "mm"]
+    mesh, mm = str(wf.examples.path("roller") / "roller.msh"), ["--length-unit", "mm"]
     sets = ["--interface", "bore", "--modes", "6", "--no-cache"]
     sets += ["--inertia-modes", "4", "--stiffening", "--centrifugal"]
     assert cli.main(["-q", "reduce", mesh, *mm, *STEEL, *sets, "-o", str(target)]) == 0
@@ -237,7 +237,7 @@ def test_modes_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) ->
 
 
 def test_info_of_a_mesh_gives_its_size_mass_and_inertia(capsys: pytest.CaptureFixture) -> None:
-    path = DATA / "tet_roller.msh"
+    path = wf.examples.path("roller") / "roller.msh"
     assert cli.main(["info", str(path), "--length-unit", "mm"]) == 0
     said = capsys.readouterr().out
     for word in ("nodes", "box", "rim (", "bore (", "mass", "inertia"):

@@ -20,7 +20,7 @@ from warpffrf.scene_file.load import DOCUMENT_SIGN, scene_of
 from warpffrf.scene_file.source import parse
 
 DATA = Path(__file__).resolve().parent / "data"
-DEMO = DATA / "two_rollers.toml"
+DEMO = wf.examples.path("two-rollers") / "two_rollers.toml"
 COARSE = demo.Size(sectors=360, layers=8, axial=2)
 COARSER = [f"meshes.roller.{name}={getattr(COARSE, name)}" for name in ("sectors", "layers", "axial")]
 

@@ -12,7 +12,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpffrf import study
+    from warpffrf import examples, study
     from warpffrf.model import (
         bases,
         damping,
@@ -70,6 +70,7 @@ __all__ = [
     "damping",
     "eigenmodes",
     "equilibrium",
+    "examples",
     "films",
     "forces",
     "integrators",
@@ -110,6 +111,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "damping": ("warpffrf.model.damping", None),
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
+    "examples": ("warpffrf.examples", None),
     "films": ("warpffrf.model.films", None),
     "forces": ("warpffrf.model.forces", None),
     "integrators": ("warpffrf.model.integrators", None),

@@ -1,4 +1,4 @@
-"""The command line: `warpffrf demo | run | modes | reduce | info | compare | plot | spectrum | study`.
+"""The command line: `warpffrf demo | example | run | modes | reduce | info | compare | plot | spectrum | study`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
@@ -21,6 +21,7 @@ import typer
 
 import warpffrf
 from warpffrf.cli_errors import know_options, one_line_errors
+from warpffrf.cli_examples import add_example_commands
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
 from warpffrf.demos import DEMOS
@@ -29,13 +30,14 @@ from warpffrf.demos import DEMOS
 # (on two busy cores 16 times longer than one thread alone).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+SCENE = typer.Argument(metavar="SCENE", help="Scene file, .toml; what may stand in it: warpffrf scene-file.")
 EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
 
 log = logging.getLogger("warpffrf")
 
 app = typer.Typer(
     name="warpffrf",
-    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers",
+    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers, or warpffrf example",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
@@ -43,10 +45,15 @@ app = typer.Typer(
 )
 demo = typer.Typer(
     help="Run a complete example, print its figures beside what they must be, and write its results to a folder.",
-    no_args_is_help=True,
     rich_markup_mode=None,
 )
 app.add_typer(demo, name="demo")
+
+
+@demo.callback(invoke_without_command=True)
+def list_demos(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 class _State:
@@ -115,7 +122,7 @@ for _module, _about in DEMOS.items():
 
 @app.command("run")
 def run_scene_file(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    scene_file: Annotated[Path, SCENE],
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -164,7 +171,7 @@ def run_scene_file(
 
 @app.command("modes")
 def modes_of_scene_file(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    scene_file: Annotated[Path, SCENE],
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -375,6 +382,7 @@ def info(
 
 
 add_result_commands(app)
+add_example_commands(app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
