@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
     from warpffrf.model.scene import Scene
     from warpffrf.output.bodies.stress import StressResult
+    from warpffrf.output.bodies.stress_below import StressBelow
     from warpffrf.output.spectrum import Spectrum
 
 
@@ -238,6 +239,29 @@ class Result(looks.Shown):
         from warpffrf.output.bodies.stress import stress_result
 
         return stress_result(self, body, points)
+
+    def stress_below(
+        self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None
+    ) -> list[StressBelow]:
+        """Stress [Pa] in the half-space below the centre of the patch of a contact pair, the first one if None, of the
+        pressure of the saved step `row`, the last one that touches if None, without tractions: `.depth` (n,) [m],
+        `.tensor` (n, 6), `.von_mises`, `.max_shear`; one for each of Poisson's ratios of its bodies.
+
+        depth: (n,) [m] from the surface, down to 3 half-widths if None. It needs no stress points of the bodies; how it
+        is made: `warpffrf.output.bodies.stress_below`. Raises InputError for a pair or row that there is not, a row in
+        which nothing touches, and bodies that do not say their material.
+        """
+        from warpffrf.output.bodies.stress_below import stress_below
+
+        if contact is None and not self.contact_names:
+            raise InputError("stress_below: the scene has no contact pair; see result.stress for points of a body")
+        pair = self.contact(self.contact_names[0] if contact is None else contact)
+        touching = np.flatnonzero(pair.touching)
+        if row is None:
+            row = int(touching[-1]) if len(touching) else len(self.time) - 1
+        if not 0 <= row < len(self.time):
+            raise InputError(f"stress_below: row is {row}; the run has the saved rows 0 to {len(self.time) - 1}")
+        return stress_below(pair, row, depth)
 
     @cached_property
     def energy_scale(self) -> float:
