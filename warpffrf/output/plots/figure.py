@@ -15,6 +15,7 @@ from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.plots.depth import draw_depth, has_material
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.plots.histories import HISTORY_PLOTS, the_channel
 from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
 from warpffrf.output.plots.picture import write_drawing, write_picture
 from warpffrf.output.plots.scales import ROUND_OFF, about_zero, from_zero
@@ -275,19 +276,21 @@ def _film(result: Any, name: str | None) -> Any:
 
 def plot(
     result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
-    row: int | None = None, lap: str | None = None,
+    row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
 ) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
 
     contact, film, lap: names of the pair, film and lap to draw, the first ones if None; row: saved step of the maps of
-    films and laps, the last one if None. Raises `InputError` for an unknown kind, pair, film, lap or row, a run without
-    rows, and plots of friction, films or laps of a run without them.
+    films and laps, the last one if None; channel, speed: of plots of a history its name and the body that turns. Raises
+    `InputError` for an unknown kind, pair, film, lap or row, a run without rows, plots of friction, films or laps of a
+    run without them, and of histories without a name.
     """
     if contact is not None:
         result = OfPair(result, contact)
     known = {**PLOTS, **FRICTION_PLOTS}
-    if kind != "summary" and kind not in (*known, *FILM_PLOTS, *LAP_PLOTS):
-        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join((*known, *FILM_PLOTS, *LAP_PLOTS))}, summary")
+    kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *HISTORY_PLOTS, "summary")
+    if kind not in kinds:
+        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}")
     if len(result.time) == 0:
         raise InputError("plot: the run has no saved row")
     row = len(result.time) - 1 if row is None else row
@@ -297,6 +300,8 @@ def plot(
         return summary_figure(result, film, row, lap)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
     known |= {name: _of_lap(draw, lap, row) for name, draw in LAP_PLOTS.items()}
+    if kind in HISTORY_PLOTS:
+        known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
     if ax is None:
         import matplotlib.pyplot as plt
 
@@ -311,6 +316,10 @@ def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) 
 
 def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) -> Draw:
     return lambda result, ax: draw(the_lap(result, lap), ax, row)
+
+
+def _of_history(draw: Callable[[Any, Any, str, str | None], None], channel: str, speed: str | None) -> Draw:
+    return lambda result, ax: draw(result, ax, channel, speed)
 
 
 def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> dict[str, Draw]:
@@ -334,7 +343,7 @@ def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | Non
 
 def about_kinds() -> dict[str, str]:
     """Every kind of plot, and in a sentence what it shows."""
-    draws: dict[str, Callable[..., None]] = {**PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS}
+    draws: dict[str, Callable[..., None]] = {**PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS, **HISTORY_PLOTS}
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
     return said | {"summary": "Everything that the run has data for, on one page."}
 
@@ -371,13 +380,14 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
 
 def write_plot(
     result: Any, kind: str, path: str | os.PathLike[str], *, contact: str | None = None, film: str | None = None,
-    lap: str | None = None, row: int | None = None, dpi: int = 130, overwrite: bool = False,
+    lap: str | None = None, row: int | None = None, channel: str | None = None, speed: str | None = None,
+    dpi: int = 130, overwrite: bool = False,
 ) -> Path:  # fmt: skip
     """Write `plot(result, kind, ...)` as a picture; the ending chooses the format (.png, .pdf, .svg). Raises InputError
     as `plot` does, for a path not writable, and for a file that exists where `overwrite` is not set."""
 
     def draw(ax: Any) -> None:
-        plot(result, kind, ax, contact, film, row, lap)
+        plot(result, kind, ax, contact, film, row, lap, channel, speed)
 
     if kind != "summary":
         return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)
