@@ -224,8 +224,11 @@ def test_modes_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) ->
         assert cli.main(["modes", str(file), *about]) == 0
         text = capsys.readouterr().out
         assert said in text and frequency in text and "block 100 %" in text, text
-    assert cli.main(["modes", str(file), "--set", "forces.spring.stiffness=3200.0"]) == 0
-    assert f"{np.sqrt(3200.0 / 2.0) / (2.0 * np.pi):.5g}" in capsys.readouterr().out
+    picture = tmp_path / "modes.png"
+    stiffer = ["--set", "forces.spring.stiffness=3200.0", "--out", str(picture)]
+    assert cli.main(["modes", str(file), *stiffer]) == 0 and picture.stat().st_size > 5_000
+    said = capsys.readouterr().out
+    assert f"{np.sqrt(3200.0 / 2.0) / (2.0 * np.pi):.5g}" in said and f"drawn to {picture}" in said
     for arguments, said in (
         (["--about", "equilibirum"], "known: equilibrium, initial, or a results file"),
         (["--about", "none.h5"], "does not exist"),

@@ -179,6 +179,10 @@ def modes_of_scene_file(
             help="equilibrium, initial, or a results file (.h5) of this scene, whose last state is meant.",
         ),
     ] = EQUILIBRIUM,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PNG", help="Also draw their shapes here: .png, .pdf or .svg.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
 ) -> None:
     """List frequencies, damping and moving bodies of the lowest modes of a machine, joints and contacts included.
 
@@ -188,7 +192,12 @@ def modes_of_scene_file(
         from warpffrf.scene_file import load_scene
 
         scene = load_scene(scene_file, settings=settings or ()).scene
-        print(warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet).report())
+        modes = warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet)
+        print(modes.report())
+        if out is not None:
+            from warpffrf.output.plots.picture import write_picture
+
+            print(f"drawn to {write_picture(modes.plot_shapes(count), out, 'modes', overwrite=overwrite)}")
 
 
 def _state(about: str) -> Any:
