@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
+    from warpffrf.output.campbell import campbell
     from warpffrf.output.comparison import compare
     from warpffrf.output.modes_result import eigenmodes
     from warpffrf.output.result import Result
@@ -65,6 +66,7 @@ __all__ = [
     "Stage",
     "StressPoints",
     "bases",
+    "campbell",
     "compare",
     "contact_spacing",
     "damping",
@@ -106,6 +108,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
+    "campbell": ("warpffrf.output.campbell", "campbell"),
     "compare": ("warpffrf.output.comparison", "compare"),
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
     "damping": ("warpffrf.model.damping", None),

@@ -186,6 +186,10 @@ def modes_of_scene_file(
             help="equilibrium, initial, or a results file (.h5) of this scene, whose last state is meant.",
         ),
     ] = EQUILIBRIUM,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PNG", help="Also draw their shapes here: .png, .pdf or .svg.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
 ) -> None:
     """List frequencies, damping and moving bodies of the lowest modes of a machine, joints and contacts included.
 
@@ -195,7 +199,52 @@ def modes_of_scene_file(
         from warpffrf.scene_file import load_scene
 
         scene = load_scene(scene_file, settings=settings or ()).scene
-        print(warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet).report())
+        modes = warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet)
+        print(modes.report())
+        if out is not None:
+            from warpffrf.output.plots.picture import write_picture
+
+            print(f"drawn to {write_picture(modes.plot_shapes(count), out, 'modes', overwrite=overwrite)}")
+
+
+@app.command("campbell")
+def campbell_of_scene_file(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    speed: Annotated[
+        str, typer.Argument(metavar="NAME", help="The key that the speed [rad/s] is put into, as --set of run has it.")
+    ],
+    last: Annotated[float, typer.Argument(metavar="LAST", help="The largest speed, rad/s.")],
+    first: Annotated[float, typer.Option(metavar="SPEED", help="The smallest speed, rad/s.")] = 0.0,
+    steps: Annotated[int, typer.Option(help="How many steps from the smallest to the largest.")] = 12,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="Another value for a parameter or a key. Repeat for more."),
+    ] = None,
+    count: Annotated[int, typer.Option(help="How many modes at each speed, from the lowest on.")] = 12,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PNG", help="Also draw the diagram here: .png, .pdf or .svg.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+) -> None:
+    """List natural frequencies about the initial state of a machine against the speed of its rotation.
+
+    Example: warpffrf campbell rotor.toml speed 600 --out campbell.png
+    """
+    with one_line_errors():
+        from warpffrf.output.plots.picture import write_drawing
+        from warpffrf.scene_file import load_scene
+
+        if steps < 1:
+            raise warpffrf.InputError(f"--steps is {steps}; it must be at least 1")
+
+        def build(rate: float) -> warpffrf.Scene:
+            return load_scene(scene_file, settings=[*(settings or ()), f"{speed}={rate!r}"]).scene
+
+        speeds = [first + (last - first) * n / steps for n in range(steps + 1)]
+        found = warpffrf.campbell(build, speeds, count, progress=not _State.quiet)
+        print(found.report())
+        if out is not None:
+            print(f"drawn to {write_drawing(found.plot, out, 'campbell', overwrite=overwrite)}")
 
 
 def _state(about: str) -> Any:

@@ -42,7 +42,9 @@ if TYPE_CHECKING:
 
     from warpffrf.model.scene import Scene
     from warpffrf.output.bodies.stress import StressResult
+    from warpffrf.output.bodies.stress_below import StressBelow
     from warpffrf.output.spectrum import Spectrum
+    from warpffrf.output.waterfall import Waterfall
 
 
 @named_arguments
@@ -177,6 +179,24 @@ class Result(looks.Shown):
         values, label, units = self._history(history)
         return order_spectrum(self.time, values, self.body(body).angular_velocity, label, units, body, axis)
 
+    def waterfall(
+        self, history: str | np.ndarray, speed: str | None = None, *, window: float | None = None, axis: Any = None
+    ) -> Waterfall:
+        """Spectra of consecutive windows of a history, as of `spectrum`, over time: `.time` (w,) [s], `.frequency` (n,)
+        [Hz], `.amplitude` (w, n), `.report()`, `.draw(ax)`; or over the speed of rotation of the body called `speed`
+        about `axis` as of `orders`: `.speed` (w,) [turns/s], drawn with lines of orders.
+
+        window: length of a window [s], an eighth of the run if None; frequencies are told to 1 over it. Raises
+        InputError as `spectrum`, for fewer than 3 windows or 16 rows in one, and for a speed that does not change.
+        """
+        from warpffrf.output.waterfall import over_speed, waterfall
+
+        values, label, units = self._history(history)
+        found = waterfall(self.time, values, label, units, window)
+        if speed is None:
+            return found
+        return over_speed(found, self.time, self.body(speed).angular_velocity, speed, axis)
+
     def _history(self, history: str | np.ndarray) -> tuple[np.ndarray, str, str]:
         """Values (T,), name and unit."""
         from warpffrf.output.files.table import column
@@ -238,6 +258,29 @@ class Result(looks.Shown):
         from warpffrf.output.bodies.stress import stress_result
 
         return stress_result(self, body, points)
+
+    def stress_below(
+        self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None
+    ) -> list[StressBelow]:
+        """Stress [Pa] in the half-space below the centre of the patch of a contact pair, the first one if None, of the
+        pressure of the saved step `row`, the last one that touches if None, without tractions: `.depth` (n,) [m],
+        `.tensor` (n, 6), `.von_mises`, `.max_shear`; one for each of Poisson's ratios of its bodies.
+
+        depth: (n,) [m] from the surface, down to 3 half-widths if None. It needs no stress points of the bodies; how it
+        is made: `warpffrf.output.bodies.stress_below`. Raises InputError for a pair or row that there is not, a row in
+        which nothing touches, and bodies that do not say their material.
+        """
+        from warpffrf.output.bodies.stress_below import stress_below
+
+        if contact is None and not self.contact_names:
+            raise InputError("stress_below: the scene has no contact pair; see result.stress for points of a body")
+        pair = self.contact(self.contact_names[0] if contact is None else contact)
+        touching = np.flatnonzero(pair.touching)
+        if row is None:
+            row = int(touching[-1]) if len(touching) else len(self.time) - 1
+        if not 0 <= row < len(self.time):
+            raise InputError(f"stress_below: row is {row}; the run has the saved rows 0 to {len(self.time) - 1}")
+        return stress_below(pair, row, depth)
 
     @cached_property
     def energy_scale(self) -> float:
@@ -302,24 +345,25 @@ class Result(looks.Shown):
     @overload
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None,
+        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
     ) -> Axes: ...  # fmt: skip
 
     def plot(
         self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None,
+        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
     ) -> Any:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
         returns a Figure.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        film, lap: likewise the oil film and the lap; row: the saved step of their maps, the last one if None. Kinds:
-        see `warpffrf.output.plots.figure.PLOTS`, of films `plots.films.FILM_PLOTS`, of laps `plots.laps.LAP_PLOTS`.
-        Raises InputError for an unknown kind, pair, film or lap.
+        film, lap: likewise the oil film and the lap; row: the saved step of their maps, the last one if None. channel:
+        of "spectrum" and "waterfall" the history, as of `spectrum`; speed: the body over whose rotation it is drawn, by
+        orders or speed, over frequency or time if None. Kinds: docs/plots.md, `warpffrf plot --list`. Raises InputError
+        for an unknown kind, pair, film, lap, history or body, and what a run has not.
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, lap)
+        return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed)
 
     def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
         """A matplotlib Figure of one lap, the first one if None: its pressure, state and loss at saved steps next to

@@ -67,10 +67,17 @@ def eye_axes(points: np.ndarray) -> np.ndarray:
 
 
 def draw_skin(
-    ax: Any, points: np.ndarray, triangles: np.ndarray, axes: np.ndarray, colors: np.ndarray, box: np.ndarray
+    ax: Any,
+    points: np.ndarray,
+    triangles: np.ndarray,
+    axes: np.ndarray,
+    colors: np.ndarray,
+    box: np.ndarray,
+    *,
+    alpha: float = 1.0,
 ) -> None:
     """Draw triangles (t, 3) over `points` (n, 3) on `ax`, seen along `axes` (3, 3), with `colors` (n, 3) in 0 to 1 of
-    the points. `box` (k, 3): points that shall lie inside the picture."""
+    the points, of which `alpha` covers what is behind. `box` (k, 3): points that shall lie inside the picture."""
     from matplotlib.collections import PolyCollection
 
     seen = points @ axes.T
@@ -91,8 +98,9 @@ def draw_skin(
         PolyCollection(
             list(corners[order][:, :, :2]),
             facecolors=faces[order],
-            edgecolors=faces[order],  # closes the hairlines between neighbours
+            edgecolors=faces[order] if alpha == 1.0 else "none",  # closes the hairlines between neighbours
             linewidths=0.3,
+            alpha=alpha,
             rasterized=True,
         )
     )
