@@ -4,6 +4,7 @@ plots)."""
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -194,11 +195,13 @@ class Result(looks.Shown):
     def sensor(self, name: str) -> SensorHistory:
         """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
         none. A stress is evaluated when it is first asked for."""
+        from warpffrf.model.stress_field import von_mises
+        from warpffrf.output.bodies.stress import stress_at_point
+
         if name not in self.history.sensors and name in self._stress_sensors:
             sensor = self._stress_sensors[name]
-            stress = self.stress(sensor.body.name, sensor.points)
-            i = sensor.index
-            values = np.concatenate([stress.tensor[:, i], stress.von_mises[:, i, None]], axis=1)
+            tensor = stress_at_point(self, sensor.body.name, sensor.points, sensor.index)
+            values = np.concatenate([tensor, von_mises(tensor)[:, None]], axis=1)
             return SensorHistory(sensor.kind, sensor.unit, sensor.frame, sensor.components, values)
         return _named({**self.history.sensors, **self._stress_sensors}, "sensor", name)
 
@@ -229,15 +232,17 @@ class Result(looks.Shown):
             if body.reduced is not None
         }
 
-    def stress(self, body: str, points: str) -> StressResult:
+    def stress(self, body: str, points: str, *, rows: Sequence[int] | np.ndarray | None = None) -> StressResult:
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
-        points})`), at every saved step: `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
+        points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        Raises InputError for a body without stress points of that name; the message lists those there are.
+        rows: the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a point and step:
+        of many points name the rows. Raises InputError for a body without stress points of that name, the message
+        lists those there are, and for rows that the run does not have.
         """
         from warpffrf.output.bodies.stress import stress_result
 
-        return stress_result(self, body, points)
+        return stress_result(self, body, points, rows)
 
     @cached_property
     def energy_scale(self) -> float:
@@ -352,11 +357,20 @@ class Result(looks.Shown):
 
         return write_csv(self, path, overwrite=overwrite)
 
-    def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
-        """Write a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView and pyvista open."""
+    def to_vtu(
+        self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = True
+    ) -> Path:
+        """Write every `stride`-th saved step as a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView
+        and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
+        `stress={"skin": "skin"}` stress and von Mises stress, on the skins. progress: how far it is, on stderr.
+
+        Raises InputError for a path that does not end in .pvd, a stride below 1, a scene without flexible bodies, and
+        a .pvd that exists, unless `overwrite` is set.
+        """
         from warpffrf.output.files.vtu import write_time_series
 
-        return write_time_series(self, path, stride=stride, overwrite=overwrite)
+        with speaking(progress):
+            return write_time_series(self, path, stride=stride, overwrite=overwrite, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run. Raises InputError for
