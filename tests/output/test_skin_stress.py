@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from recordings import columns
 
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
@@ -19,6 +20,8 @@ from warpffrf.model.stress_field import to_tensor
 from warpffrf.offline import reduce
 from warpffrf.output.bodies.skin_stress import same_places
 from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.plots.colors import UNKNOWN, field_scale
+from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
 
@@ -28,6 +31,7 @@ AREA, INERTIA = WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12.0
 LARGEST = PULL / AREA + MOMENT * 0.5 * HEIGHT / INERTIA  # Pa
 STEEL = Material(210e9, 0.0, 7850.0)  # without Poisson's ratio rigid ends do not disturb the beam's stress
 EXACT = 1e-5  # of the largest stress: quadratic cells have the beam's field, kept in single precision
+LEVEL = 4  # of 255: neighbours in a table of colours, between which single precision decides
 TURN = (0.0, 0.0, np.sin(0.3), np.cos(0.3))
 
 
@@ -91,6 +95,24 @@ def test_parts_of_a_skin_and_none(bent, tmp_path: Path, caplog) -> None:
     assert "stress" not in pyvista.read(str(path))[0].point_data
     with pytest.raises(InputError, match="von_mises"):
         bare.skins()["bar"].field("von_mises", -1)
+
+
+def test_von_mises_in_a_recording(bent, tmp_path: Path) -> None:
+    """Every node has the colour of its stress, from 0 to the largest; without stress it has one of its own, and the
+    recording says where."""
+    expected = field_scale("von_mises", LARGEST).rgb(bent.skins()["bar"].stress.von_mises(-1))
+    info = record(bent, tmp_path / "bar.rrd", color="von_mises")
+    (shown,) = columns(info.path, "/world/bar/surface", "Mesh3D:vertex_colors")
+    found = np.array(shown, dtype=">u4").view(np.uint8).reshape(-1, 4)
+    assert np.abs(found[:, :3].astype(int) - expected).max() <= LEVEL and len(np.unique(expected, axis=0)) > 2
+    part = without(bent, "skin")
+    info = record(part, tmp_path / "part.rrd", color="von_mises")
+    (shown,) = columns(info.path, "/world/bar/surface", "Mesh3D:vertex_colors")
+    grey = int.from_bytes(bytes((*UNKNOWN, 255)), "big")
+    assert np.array_equal(np.array(shown) == grey, np.isnan(part.skins()["bar"].stress.von_mises(-1)))
+    assert any("nodes of its skin" in note for note in info.notes)
+    with pytest.raises(InputError, match=r"color 'von_mises': body 'bar' has no stress on its skin; reduce\("):
+        record(without(bent, "skin", "root"), tmp_path / "none.rrd", color="von_mises")
 
 
 def test_nodes_that_share_a_place_are_told_apart_by_their_order() -> None:

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpffrf.output.contact.friction import STATES
+
 LEVELS = 256
 MOST_BARS = 3  # of a legend in one column
 PRESSURE_STOPS = ("#c9ced6", "#ffe066", "#ff9f1c", "#e63946", "#6a040f")  # grey where nothing presses
@@ -15,6 +17,8 @@ SLIP_STOPS = ("#c9ced6", "#fdd0a2", "#fd8d3c", "#d94801", "#7f2704")
 WEAR_STOPS = ("#c9ced6", "#d4b9da", "#df65b0", "#ce1256", "#67001f")
 STATE_COLORS = ("#c9ced6", "#2a7fb8", "#ff9f1c")  # open, stick, slip
 DISPLACEMENT_STOPS = ("#dfe7ee", "#74c0e3", "#2a7fb8", "#1b3a8a", "#2d0a4e")
+STRESS_STOPS = ("#2b4c9b", "#3fa7d6", "#7bd389", "#f6d743", "#d7263d")
+UNKNOWN = (118, 118, 118)  # of a value that is not finite: dark grey, in no scale
 
 
 def largest(values: list[np.ndarray]) -> float:
@@ -43,13 +47,15 @@ class ColorScale:
         )
 
     def rgb(self, values: np.ndarray) -> np.ndarray:
-        """(..., 3) uint8 colours of SI values; below 0 and above the top take the end colours."""
+        """(..., 3) uint8 colours of SI values; below 0 and above the top take the end colours, NaN is `UNKNOWN`."""
         level = (
             np.clip(np.nan_to_num(values) / self.top * (LEVELS - 1), 0, LEVELS - 1)
             if self.top > 0
-            else np.zeros_like(values)
+            else np.zeros(np.shape(values))
         )
-        return self.table()[level.astype(int)]
+        found = self.table()[level.astype(int)]
+        found[np.isnan(values)] = UNKNOWN
+        return found
 
     def packed(self, values: np.ndarray) -> np.ndarray:
         """(n,) uint32 0xRRGGBBAA."""
@@ -80,6 +86,28 @@ class ColorClasses:
     def packed(self, values: np.ndarray) -> np.ndarray:
         """(n,) uint32 0xRRGGBBAA."""
         return _packed(self.rgb(values))
+
+
+def displacement_scale(top: float) -> ColorScale:
+    """Colours of displacements up to `top` [m], in the unit that suits it."""
+    unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
+    return ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
+
+
+def field_scale(field: str, top: float, of: str = "") -> ColorScale | ColorClasses:
+    """Colours of a field of `Skin.fields` or of the displacement up to `top` [SI]; `of`: whose pressure it is."""
+    if field == "displacement":
+        return displacement_scale(top)
+    if field == "state":
+        return ColorClasses("state of the cells", STATES, STATE_COLORS)
+    label, factor, stops = {
+        "pressure": (f"{of} pressure [MPa]".strip(), 1e-6, PRESSURE_STOPS),
+        "traction": ("tangential traction [MPa]", 1e-6, TRACTION_STOPS),
+        "slip": ("slip speed [mm/s]", 1e3, SLIP_STOPS),
+        "wear": ("wear index, pressure times slip speed [W/mm²]", 1e-6, WEAR_STOPS),
+        "von_mises": ("von Mises stress [MPa]", 1e-6, STRESS_STOPS),
+    }[field]
+    return ColorScale(label, top, factor, stops)
 
 
 def legend_rows(scales: Sequence[ColorScale | ColorClasses]) -> int:
