@@ -326,6 +326,42 @@ class Result(looks.Shown):
 
         return figure.plot(self, kind, ax, contact, film, row, lap)
 
+    def picture(
+        self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
+        deformation_factor: float | None = None, overwrite: bool = False,
+    ) -> Path:  # fmt: skip
+        """Draw the bodies at the saved step next to `time` [s], the last one if None, into a picture (.png, .pdf,
+        .svg); needs neither screen nor viewer.
+
+        field: what skins are coloured by: "displacement", "pressure", with friction "traction", "slip", "state" and
+        "wear", and "von_mises" of bodies reduced with `stress={"skin": "skin"}`. deformation_factor: magnification of
+        the elastic displacement, chosen from 1, 2, 5, 10, ... if None. Raises InputError for a field that no body has,
+        a time outside of the run, a factor that is not positive, and a file that exists, unless `overwrite` is set and
+        warpffrf wrote it.
+        """
+        from warpffrf.output.plots.animation import write_still
+
+        return write_still(self, path, field, time=time, factor=deformation_factor, overwrite=overwrite)
+
+    def animate(
+        self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
+        deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
+    ) -> Path:  # fmt: skip
+        """Draw the bodies over the run into a .gif, or with the program ffmpeg an .mp4, as `picture` draws them; eye
+        and colours hold for all frames.
+
+        every: a frame for every so many saved steps, at most 100 frames if None; fps: frames a second; progress: how
+        far it is, on stderr. What is interrupted leaves no file. Raises InputError as `picture`, for another ending,
+        and for an .mp4 without ffmpeg.
+        """
+        from warpffrf.output.plots.animation import write_animation
+
+        with speaking(progress):
+            return write_animation(
+                self, path, field, every=every, fps=fps, factor=deformation_factor, overwrite=overwrite,
+                progress=progress,
+            )  # fmt: skip
+
     def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
         """A matplotlib Figure of one lap, the first one if None: its pressure, state and loss at saved steps next to
         the `times` [s], three of the run if None. Raises InputError for a lap that there is not, and times outside of

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -118,8 +119,6 @@ def legend_rows(scales: Sequence[ColorScale | ColorClasses]) -> int:
 def legend_picture(scales: Sequence[ColorScale | ColorClasses]) -> np.ndarray:
     """Horizontal colour bars with ticks and units, or names, in one or two columns: (height, width, 3) uint8."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.colorbar import ColorbarBase
-    from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
     from matplotlib.figure import Figure
 
     rows = legend_rows(scales)
@@ -129,22 +128,29 @@ def legend_picture(scales: Sequence[ColorScale | ColorClasses]) -> np.ndarray:
     for n, scale in enumerate(scales):
         column, row = divmod(n, rows)
         corner = (column + 0.05) / columns, 1.0 - (row + 0.48) / rows
-        axes = figure.add_axes((*corner, 0.9 / columns, 0.26 / rows))
-        colors = ListedColormap(scale.table() / 255.0)
-        if isinstance(scale, ColorClasses):
-            edges = np.arange(len(scale.names) + 1) - 0.5
-            bar = ColorbarBase(
-                axes, cmap=colors, norm=BoundaryNorm(edges, len(scale.names)), orientation="horizontal",
-                ticks=[float(n) for n in range(len(scale.names))],
-            )  # fmt: skip
-            bar.ax.set_xticklabels(scale.names)
-        else:
-            top = scale.top * scale.factor if scale.top > 0 else 1.0
-            ColorbarBase(axes, cmap=colors, norm=Normalize(0.0, top), orientation="horizontal")
-        axes.set_title(scale.label, fontsize=9, loc="left", pad=3)
-        axes.tick_params(labelsize=8)
+        draw_bar(figure.add_axes((*corner, 0.9 / columns, 0.26 / rows)), scale)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
+    """A horizontal colour bar with ticks and unit, or names, on matplotlib axes of its size."""
+    from matplotlib.colorbar import ColorbarBase
+    from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
+
+    colors = ListedColormap(scale.table() / 255.0)
+    if isinstance(scale, ColorClasses):
+        edges = np.arange(len(scale.names) + 1) - 0.5
+        bar = ColorbarBase(
+            axes, cmap=colors, norm=BoundaryNorm(edges, len(scale.names)), orientation="horizontal",
+            ticks=[float(n) for n in range(len(scale.names))],
+        )  # fmt: skip
+        bar.ax.set_xticklabels(scale.names)
+    else:
+        top = scale.top * scale.factor if scale.top > 0 else 1.0
+        ColorbarBase(axes, cmap=colors, norm=Normalize(0.0, top), orientation="horizontal")
+    axes.set_title(scale.label, fontsize=9, loc="left", pad=3)
+    axes.tick_params(labelsize=8)
 
 
 def map_axes_picture(

@@ -23,8 +23,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.model.progress import Progress
+from warpffrf.online.history.history import History
 from warpffrf.output.bodies.lap_loads import left_out
 from warpffrf.output.bodies.shown_skin import DISPLACEMENT, require_field
 from warpffrf.output.bodies.skin import VON_MISES, Skin
@@ -47,6 +49,7 @@ from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.recording.machine_series import machine_series
 from warpffrf.output.recording.rigid_shapes import RigidShapes
 from warpffrf.output.recording.streams import close_stream, in_memory, new_stream
+from warpffrf.output.result import Result
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
 MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
@@ -84,8 +87,9 @@ class RecordingInfo:
     notes: list[str] = field(default_factory=list)
 
 
+@named_arguments
 def record(
-    result: Any,
+    result: Result | History | str | os.PathLike[str],
     path: str | os.PathLike[str],
     *,
     deformation_factor: float | None = None,
@@ -96,7 +100,7 @@ def record(
     overwrite: bool = False,
     progress: bool = False,
 ) -> RecordingInfo:
-    """Write a .rrd of a Result (or History) that `rerun FILE` opens.
+    """Write a .rrd of a result, or of a results file (.h5), that `warpffrf view FILE` or `rerun FILE` opens.
 
     color: what the bodies' surfaces are coloured by: "displacement", or of their contacts, oil films and laps
     "pressure", with friction "traction" and "state", and of contacts with friction "slip" and "wear"; "von_mises" of
@@ -109,9 +113,7 @@ def record(
     InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
     have, a run without saved rows, and a file that exists, unless `overwrite` is set and warpffrf wrote it.
     """
-    from warpffrf.output.result import Result
-
-    result = result if isinstance(result, Result) else Result(result)
+    result = _result(result)
     if deformation_factor is not None and not deformation_factor > 0.0:
         raise InputError(f"record: deformation_factor is {deformation_factor}; it must be positive")
     if max_frames < 1 or max_points < 4:
@@ -135,6 +137,12 @@ def record(
         recorder = _Recorder(result, skins, bodies, rows, good, stride, deformation_factor, color)
         recorder.write(partial, skipped, progress)
     return RecordingInfo(target, int(good.sum()), stride, recorder.factor, skipped, recorder.notes)
+
+
+def _result(given: Result | History | str | os.PathLike[str]) -> Result:
+    if isinstance(given, str | os.PathLike):
+        return Result.load(given)
+    return given if isinstance(given, Result) else Result(given)
 
 
 def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int) -> bool:
