@@ -158,7 +158,8 @@ def test_commands_have_the_options_that_the_readme_gives_them() -> None:
         shlex.split(re.split(r"  +(?=[a-z]{3})", line)[0])
         for line in re.findall(r"^    (warpffrf .*)$", text, re.MULTILINE)
     ]
-    assert {words[1] for words in commands} == {"demo", "run", "modes", "info", "reduce", "plot", "compare", "spectrum"}
+    known_commands = {"demo", "run", "modes", "info", "reduce", "plot", "compare", "spectrum", "picture", "view"}
+    assert {words[1] for words in commands} == known_commands
     for words in commands:
         names = words[1:3] if words[1] == "demo" else words[1:2]
         known = CliRunner().invoke(app, [*names, "--help"], env={"COLUMNS": "200"}).output
