@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from warpffrf.output.campbell import campbell
     from warpffrf.output.comparison import compare
     from warpffrf.output.modes_result import eigenmodes
+    from warpffrf.output.recording.recorder import record
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate
     from warpffrf.scene_file import load_scene, run_scene
@@ -82,6 +83,7 @@ __all__ = [
     "mesh",
     "oils",
     "quiet",
+    "record",
     "reduce",
     "run_scene",
     "sensors",
@@ -124,6 +126,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "mesh": ("warpffrf.model.mesh", None),
     "oils": ("warpffrf.model.oils", None),
     "quiet": ("warpffrf.model.speech", "quiet"),
+    "record": ("warpffrf.output.recording.recorder", "record"),
     "reduce": ("warpffrf.offline", "reduce"),
     "run_scene": ("warpffrf.scene_file", "run_scene"),
     "sensors": ("warpffrf.model.sensors", None),

@@ -1,4 +1,5 @@
-"""The command line: `warpffrf demo | example | run | modes | reduce | info | compare | plot | spectrum | study`.
+"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum | view |
+picture | study`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
@@ -22,6 +23,7 @@ import typer
 import warpffrf
 from warpffrf.cli_errors import know_options, one_line_errors
 from warpffrf.cli_examples import add_example_commands
+from warpffrf.cli_pictures import add_picture_commands
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
 from warpffrf.demos import DEMOS
@@ -432,6 +434,7 @@ def info(
 
 add_result_commands(app)
 add_example_commands(app)
+add_picture_commands(app, lambda: _State.quiet)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

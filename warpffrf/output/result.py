@@ -4,6 +4,7 @@ plots)."""
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -214,11 +215,13 @@ class Result(looks.Shown):
     def sensor(self, name: str) -> SensorHistory:
         """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
         none. A stress is evaluated when it is first asked for."""
+        from warpffrf.model.stress_field import von_mises
+        from warpffrf.output.bodies.stress import stress_at_point
+
         if name not in self.history.sensors and name in self._stress_sensors:
             sensor = self._stress_sensors[name]
-            stress = self.stress(sensor.body.name, sensor.points)
-            i = sensor.index
-            values = np.concatenate([stress.tensor[:, i], stress.von_mises[:, i, None]], axis=1)
+            tensor = stress_at_point(self, sensor.body.name, sensor.points, sensor.index)
+            values = np.concatenate([tensor, von_mises(tensor)[:, None]], axis=1)
             return SensorHistory(sensor.kind, sensor.unit, sensor.frame, sensor.components, values)
         return _named({**self.history.sensors, **self._stress_sensors}, "sensor", name)
 
@@ -249,15 +252,17 @@ class Result(looks.Shown):
             if body.reduced is not None
         }
 
-    def stress(self, body: str, points: str) -> StressResult:
+    def stress(self, body: str, points: str, *, rows: Sequence[int] | np.ndarray | None = None) -> StressResult:
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
-        points})`), at every saved step: `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
+        points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        Raises InputError for a body without stress points of that name; the message lists those there are.
+        rows: the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a point and step:
+        of many points name the rows. Raises InputError for a body without stress points of that name, the message
+        lists those there are, and for rows that the run does not have.
         """
         from warpffrf.output.bodies.stress import stress_result
 
-        return stress_result(self, body, points)
+        return stress_result(self, body, points, rows)
 
     def stress_below(
         self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None
@@ -365,6 +370,42 @@ class Result(looks.Shown):
 
         return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed)
 
+    def picture(
+        self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
+        deformation_factor: float | None = None, overwrite: bool = False,
+    ) -> Path:  # fmt: skip
+        """Draw the bodies at the saved step next to `time` [s], the last one if None, into a picture (.png, .pdf,
+        .svg); needs neither screen nor viewer.
+
+        field: what skins are coloured by: "displacement", "pressure", with friction "traction", "slip", "state" and
+        "wear", and "von_mises" of bodies reduced with `stress={"skin": "skin"}`. deformation_factor: magnification of
+        the elastic displacement, chosen from 1, 2, 5, 10, ... if None. Raises InputError for a field that no body has,
+        a time outside of the run, a factor that is not positive, and a file that exists, unless `overwrite` is set and
+        warpffrf wrote it.
+        """
+        from warpffrf.output.plots.animation import write_still
+
+        return write_still(self, path, field, time=time, factor=deformation_factor, overwrite=overwrite)
+
+    def animate(
+        self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
+        deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
+    ) -> Path:  # fmt: skip
+        """Draw the bodies over the run into a .gif, or with the program ffmpeg an .mp4, as `picture` draws them; eye
+        and colours hold for all frames.
+
+        every: a frame for every so many saved steps, at most 100 frames if None; fps: frames a second; progress: how
+        far it is, on stderr. What is interrupted leaves no file. Raises InputError as `picture`, for another ending,
+        and for an .mp4 without ffmpeg.
+        """
+        from warpffrf.output.plots.animation import write_animation
+
+        with speaking(progress):
+            return write_animation(
+                self, path, field, every=every, fps=fps, factor=deformation_factor, overwrite=overwrite,
+                progress=progress,
+            )  # fmt: skip
+
     def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
         """A matplotlib Figure of one lap, the first one if None: its pressure, state and loss at saved steps next to
         the `times` [s], three of the run if None. Raises InputError for a lap that there is not, and times outside of
@@ -396,11 +437,20 @@ class Result(looks.Shown):
 
         return write_csv(self, path, overwrite=overwrite)
 
-    def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
-        """Write a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView and pyvista open."""
+    def to_vtu(
+        self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = True
+    ) -> Path:
+        """Write every `stride`-th saved step as a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView
+        and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
+        `stress={"skin": "skin"}` stress and von Mises stress, on the skins. progress: how far it is, on stderr.
+
+        Raises InputError for a path that does not end in .pvd, a stride below 1, a scene without flexible bodies, and
+        a .pvd that exists, unless `overwrite` is set.
+        """
         from warpffrf.output.files.vtu import write_time_series
 
-        return write_time_series(self, path, stride=stride, overwrite=overwrite)
+        with speaking(progress):
+            return write_time_series(self, path, stride=stride, overwrite=overwrite, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run. Raises InputError for
