@@ -42,6 +42,7 @@ if TYPE_CHECKING:
 
     from warpffrf.model.scene import Scene
     from warpffrf.output.bodies.stress import StressResult
+    from warpffrf.output.report.fold import Pairs
     from warpffrf.output.spectrum import Spectrum
 
 
@@ -278,12 +279,15 @@ class Result(looks.Shown):
                 self.history.budget = budget.error_budget(self, progress=progress)
         return self.history.budget
 
-    def report(self, *, progress: bool = True) -> str:
+    def report(self, *, progress: bool = True, pairs: Pairs = "folded") -> str:
         """Status, counters, contact figures at the last saved step, energy balance, the error budget, and everything
-        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long."""
+        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long. pairs:
+        four and more contacts, joints, forces or notes that differ in figures and in numbers within names alone are
+        "folded" into one, with the least and the largest of each figure and whose they are; "all" tells each by
+        itself. Raises InputError for another word."""
         from warpffrf.output.report.report import report_text
 
-        return report_text(self, progress)
+        return report_text(self, progress, pairs)
 
     def _facts(self) -> dict[str, Any]:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
