@@ -168,8 +168,8 @@ class Result(looks.Shown):
         return frequency_spectrum(self.time, *self._history(history))
 
     def orders(self, history: str | np.ndarray, body: str, axis: Any = None) -> Spectrum:
-        """The same by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis` (3,) in the
-        world, that of its mean angular velocity if None; also while its speed changes.
+        """The same of a `history` by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis`
+        (3,) in the world, that of its mean angular velocity if None; also while its speed changes.
 
         Raises InputError as `spectrum`, and for a body that turns fewer than 2 times, or back.
         """
@@ -256,7 +256,7 @@ class Result(looks.Shown):
 
     @property
     def energy_residual(self) -> np.ndarray:
-        """(T,) what closes the energy balance (ledger line "numerical") over the largest energy at hand;
+        """(T,) [-] what closes the energy balance (ledger line "numerical") over the largest energy at hand;
         positive means gained; NaN where it was not booked."""
         numerical = np.asarray(self.energy.get("numerical", np.zeros(len(self.time))))
         return numerical / self.energy_scale if self.energy_scale > 0.0 else np.zeros_like(numerical)
@@ -265,7 +265,8 @@ class Result(looks.Shown):
         """What each source of error does to the results: time step, contact grid, sampling points, mesh, inertia terms,
         local modes, iteration (`warpffrf.output.budget`). Made when first asked for, by stepping the run, or parts of
         it, once more with twice the step, and short parts with a quarter of it: up to the time of a short run, a fifth
-        of that of a long one. It goes into a file with the results that are saved afterwards.
+        of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far it is,
+        on stderr.
 
         Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
         method and the check integrators.
@@ -357,22 +358,24 @@ class Result(looks.Shown):
         return write_csv(self, path, overwrite=overwrite)
 
     def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
-        """Write a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView and pyvista open."""
+        """Write a VTK time series that ParaView and pyvista open, path: a .pvd, a folder of .vtu comes beside it;
+        stride: every so many saved steps. Raises InputError for another ending, a run without flexible bodies, and a
+        file that exists, unless `overwrite` is set."""
         from warpffrf.output.files.vtu import write_time_series
 
         return write_time_series(self, path, stride=stride, overwrite=overwrite)
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run. Raises InputError for
-        a file that exists, unless `overwrite` is set and warpffrf wrote it."""
+        """Write the run as one HDF5 file at `path`; `Result.load` reads it back, also to continue the run. Raises
+        InputError for a file that exists, unless `overwrite` is set and warpffrf wrote it."""
         from warpffrf.output.files.results import write_results
 
         return write_results(self, path, overwrite=overwrite)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Read a results file, or the folder `.unfinished` of a run that has not ended. Raises InputError for a file
-        that is missing, damaged, of another kind or of a newer version."""
+        """Read the results file at `path`, or the folder `.unfinished` of a run that has not ended. Raises InputError
+        for a file that is missing, damaged, of another kind or of a newer version."""
         from warpffrf.output.files.results import read_history
         from warpffrf.output.files.unfinished import is_unfinished, read_unfinished
 
