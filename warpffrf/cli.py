@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from contextlib import nullcontext, redirect_stdout
 from io import StringIO
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -62,6 +62,7 @@ class _State:
     """Options of the main command that the others read."""
 
     quiet = False
+    pairs: Literal["folded", "all"] = "folded"  # of reports
 
 
 def _version(wanted: bool) -> None:
@@ -75,7 +76,11 @@ def options(
     context: typer.Context,
     verbose: Annotated[
         bool,
-        typer.Option("--verbose", "-v", help="Say more: the scene, where time goes, where faults are."),
+        typer.Option(
+            "--verbose",
+            "-v",
+            help="Say more: the scene, times, where faults are, each of alike contacts.",
+        ),
     ] = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print neither progress nor reports, only warnings and errors.")
@@ -84,7 +89,7 @@ def options(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
     ] = False,
 ) -> None:
-    _State.quiet = quiet
+    _State.quiet, _State.pairs = quiet, "all" if verbose else "folded"
     know_options(context)
     from warpffrf.model.speech import Lines, notes
 
@@ -166,7 +171,7 @@ def run_scene_file(
         )  # fmt: skip
         for call, result in results.items():
             if not _State.quiet:
-                print(f"{call}\n{result.report()}")
+                print(f"{call}\n{result.report(pairs=_State.pairs)}")
         if any(result.status != "completed" or result.unwritten for result in results.values()):
             raise typer.Exit(1)
 
@@ -427,8 +432,14 @@ def info(
 
         print(
             describe_file(
-                file, length_unit=length_unit, part=part_of(part), density=density, page=page, overwrite=overwrite
-            )
+                file,
+                length_unit=length_unit,
+                part=part_of(part),
+                density=density,
+                page=page,
+                overwrite=overwrite,
+                pairs=_State.pairs,
+            )  # fmt: skip
         )
 
 

@@ -79,7 +79,7 @@ class Scene(looks.Shown):
         inertia: str = "auto",
         stiffening: bool = False,
     ) -> Body:
-        """Add a flexible body (one `ReducedBody` may be added many times); returns its handle.
+        """Add a flexible body (one `ReducedBody` may be added many times), called `name`; returns its handle.
 
         position [m], rotation: pose of the user frame (the frame of the mesh file), rotation a quaternion (x, y, z, w),
         a matrix (3, 3), {"axis": (0, 1, 0), "angle": 0.3} [rad], Euler angles {"xyz": (0.1, 0.2, 0.3)} [rad] or a scipy
@@ -93,6 +93,7 @@ class Scene(looks.Shown):
         body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
         least of them by an estimate that the result's report states. stiffening: first-order geometric stiffening by
         centrifugal load and by the forces at interfaces, of a body that was reduced with `stiffening=True`.
+        Raises `InputError` for a name that there is and arguments that do not fit the body.
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         if not hasattr(body, "contact_surfaces") or not hasattr(body, "frequencies"):
@@ -131,8 +132,9 @@ class Scene(looks.Shown):
         """Add a rigid body; returns its handle.
 
         mass [kg]; inertia_tensor (3, 3), or its diagonal (3,) [kg m2], about the centre of mass, user axes;
-        center_of_mass (3,) [m, user frame]; pose and velocities as in `add_body`. surfaces: contact surfaces by name,
-        shapes of `warpffrf.surfaces` in the user frame with everything given, `{"tread": Cylinder(...)}`.
+        center_of_mass (3,) [m, user frame]; position, rotation, velocity and angular_velocity as in `add_body`.
+        surfaces: contact surfaces by name, shapes of `warpffrf.surfaces` in the user frame with everything given,
+        `{"tread": Cylinder(...)}`.
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         handle = Body(
@@ -154,8 +156,9 @@ class Scene(looks.Shown):
         return handle
 
     def add(self, item: Item) -> Item:
-        """Add a joint, drive, force, contact pair, film, lap or sensor and return it; one without a name gets one
-        (`revolute_1`)."""
+        """Add an `item`, a joint, drive, force, contact pair, film, lap or sensor, and return it; one without a name
+        gets one (`revolute_1`). Raises `InputError` for anything else, a name that there is, and a body of another
+        scene."""
         where = getattr(item, "scene_list", None)
         if where not in _ADDED or isinstance(item, type):
             raise InputError(
@@ -209,7 +212,8 @@ class Scene(looks.Shown):
         return _named(self.laps, name, "lap")
 
     def place(self, port: Port, *, onto: Port) -> None:
-        """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged)."""
+        """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged).
+        Raises `InputError` for the ground, and for two ports of one body."""
         for p, label in ((port, "place: port"), (onto, "place: onto")):
             if not isinstance(p, Port):
                 raise InputError(f"{label} must be a port (body['interface'] or body.at(point)), got {p!r}")
@@ -235,7 +239,8 @@ class Scene(looks.Shown):
 
         with_bodies: what moves with that body. None: whatever joints take along, so that an assembly stays together: a
         follower with its roller, but not the guide along which it slides (`assembly.joined_bodies`); where joints lead
-        to the other body of the contact as well, and with `()`, it moves alone.
+        to the other body of the contact as well, and with `()`, it moves alone. Raises `InputError` where surfaces do
+        not meet in that direction, and for two that cannot be moved.
         """
         if not isinstance(contact, Contact):
             raise InputError(f"close_gap: a contact pair is needed, got {contact!r}")

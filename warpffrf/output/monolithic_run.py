@@ -31,6 +31,8 @@ from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, 
 from warpffrf.monolithic.run import build
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
+from warpffrf.online.diagnosis.free_falls import fall_notes
+from warpffrf.online.diagnosis.untouched import untouched_notes
 from warpffrf.online.history.films import eccentricity
 from warpffrf.online.history.history import (
     ENERGY_LINES,
@@ -212,7 +214,7 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
     }  # fmt: skip
     counters = dict(found.counters)
     counters["rejected_steps"] = 0
-    return History(
+    history = History(
         scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts, films=films,
         energy={line: found.energy.get(line, missing).copy() for line in ENERGY_LINES},
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
@@ -222,6 +224,8 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
                *deflection_lines(scene, deflections(scene, bodies))],
         checkpoint={} if found.final is None else to_arrays(found.final),
     )  # fmt: skip
+    history.notes += [*fall_notes(scene, history), *untouched_notes(scene, history)]
+    return history
 
 
 def same_windows(histories: list[History]) -> list[History]:

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
     from warpffrf.output.bodies.stress import StressResult
     from warpffrf.output.bodies.stress_below import StressBelow
+    from warpffrf.output.report.fold import Pairs
     from warpffrf.output.spectrum import Spectrum
     from warpffrf.output.waterfall import Waterfall
 
@@ -170,8 +171,8 @@ class Result(looks.Shown):
         return frequency_spectrum(self.time, *self._history(history))
 
     def orders(self, history: str | np.ndarray, body: str, axis: Any = None) -> Spectrum:
-        """The same by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis` (3,) in the
-        world, that of its mean angular velocity if None; also while its speed changes.
+        """The same of a `history` by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis`
+        (3,) in the world, that of its mean angular velocity if None; also while its speed changes.
 
         Raises InputError as `spectrum`, and for a body that turns fewer than 2 times, or back.
         """
@@ -303,7 +304,7 @@ class Result(looks.Shown):
 
     @property
     def energy_residual(self) -> np.ndarray:
-        """(T,) what closes the energy balance (ledger line "numerical") over the largest energy at hand;
+        """(T,) [-] what closes the energy balance (ledger line "numerical") over the largest energy at hand;
         positive means gained; NaN where it was not booked."""
         numerical = np.asarray(self.energy.get("numerical", np.zeros(len(self.time))))
         return numerical / self.energy_scale if self.energy_scale > 0.0 else np.zeros_like(numerical)
@@ -312,7 +313,8 @@ class Result(looks.Shown):
         """What each source of error does to the results: time step, contact grid, sampling points, mesh, inertia terms,
         local modes, iteration (`warpffrf.output.budget`). Made when first asked for, by stepping the run, or parts of
         it, once more with twice the step, and short parts with a quarter of it: up to the time of a short run, a fifth
-        of that of a long one. It goes into a file with the results that are saved afterwards.
+        of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far it is,
+        on stderr.
 
         Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
         method and the check integrators.
@@ -326,12 +328,15 @@ class Result(looks.Shown):
                 self.history.budget = budget.error_budget(self, progress=progress)
         return self.history.budget
 
-    def report(self, *, progress: bool = True) -> str:
+    def report(self, *, progress: bool = True, pairs: Pairs = "folded") -> str:
         """Status, counters, contact figures at the last saved step, energy balance, the error budget, and everything
-        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long."""
+        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long. pairs:
+        four and more contacts, joints, forces or notes that differ in figures and in numbers within names alone are
+        "folded" into one, with the least and the largest of each figure and whose they are; "all" tells each by
+        itself. Raises InputError for another word."""
         from warpffrf.output.report.report import report_text
 
-        return report_text(self, progress)
+        return report_text(self, progress, pairs)
 
     def _facts(self) -> dict[str, Any]:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
@@ -440,8 +445,8 @@ class Result(looks.Shown):
     def to_vtu(
         self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = True
     ) -> Path:
-        """Write every `stride`-th saved step as a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView
-        and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
+        """Write every `stride`-th saved step as a VTK time series, path: a .pvd, a folder of .vtu comes beside it, that
+        ParaView and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
         `stress={"skin": "skin"}` stress and von Mises stress, on the skins. progress: how far it is, on stderr.
 
         Raises InputError for a path that does not end in .pvd, a stride below 1, a scene without flexible bodies, and
@@ -453,16 +458,16 @@ class Result(looks.Shown):
             return write_time_series(self, path, stride=stride, overwrite=overwrite, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run. Raises InputError for
-        a file that exists, unless `overwrite` is set and warpffrf wrote it."""
+        """Write the run as one HDF5 file at `path`; `Result.load` reads it back, also to continue the run. Raises
+        InputError for a file that exists, unless `overwrite` is set and warpffrf wrote it."""
         from warpffrf.output.files.results import write_results
 
         return write_results(self, path, overwrite=overwrite)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Read a results file, or the folder `.unfinished` of a run that has not ended. Raises InputError for a file
-        that is missing, damaged, of another kind or of a newer version."""
+        """Read the results file at `path`, or the folder `.unfinished` of a run that has not ended. Raises InputError
+        for a file that is missing, damaged, of another kind or of a newer version."""
         from warpffrf.output.files.results import read_history
         from warpffrf.output.files.unfinished import is_unfinished, read_unfinished
 

@@ -121,8 +121,9 @@ def simulate(
     there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped (with laps to
     round-off), by every method and integrator; a finished run is read, and one that never began is begun.
 
-    kind: "dynamic", or "static" for equilibria at the end of every step, under the forces and prescribed motions of
-    that time, friction with its history (`warpffrf.online.load_steps`); of stages each has its own.
+    device: where kernels run, "cpu" or "cuda:0". kind: "dynamic", or "static" for equilibria at the end of every step,
+    under the forces and prescribed motions of that time, friction with its history (`warpffrf.online.load_steps`); of
+    stages each has its own.
     """
     _known_scene(scene, "simulate")
     _known_method(method)
@@ -355,8 +356,9 @@ def equilibrium(
     contact surfaces from where they are pressed together, as that of laps does in any case
     (`warpffrf.online.start.rub_to_rest`, with the path of loads that this means). Runs that `start` from the Result, in
     time or static, go on with it.
-    Not converging is a status, not an exception; wrong input raises InputError. progress: what is being done, and the
-    notes, on stderr. overwrite: replace files of an earlier call.
+    Not converging is a status, not an exception; wrong input raises InputError. results, record: files to write (.h5,
+    .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on stderr.
+    overwrite: replace files of an earlier call.
     """
     _known_scene(scene, "equilibrium")
     outputs = Outputs(overwrite)

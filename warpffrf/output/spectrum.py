@@ -59,7 +59,7 @@ class Spectrum:
         return [(float(self.place[k]), float(a[k])) for k in best]
 
     def report(self, count: int = 5) -> str:
-        """The largest peaks as a table."""
+        """The largest peaks, `count` of them, as a table."""
         lines = [f"{self.label}: amplitudes by {self.of}, resolution {self.resolution:.4g}"]
         lines += [f"note: {note}" for note in self.notes]
         peaks = self.peaks(count)
@@ -67,7 +67,8 @@ class Spectrum:
         return "\n".join(lines)
 
     def draw(self, ax: Any, *, logarithmic: bool = True) -> None:
-        """Draw on matplotlib axes, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear one."""
+        """Draw on the matplotlib axes `ax`, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear
+        one."""
         ax.plot(self.place, self.amplitude, lw=1.0, color=LINE)
         most = float(self.amplitude.max())
         if logarithmic and most > 0.0:
