@@ -23,7 +23,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import FreeMotions
-from warpffrf.online.start.rest import creeping_note, left_over
+from warpffrf.online.start.rest import creeping_notes, left_over
 from warpffrf.online.start.slow_films import stretch
 
 MOST_STEPS = 150  # a snap-through takes about a hundred
@@ -146,6 +146,6 @@ def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:
     """True, with notes of what is free and what creeps; what remembers a history begins it here."""
     engine.start_notes.extend(free.notes())
     if creeping and np.isfinite(free.first):
-        engine.start_notes.append(creeping_note(engine))
+        engine.start_notes.extend(creeping_notes(engine))
     engine.commit()
     return True
