@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from warpffrf import study
     from warpffrf.model import (
         bases,
+        bearings,
         damping,
         films,
         forces,
@@ -65,6 +66,7 @@ __all__ = [
     "Stage",
     "StressPoints",
     "bases",
+    "bearings",
     "compare",
     "contact_spacing",
     "damping",
@@ -105,6 +107,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
+    "bearings": ("warpffrf.model.bearings", None),
     "compare": ("warpffrf.output.comparison", "compare"),
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
     "damping": ("warpffrf.model.damping", None),
