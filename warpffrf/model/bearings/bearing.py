@@ -69,7 +69,8 @@ class Bearing(looks.Shown):
             "center": self.place.center.tolist(), "axes": self.place.axes.tolist(),
             "moduli": [m.plane_strain_modulus for m in self.materials], "shoulders": list(self.shoulders),
             "elements": [element.name for element in self.elements], "inner": self.inner.name,
-            "outer": self.outer.name, "cage": None if self.cage is None else self.cage.name,
+            "outer": self.outer.name, "poses": {ring.name: _pose(ring) for ring in (self.inner, self.outer)},
+            "cage": None if self.cage is None else self.cage.name,
             "contacts": {key: contact.name for key, contact in self.contacts.items()},
             "joints": {key: joint.name for key, joint in self.joints.items()},
         }  # fmt: skip
@@ -79,3 +80,7 @@ class Bearing(looks.Shown):
         if side not in SIDES:
             raise ValueError(side)
         return [self.contacts[f"{side}_{i}"] for i in range(1, self.raceways.count + 1)]
+
+
+def _pose(body: Body | Ground) -> dict[str, Any]:
+    return {"position": body.position.tolist(), "rotation": body.rotation.tolist()}

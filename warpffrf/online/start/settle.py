@@ -23,6 +23,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import FreeMotions
+from warpffrf.online.start.rest import ROUND_OFF as REST
 from warpffrf.online.start.rest import creeping_notes, left_over
 from warpffrf.online.start.slow_films import stretch
 
@@ -112,7 +113,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
-        settled = bool(np.all(moved <= TOLERANCE * length)) and _films_steady(engine)
+        settled = bool(np.all((moved <= TOLERANCE * length) | (left <= REST))) and _films_steady(engine)
         still = tau >= FIRST * length and bool(np.all(moved <= ROUND_OFF * length))
         balanced = bool(np.all(left <= model.limits.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
