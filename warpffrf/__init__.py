@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from warpffrf import examples, study
     from warpffrf.model import (
         bases,
+        bearings,
         damping,
         films,
         forces,
@@ -67,6 +68,7 @@ __all__ = [
     "Stage",
     "StressPoints",
     "bases",
+    "bearings",
     "campbell",
     "compare",
     "contact_spacing",
@@ -110,6 +112,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
+    "bearings": ("warpffrf.model.bearings", None),
     "campbell": ("warpffrf.output.campbell", "campbell"),
     "compare": ("warpffrf.output.comparison", "compare"),
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),

@@ -1,5 +1,5 @@
-"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum | view |
-picture | study`.
+"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum |
+view | picture | study`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to

@@ -25,6 +25,7 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SensorHistory,
 )
+from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.film_result import FilmResult
@@ -42,6 +43,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from warpffrf.model.scene import Scene
+    from warpffrf.output.bearings.stiffness import BearingStiffness
     from warpffrf.output.bodies.stress import StressResult
     from warpffrf.output.bodies.stress_below import StressBelow
     from warpffrf.output.report.fold import Pairs
@@ -147,6 +149,24 @@ class Result(looks.Shown):
             name: LapResult(lap, self.view.laps[name], self.time, self.history.bodies)
             for name, lap in self.history.laps.items()
         }
+
+    @property
+    def bearing_names(self) -> list[str]:
+        """Names of the whole bearings."""
+        return list(self.view.bearings)
+
+    def bearing(self, name: str) -> BearingResult:
+        """The bearing called `name`: loads, contact angles and patches of its elements, motion of its rings, lives;
+        raises InputError when there is none."""
+        return BearingResult(self.history, _named(self.view.bearings, "bearing", name))
+
+    def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
+        """Stiffness (6, 6) of the bearing called `name` about a saved step, by central differences of twelve
+        equilibria (`warpffrf.output.bearings.stiffness`); raises InputError for flexible parts, for a bearing without
+        load, and for a result that was read from a file."""
+        from warpffrf.output.bearings.stiffness import bearing_stiffness
+
+        return bearing_stiffness(self.scene, name, self.history, row)
 
     def hysteresis(self, force: Any, against: Any) -> Hysteresis:
         """A force against a displacement over the run: loops with their losses and equivalent damping
@@ -349,31 +369,34 @@ class Result(looks.Shown):
     @overload
     def plot(
         self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
-        film: str | None = None, row: int | None = None, lap: str | None = None,
+        film: str | None = None, row: int | None = None, lap: str | None = None, bearing: str | None = None,
     ) -> Figure: ...  # fmt: skip
 
     @overload
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
         row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+        bearing: str | None = None,
     ) -> Axes: ...  # fmt: skip
 
     def plot(
         self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
         row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+        bearing: str | None = None,
     ) -> Any:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
         returns a Figure.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        film, lap: likewise the oil film and the lap; row: the saved step of their maps, the last one if None. channel:
-        of "spectrum" and "waterfall" the history, as of `spectrum`; speed: the body over whose rotation it is drawn, by
-        orders or speed, over frequency or time if None. Kinds: docs/plots.md, `warpffrf plot --list`. Raises InputError
-        for an unknown kind, pair, film, lap, history or body, and what a run has not.
+        film, lap, bearing: likewise the oil film, the lap and the bearing; row: the saved step of their maps and loads,
+        the last one if None. channel: of "spectrum" and "waterfall" the history, as of `spectrum`; speed: the body over
+        whose rotation it is drawn, by orders or speed, over frequency or time if None. Kinds: docs/plots.md,
+        `warpffrf plot --list`. Raises InputError for an unknown kind, pair, film, lap, bearing, history or body, and
+        what a run has not.
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed)
+        return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed, bearing)
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,

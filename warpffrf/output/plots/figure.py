@@ -12,6 +12,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
+from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
 from warpffrf.output.plots.depth import draw_depth, has_material
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS
@@ -277,18 +278,20 @@ def _film(result: Any, name: str | None) -> Any:
 def plot(
     result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
     row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+    bearing: str | None = None,
 ) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
 
-    contact, film, lap: names of the pair, film and lap to draw, the first ones if None; row: saved step of the maps of
-    films and laps, the last one if None; channel, speed: of plots of a history its name and the body that turns. Raises
-    `InputError` for an unknown kind, pair, film, lap or row, a run without rows, plots of friction, films or laps of a
-    run without them, and of histories without a name.
+    contact, film, lap, bearing: names of the pair, film, lap and bearing to draw, the first ones if None; row: saved
+    step of the maps of films and laps and of the loads of bearings, the last one if None; channel, speed: of plots of a
+    history its name and the body that turns. Raises `InputError` for an unknown kind, pair, film, lap, bearing or row,
+    a run without rows, plots of friction, films, laps or bearings of a run without them, and of histories without a
+    name.
     """
     if contact is not None:
         result = OfPair(result, contact)
     known = {**PLOTS, **FRICTION_PLOTS}
-    kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *HISTORY_PLOTS, "summary")
+    kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary")
     if kind not in kinds:
         raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}")
     if len(result.time) == 0:
@@ -300,12 +303,13 @@ def plot(
         return summary_figure(result, film, row, lap)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
     known |= {name: _of_lap(draw, lap, row) for name, draw in LAP_PLOTS.items()}
+    known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
     if kind in HISTORY_PLOTS:
         known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
     if ax is None:
         import matplotlib.pyplot as plt
 
-        ax = plt.subplots()[1]
+        ax = plt.subplots(subplot_kw={"projection": "polar"} if kind in POLAR else None)[1]
     known[kind](result, ax)
     return ax
 
@@ -320,6 +324,10 @@ def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) ->
 
 def _of_history(draw: Callable[[Any, Any, str, str | None], None], channel: str, speed: str | None) -> Draw:
     return lambda result, ax: draw(result, ax, channel, speed)
+
+
+def _of_bearing(draw: Callable[[Any, Any, int], None], bearing: str | None, row: int) -> Draw:
+    return lambda result, ax: draw(the_bearing(result, bearing), ax, row)
 
 
 def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> dict[str, Draw]:
@@ -343,7 +351,9 @@ def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | Non
 
 def about_kinds() -> dict[str, str]:
     """Every kind of plot, and in a sentence what it shows."""
-    draws: dict[str, Callable[..., None]] = {**PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS, **HISTORY_PLOTS}
+    draws: dict[str, Callable[..., None]] = {
+        **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
+    }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
     return said | {"summary": "Everything that the run has data for, on one page."}
 
