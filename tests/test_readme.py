@@ -112,7 +112,8 @@ def test_what_the_readme_quotes_is_what_the_example_prints(number: int, lines: i
 def test_commands_have_the_options_that_the_readme_gives_them() -> None:
     found = [command.words for command in commands(README)]
     assert {words[1] for words in found} == {
-        "demo", "example", "run", "modes", "info", "reduce", "plot", "compare", "spectrum"
+        "demo", "example", "run", "modes", "campbell", "info", "reduce", "plot", "compare", "spectrum", "picture",
+        "view",
     }  # fmt: skip
     for words in found:
         names = words[1:3] if words[1] in ("demo", "example") else words[1:2]
