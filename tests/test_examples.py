@@ -93,12 +93,19 @@ def check_two_rollers(said: dict[str, str]) -> None:
     assert wf.Result.load("out/two_rollers/two_rollers.h5").status == "completed"
 
 
+def check_rotor(said: dict[str, str]) -> None:
+    """J w^2 - J_p W w = k: the fastest tilting goes with J_p/J of the speed in the end."""
+    w = np.roots([0.02, -0.03 * 600.0, -800.0]).max()
+    assert f"{w / (2.0 * np.pi):.5g}" in said["campbell"] and Path("campbell.png").stat().st_size > 10_000
+
+
 CHECKS = {
     "beam": check_beam,
     "machine": check_machine,
     "pendulum": check_pendulum,
     "press": check_press,
     "roller": check_roller,
+    "rotor": check_rotor,
     "two-rollers": check_two_rollers,
 }
 
