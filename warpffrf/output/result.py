@@ -95,7 +95,11 @@ class Result(looks.Shown):
         return list(self.history.contacts)
 
     def body(self, name: str) -> BodyHistory:
-        """Motion of the body called `name`; raises InputError when there is none."""
+        """Motion of the body called `name`; raises InputError when there is none.
+
+        >>> result.body("upper").position.shape  # (T, 3) m
+        (11, 3)
+        """
         return _named(self.history.bodies, "body", name)
 
     def joint(self, name: str) -> JointHistory:
@@ -103,7 +107,11 @@ class Result(looks.Shown):
         return _named(self.history.joints, "joint", name)
 
     def force(self, name: str) -> ForceHistory:
-        """Force, torque and deformation of the force element called `name`; raises InputError when there is none."""
+        """Force, torque and deformation of the force element called `name`; raises InputError when there is none.
+
+        >>> result.force("press").deformation.shape  # (T, 1) m, of the guide
+        (11, 1)
+        """
         return _named(self.history.forces, "force", name)
 
     @property
@@ -194,7 +202,11 @@ class Result(looks.Shown):
 
     def sensor(self, name: str) -> SensorHistory:
         """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
-        none. A stress is evaluated when it is first asked for."""
+        none. A stress is evaluated when it is first asked for.
+
+        >>> result.sensor("place").unit
+        'm'
+        """
         if name not in self.history.sensors and name in self._stress_sensors:
             sensor = self._stress_sensors[name]
             stress = self.stress(sensor.body.name, sensor.points)
@@ -210,7 +222,12 @@ class Result(looks.Shown):
         return {s.name: s for s in sensors if s.name not in self.history.sensors and s.kind == "stress"}
 
     def contact(self, name: str) -> PairResult:
-        """The contact pair called `name`; raises InputError when there is none."""
+        """The contact pair called `name`; raises InputError when there is none.
+
+        >>> pair = result.contact("lower-upper")
+        >>> bool(pair.force[-1, 2] < 0.0 and pair.half_width[-1] > pair.half_width[0])  # on the lower roller; m
+        True
+        """
         return _named(self._contacts, "contact", name)
 
     @cached_property
@@ -285,7 +302,13 @@ class Result(looks.Shown):
         neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long. pairs:
         four and more contacts, joints, forces or notes that differ in figures and in numbers within names alone are
         "folded" into one, with the least and the largest of each figure and whose they are; "all" tells each by
-        itself. Raises InputError for another word."""
+        itself. Raises InputError for another word.
+
+        >>> print(result.report(progress=False))  # doctest: +ELLIPSIS
+        status            completed
+        time              0 to 0.002 s, 11 rows saved
+        ...
+        """
         from warpffrf.output.report.report import report_text
 
         return report_text(self, progress, pairs)
@@ -321,6 +344,9 @@ class Result(looks.Shown):
         film, lap: likewise the oil film and the lap; row: the saved step of their maps, the last one if None. Kinds:
         see `warpffrf.output.plots.figure.PLOTS`, of films `plots.films.FILM_PLOTS`, of laps `plots.laps.LAP_PLOTS`.
         Raises InputError for an unknown kind, pair, film or lap.
+
+        >>> result.plot().savefig("summary.png")
+        >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
@@ -344,7 +370,11 @@ class Result(looks.Shown):
     def to_dataframe(self) -> Any:
         """A `pandas.DataFrame` of every history, a row for each saved step: index `time` [s], columns as
         `contact_force_z[roller on plate]`, their units in `.attrs["units"]`; fields over the patch and modal
-        coordinates are left to `to_xarray`. Needs the optional package pandas, without which it raises ImportError."""
+        coordinates are left to `to_xarray`. Needs the optional package pandas, without which it raises ImportError.
+
+        >>> bool(result.to_dataframe()["contact_force_z[lower-upper]"].iloc[0] < 0.0)  # N
+        True
+        """
         from warpffrf.output.files.table import to_dataframe
 
         return to_dataframe(self)
