@@ -177,14 +177,15 @@ class _Transition(Signal):
 
 
 class Ramp(_Transition):
-    """Linear from `start_value` to `end_value` within `duration` after `delay` [s], constant before and after."""
+    """Linear from `start_value` to `end_value` [unit of what it drives] within `duration` after `delay` [s], constant
+    before and after."""
 
     shape = (1.0,)
 
 
 class SmoothStep(_Transition):
-    """Quintic 6 x^5 - 15 x^4 + 10 x^3 from `start_value` to `end_value`, x = (t - delay)/duration; twice
-    differentiable.
+    """Quintic 6 x^5 - 15 x^4 + 10 x^3 from `start_value` to `end_value` [unit of what it drives], x = (t -
+    delay)/duration with duration and delay [s]; twice differentiable.
 
     >>> round(float(wf.signals.SmoothStep(0.0, 100.0, duration=0.02)(0.01)), 3)  # half-way at half of the time
     50.0
