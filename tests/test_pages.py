@@ -1,4 +1,4 @@
-"""Pages for newcomers: the blocks of docs/how_do_i.md run as they stand, and docs/words.md explains words that are said."""
+"""Pages for newcomers: the blocks of docs/how_do_i.md run as they stand, docs/words.md explains words that are said."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def ran(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
 
 
 def test_blocks_run_and_do_what_they_say(ran: dict[str, Any]) -> None:
-    """The half-width is that of Hertz at the load, the force rises from a tenth of the load to the load, less the spring."""
+    """The half-width is that of Hertz at the load, the force rises from a tenth of it to all of it, less the spring."""
     result, finer = ran["result"], ran["finer"]
     assert result.status == finer.status == "completed"
     force, gave = result.contact("pair").force_magnitude, result.joint("guide").coordinate
