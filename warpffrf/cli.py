@@ -1,4 +1,5 @@
-"""The command line: `warpffrf demo | run | modes | reduce | info | compare | plot | spectrum | study`.
+"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum |
+view | picture | study`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
@@ -21,6 +22,8 @@ import typer
 
 import warpffrf
 from warpffrf.cli_errors import know_options, one_line_errors
+from warpffrf.cli_examples import add_example_commands
+from warpffrf.cli_pictures import add_picture_commands
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
 from warpffrf.demos import DEMOS
@@ -29,13 +32,14 @@ from warpffrf.demos import DEMOS
 # (on two busy cores 16 times longer than one thread alone).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+SCENE = typer.Argument(metavar="SCENE", help="Scene file, .toml; what may stand in it: warpffrf scene-file.")
 EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
 
 log = logging.getLogger("warpffrf")
 
 app = typer.Typer(
     name="warpffrf",
-    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers",
+    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers, or warpffrf example",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
@@ -43,10 +47,15 @@ app = typer.Typer(
 )
 demo = typer.Typer(
     help="Run a complete example, print its figures beside what they must be, and write its results to a folder.",
-    no_args_is_help=True,
     rich_markup_mode=None,
 )
 app.add_typer(demo, name="demo")
+
+
+@demo.callback(invoke_without_command=True)
+def list_demos(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 class _State:
@@ -120,7 +129,7 @@ for _module, _about in DEMOS.items():
 
 @app.command("run")
 def run_scene_file(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    scene_file: Annotated[Path, SCENE],
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -169,7 +178,7 @@ def run_scene_file(
 
 @app.command("modes")
 def modes_of_scene_file(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    scene_file: Annotated[Path, SCENE],
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -184,6 +193,10 @@ def modes_of_scene_file(
             help="equilibrium, initial, or a results file (.h5) of this scene, whose last state is meant.",
         ),
     ] = EQUILIBRIUM,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PNG", help="Also draw their shapes here: .png, .pdf or .svg.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
 ) -> None:
     """List frequencies, damping and moving bodies of the lowest modes of a machine, joints and contacts included.
 
@@ -193,7 +206,52 @@ def modes_of_scene_file(
         from warpffrf.scene_file import load_scene
 
         scene = load_scene(scene_file, settings=settings or ()).scene
-        print(warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet).report())
+        modes = warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet)
+        print(modes.report())
+        if out is not None:
+            from warpffrf.output.plots.picture import write_picture
+
+            print(f"drawn to {write_picture(modes.plot_shapes(count), out, 'modes', overwrite=overwrite)}")
+
+
+@app.command("campbell")
+def campbell_of_scene_file(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    speed: Annotated[
+        str, typer.Argument(metavar="NAME", help="The key that the speed [rad/s] is put into, as --set of run has it.")
+    ],
+    last: Annotated[float, typer.Argument(metavar="LAST", help="The largest speed, rad/s.")],
+    first: Annotated[float, typer.Option(metavar="SPEED", help="The smallest speed, rad/s.")] = 0.0,
+    steps: Annotated[int, typer.Option(help="How many steps from the smallest to the largest.")] = 12,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="Another value for a parameter or a key. Repeat for more."),
+    ] = None,
+    count: Annotated[int, typer.Option(help="How many modes at each speed, from the lowest on.")] = 12,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PNG", help="Also draw the diagram here: .png, .pdf or .svg.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+) -> None:
+    """List natural frequencies about the initial state of a machine against the speed of its rotation.
+
+    Example: warpffrf campbell rotor.toml speed 600 --out campbell.png
+    """
+    with one_line_errors():
+        from warpffrf.output.plots.picture import write_drawing
+        from warpffrf.scene_file import load_scene
+
+        if steps < 1:
+            raise warpffrf.InputError(f"--steps is {steps}; it must be at least 1")
+
+        def build(rate: float) -> warpffrf.Scene:
+            return load_scene(scene_file, settings=[*(settings or ()), f"{speed}={rate!r}"]).scene
+
+        speeds = [first + (last - first) * n / steps for n in range(steps + 1)]
+        found = warpffrf.campbell(build, speeds, count, progress=not _State.quiet)
+        print(found.report())
+        if out is not None:
+            print(f"drawn to {write_drawing(found.plot, out, 'campbell', overwrite=overwrite)}")
 
 
 def _state(about: str) -> Any:
@@ -386,6 +444,8 @@ def info(
 
 
 add_result_commands(app)
+add_example_commands(app)
+add_picture_commands(app, lambda: _State.quiet)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

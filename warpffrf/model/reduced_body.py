@@ -90,6 +90,14 @@ class ReducedBody(looks.Shown, ReducedBodyData):
         """
         return _output("plots.quality_page").write_quality_page(self, path, overwrite=overwrite)
 
+    def plot_modes(self, count: int = 8) -> Any:
+        """A matplotlib Figure of the shapes of the first `count` elastic modes: deformed skins in colour, red where the
+        mode moves most, over the undeformed one in grey. Numbers and frequencies [Hz] are those of the free body.
+
+        Raises `InputError` for a count below 1, and a body without skin or without elastic modes.
+        """
+        return _output("plots.quality_page").modes_figure(self, count)
+
     def show(
         self,
         mode: int | None = None,

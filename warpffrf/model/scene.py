@@ -12,6 +12,7 @@ import numpy as np
 from warpffrf.model import looks
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.assembly import joined_bodies, shift_bodies
+from warpffrf.model.bearings import Bearing, add_ball_bearing, add_roller_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
 from warpffrf.model.claims import refuse_double_claims, refuse_double_laps
 from warpffrf.model.contact import Contact
@@ -44,8 +45,8 @@ class Scene(looks.Shown):
     """A machine: bodies with poses, and what connects and loads them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
-    `sensors` are lists in the order of adding; `ground` is the world as a body. SI units, world axes, quaternions (x,
-    y, z, w).
+    `sensors` are lists in the order of adding; `bearings` are whole ones, whose parts are in the other lists too;
+    `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
 
     >>> scene = wf.Scene(gravity=(0, 0, -9.81))  # m/s2
     >>> arm = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="arm", position=(0.1, 0, 0))  # kg, kg m2, m
@@ -68,9 +69,13 @@ class Scene(looks.Shown):
         self.films: list[Film] = []
         self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
+        self.bearings: list[Bearing] = []
+
+    add_ball_bearing = add_ball_bearing
+    add_roller_bearing = add_roller_bearing
 
     def _facts(self) -> dict[str, Any]:
-        kinds = ("bodies", *_ADDED)
+        kinds = ("bodies", *_ADDED, "bearings")
         return {kind: looks.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
 
     def add_body(
@@ -232,6 +237,10 @@ class Scene(looks.Shown):
     def lap(self, name: str) -> Lap:
         """The lap called `name`; `InputError` lists those that exist."""
         return _named(self.laps, name, "lap")
+
+    def bearing(self, name: str) -> Bearing:
+        """The bearing called `name`; `InputError` lists those that exist."""
+        return _named(self.bearings, name, "bearing")
 
     def place(self, port: Port, *, onto: Port) -> None:
         """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged).

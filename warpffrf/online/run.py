@@ -127,7 +127,7 @@ def run(
     local: str | LocalDynamics = "quasi_static",
     step_error: float | None = None,
     save_every: int = 1,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     settings: Settings | None = None,
     project_start: bool = False,
@@ -281,7 +281,7 @@ def run(
 
 @TURN
 def find_equilibrium(
-    scene: Scene, *, friction: bool = False, device: str = "cpu", settings: Settings | None = None,
+    scene: Scene, *, friction: bool = False, device: str | None = None, settings: Settings | None = None,
     progress: bool = False,
 ) -> History:  # fmt: skip
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row.

@@ -70,7 +70,7 @@ def run_monolithic(
     local: Any = "quasi_static",
     step_error: float | None = None,
     save_every: int = 1,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     project_start: bool = False,
     options: monolithic.Monolithic | None = None,
@@ -83,7 +83,7 @@ def run_monolithic(
     treatment = as_local_dynamics(local)
     if step_error is not None:
         raise InputError("method 'monolithic' takes fixed steps; leave step_error out")
-    if device != "cpu":
+    if device not in (None, "cpu"):
         raise InputError(f"method 'monolithic' runs on the CPU, got device {device!r}")
     if treatment.treatment not in ("quasi_static", "hht", "auto"):
         raise InputError(

@@ -4,6 +4,7 @@ plots)."""
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, overload
@@ -24,6 +25,7 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SensorHistory,
 )
+from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.film_result import FilmResult
@@ -41,9 +43,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from warpffrf.model.scene import Scene
+    from warpffrf.output.bearings.stiffness import BearingStiffness
     from warpffrf.output.bodies.stress import StressResult
+    from warpffrf.output.bodies.stress_below import StressBelow
     from warpffrf.output.report.fold import Pairs
     from warpffrf.output.spectrum import Spectrum
+    from warpffrf.output.waterfall import Waterfall
 
 
 @named_arguments
@@ -153,6 +158,24 @@ class Result(looks.Shown):
             for name, lap in self.history.laps.items()
         }
 
+    @property
+    def bearing_names(self) -> list[str]:
+        """Names of the whole bearings."""
+        return list(self.view.bearings)
+
+    def bearing(self, name: str) -> BearingResult:
+        """The bearing called `name`: loads, contact angles and patches of its elements, motion of its rings, lives;
+        raises InputError when there is none."""
+        return BearingResult(self.history, _named(self.view.bearings, "bearing", name))
+
+    def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
+        """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central
+        differences of twelve equilibria (`warpffrf.output.bearings.stiffness`); raises InputError for flexible parts,
+        for a bearing without load, and for a result that was read from a file."""
+        from warpffrf.output.bearings.stiffness import bearing_stiffness
+
+        return bearing_stiffness(self.scene, name, self.history, row)
+
     def hysteresis(self, force: Any, against: Any) -> Hysteresis:
         """A force against a displacement over the run: loops with their losses and equivalent damping
         (`.loop(begin, end)`, `.cycles(period)`), stiffness against load (`.stiffness()`), and plots (`.draw(ax)`).
@@ -186,6 +209,24 @@ class Result(looks.Shown):
         values, label, units = self._history(history)
         return order_spectrum(self.time, values, self.body(body).angular_velocity, label, units, body, axis)
 
+    def waterfall(
+        self, history: str | np.ndarray, speed: str | None = None, *, window: float | None = None, axis: Any = None
+    ) -> Waterfall:
+        """Spectra of consecutive windows of a history, as of `spectrum`, over time: `.time` (w,) [s], `.frequency` (n,)
+        [Hz], `.amplitude` (w, n), `.report()`, `.draw(ax)`; or over the speed of rotation of the body called `speed`
+        about `axis` as of `orders`: `.speed` (w,) [turns/s], drawn with lines of orders.
+
+        window: length of a window [s], an eighth of the run if None; frequencies are told to 1 over it. Raises
+        InputError as `spectrum`, for fewer than 3 windows or 16 rows in one, and for a speed that does not change.
+        """
+        from warpffrf.output.waterfall import over_speed, waterfall
+
+        values, label, units = self._history(history)
+        found = waterfall(self.time, values, label, units, window)
+        if speed is None:
+            return found
+        return over_speed(found, self.time, self.body(speed).angular_velocity, speed, axis)
+
     def _history(self, history: str | np.ndarray) -> tuple[np.ndarray, str, str]:
         """Values (T,), name and unit."""
         from warpffrf.output.files.table import column
@@ -207,11 +248,13 @@ class Result(looks.Shown):
         >>> result.sensor("place").unit
         'm'
         """
+        from warpffrf.model.stress_field import von_mises
+        from warpffrf.output.bodies.stress import stress_at_point
+
         if name not in self.history.sensors and name in self._stress_sensors:
             sensor = self._stress_sensors[name]
-            stress = self.stress(sensor.body.name, sensor.points)
-            i = sensor.index
-            values = np.concatenate([stress.tensor[:, i], stress.von_mises[:, i, None]], axis=1)
+            tensor = stress_at_point(self, sensor.body.name, sensor.points, sensor.index)
+            values = np.concatenate([tensor, von_mises(tensor)[:, None]], axis=1)
             return SensorHistory(sensor.kind, sensor.unit, sensor.frame, sensor.components, values)
         return _named({**self.history.sensors, **self._stress_sensors}, "sensor", name)
 
@@ -247,15 +290,40 @@ class Result(looks.Shown):
             if body.reduced is not None
         }
 
-    def stress(self, body: str, points: str) -> StressResult:
+    def stress(self, body: str, points: str, *, rows: Sequence[int] | np.ndarray | None = None) -> StressResult:
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
-        points})`), at every saved step: `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
+        points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        Raises InputError for a body without stress points of that name; the message lists those there are.
+        rows: numbers of the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a point
+        and step: of many points name the rows. Raises InputError for a body without stress points of that name, the
+        message lists those there are, and for rows that the run does not have.
         """
         from warpffrf.output.bodies.stress import stress_result
 
-        return stress_result(self, body, points)
+        return stress_result(self, body, points, rows)
+
+    def stress_below(
+        self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None
+    ) -> list[StressBelow]:
+        """Stress [Pa] in the half-space below the centre of the patch of a contact pair, the first one if None, of the
+        pressure of the saved step `row`, the last one that touches if None, without tractions: `.depth` (n,) [m],
+        `.tensor` (n, 6), `.von_mises`, `.max_shear`; one for each of Poisson's ratios of its bodies.
+
+        depth: (n,) [m] from the surface, down to 3 half-widths if None. It needs no stress points of the bodies; how it
+        is made: `warpffrf.output.bodies.stress_below`. Raises InputError for a pair or row that there is not, a row in
+        which nothing touches, and bodies that do not say their material.
+        """
+        from warpffrf.output.bodies.stress_below import stress_below
+
+        if contact is None and not self.contact_names:
+            raise InputError("stress_below: the scene has no contact pair; see result.stress for points of a body")
+        pair = self.contact(self.contact_names[0] if contact is None else contact)
+        touching = np.flatnonzero(pair.touching)
+        if row is None:
+            row = int(touching[-1]) if len(touching) else len(self.time) - 1
+        if not 0 <= row < len(self.time):
+            raise InputError(f"stress_below: row is {row}; the run has the saved rows 0 to {len(self.time) - 1}")
+        return stress_below(pair, row, depth)
 
     @cached_property
     def energy_scale(self) -> float:
@@ -324,33 +392,73 @@ class Result(looks.Shown):
     @overload
     def plot(
         self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
-        film: str | None = None, row: int | None = None, lap: str | None = None,
+        film: str | None = None, row: int | None = None, lap: str | None = None, bearing: str | None = None,
     ) -> Figure: ...  # fmt: skip
 
     @overload
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None,
+        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+        bearing: str | None = None,
     ) -> Axes: ...  # fmt: skip
 
     def plot(
         self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None,
+        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+        bearing: str | None = None,
     ) -> Any:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
         returns a Figure.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        film, lap: likewise the oil film and the lap; row: the saved step of their maps, the last one if None. Kinds:
-        see `warpffrf.output.plots.figure.PLOTS`, of films `plots.films.FILM_PLOTS`, of laps `plots.laps.LAP_PLOTS`.
-        Raises InputError for an unknown kind, pair, film or lap.
+        film, lap, bearing: likewise the oil film, the lap and the bearing; row: the saved step of their maps and loads,
+        the last one if None. channel: of "spectrum" and "waterfall" the history, as of `spectrum`; speed: the body over
+        whose rotation it is drawn, by orders or speed, over frequency or time if None. Kinds: docs/plots.md,
+        `warpffrf plot --list`. Raises InputError for an unknown kind, pair, film, lap, bearing, history or body, and
+        what a run has not.
 
         >>> result.plot().savefig("summary.png")
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, lap)
+        return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed, bearing)
+
+    def picture(
+        self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
+        deformation_factor: float | None = None, overwrite: bool = False,
+    ) -> Path:  # fmt: skip
+        """Draw the bodies at the saved step next to `time` [s], the last one if None, into the picture `path` (.png,
+        .pdf, .svg); needs neither screen nor viewer.
+
+        field: what skins are coloured by: "displacement", "pressure", with friction "traction", "slip", "state" and
+        "wear", and "von_mises" of bodies reduced with `stress={"skin": "skin"}`. deformation_factor [-]: magnification
+        of the elastic displacement, chosen from 1, 2, 5, 10, ... if None. Raises InputError for a field that no body
+        has, a time outside of the run, a factor that is not positive, and a file that exists, unless `overwrite` is set
+        and warpffrf wrote it.
+        """
+        from warpffrf.output.plots.animation import write_still
+
+        return write_still(self, path, field, time=time, factor=deformation_factor, overwrite=overwrite)
+
+    def animate(
+        self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
+        deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
+    ) -> Path:  # fmt: skip
+        """Draw the bodies over the run into a .gif, or with the program ffmpeg an .mp4, as `picture` draws them, with
+        its path, field, deformation_factor [-] and overwrite; eye and colours hold for all frames.
+
+        every: a frame for every so many saved steps, at most 100 frames if None; fps [1/s]: frames a second; progress:
+        how far it is, on stderr. What is interrupted leaves no file. Raises InputError as `picture`, for another
+        ending, and for an .mp4 without ffmpeg.
+        """
+        from warpffrf.output.plots.animation import write_animation
+
+        with speaking(progress):
+            return write_animation(
+                self, path, field, every=every, fps=fps, factor=deformation_factor, overwrite=overwrite,
+                progress=progress,
+            )  # fmt: skip
 
     def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
         """A matplotlib Figure of one lap, the first one if None: its pressure, state and loss at saved steps next to
@@ -387,13 +495,20 @@ class Result(looks.Shown):
 
         return write_csv(self, path, overwrite=overwrite)
 
-    def to_vtu(self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
-        """Write a VTK time series that ParaView and pyvista open, path: a .pvd, a folder of .vtu comes beside it;
-        stride: every so many saved steps. Raises InputError for another ending, a run without flexible bodies, and a
-        file that exists, unless `overwrite` is set."""
+    def to_vtu(
+        self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = True
+    ) -> Path:
+        """Write every `stride`-th saved step as a VTK time series, path: a .pvd, a folder of .vtu comes beside it, that
+        ParaView and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
+        `stress={"skin": "skin"}` stress and von Mises stress, on the skins. progress: how far it is, on stderr.
+
+        Raises InputError for a path that does not end in .pvd, a stride below 1, a scene without flexible bodies, and
+        a .pvd that exists, unless `overwrite` is set.
+        """
         from warpffrf.output.files.vtu import write_time_series
 
-        return write_time_series(self, path, stride=stride, overwrite=overwrite)
+        with speaking(progress):
+            return write_time_series(self, path, stride=stride, overwrite=overwrite, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
         """Write the run as one HDF5 file at `path`; `Result.load` reads it back, also to continue the run. Raises

@@ -76,7 +76,7 @@ def simulate(
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
     record_every: int | None = None,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     project_start: bool = False,
     overwrite: bool = False,
@@ -107,7 +107,8 @@ def simulate(
     LocalDynamics, for bodies reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both
     are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
     written is in `unwritten` of the Result and in its notes. record_every: the recording shows every so many saved
-    steps, None: at most 300 of them. progress: what is being done, and the notes of the run, on stderr: bars on a
+    steps, None: at most 300 of them. device: "cpu" or "cuda:0", None for what the environment variable
+    WARPFFRF_DEVICE names, else the CPU. progress: what is being done, and the notes of the run, on stderr: bars on a
     terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages, results
     "run.h5" also means "run.NAME.h5"
     at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status` and
@@ -349,7 +350,7 @@ def equilibrium(
     friction: bool = False,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     overwrite: bool = False,
 ) -> Result:

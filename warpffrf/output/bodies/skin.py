@@ -8,7 +8,7 @@ forces of `patch_on_skin` are recovered in the same way, of bodies that were red
 load their first body by their pressure; their shear is left out. `laps` is what the forces s on the cells of laps do
 beside the global modes (`lap_loads`); where a body's file lacks it as too large, results say so (`lap_loads.left_out`).
 Pressure, traction and state of laps are those of `lap_faces`. Slip speed and wear are those of contacts: laps slip by
-distances, which `result.lap(name)` has.
+distances, which `result.lap(name)` has. Stress is that of `skin_stress`, where the body was reduced with it.
 """
 
 from __future__ import annotations
@@ -26,16 +26,18 @@ from warpffrf.output.bodies.normal_loads import film_loads, normal_loads
 from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
 from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
+from warpffrf.output.bodies.skin_stress import SkinStress
 from warpffrf.output.geometry.grid_places import SkinSurface
 from warpffrf.output.geometry.grid_places import rotate as rotate  # where it used to be
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 
 CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
 LAP_FIELDS = ("pressure", "traction", "state")  # and of its laps
+VON_MISES = "von_mises"  # of bodies that were reduced with stress points on their skin
 
 
 class Skin:
-    """The skin of one flexible body over a run: displacement and pressure at saved step `i`."""
+    """The skin of one flexible body over a run: displacement, pressure and stress at saved step `i`."""
 
     def __init__(self, history: Any, view: SceneView, body: BodyView) -> None:
         self.history = history
@@ -54,6 +56,7 @@ class Skin:
             for p in self._pairs
             if getattr(history.contacts[p.name], "friction", None) is not None
         }
+        self.stress = SkinStress(history, view, body.name, self.points)
 
     def _is_first(self, pair: PairView) -> bool:
         return pair.first_body.name == self.body.name
@@ -125,6 +128,19 @@ class Skin:
         for face in self._laps:
             found = np.maximum(found, face.state(i))
         return found
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """What this body's skin can be coloured by beside its displacement: `contact_fields`, and "von_mises" where it
+        was reduced with stress points on it."""
+        return (*self.contact_fields, *([VON_MISES] if self.stress.count else []))
+
+    def field(self, name: str, i: int) -> np.ndarray:
+        """One of `fields` (n,) at saved step `i`, as `contact_field`; von Mises [Pa] is NaN where no stress point is.
+        Raises `InputError` for one that this body does not have."""
+        if name == VON_MISES and self.stress.count:
+            return self.stress.von_mises(i)
+        return self.contact_field(name, i)
 
     def contact_field(self, name: str, i: int) -> np.ndarray:
         """One of `contact_fields` (n,) at saved step `i`, of the traction its magnitude; SI units. Raises `InputError`

@@ -22,6 +22,7 @@ its sum a few of them below.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -107,27 +108,61 @@ def stress_field(view: SceneView, body: str, points: str) -> StressField:
     return reduced.stress[points]
 
 
-def stress_result(result: Any, body: str, points: str) -> StressResult:
-    """Stress of `body` at the `points` named when it was reduced, one saved step after the other."""
-    history, view = result.history, result.view
-    field = stress_field(view, body, points)
-    modal = history.bodies[body].modal
-    reduced, squares = view.bodies[body].reduced, membrane_forms(view.bodies[body])
-    walls = reduced.provenance.get("contact_walls", {})
-    loads: list[NormalLoads | PatchStress] = []
-    for pair in view.pairs.values():
-        if body in (pair.first_body.name, pair.second_body.name):
-            load = normal_loads(pair, history, first=pair.first_body.name == body)
-            is_fine = isinstance(load, CellLoads)
-            loads.append(PatchStress(load, field, walls.get(load.surface.name)) if is_fine else load)
-    loads += film_loads(view.films.values(), history, body)
-    laps = LapLoads(history, view, body)
-    tensor = np.empty((len(history.time), len(field.points), 6))
-    for i in range(len(tensor)):
-        rubbing = tangential_surface_forces(history, view, body, i)
-        stretched = None if squares is None else membrane_amplitudes(squares, modal[i])
-        tensor[i] = field.evaluate(modal[i], surface_forces(loads, i), rubbing, laps.forces(i), stretched)
+class BodyStress:
+    """Stress of one body at the `points` named when it was reduced, one saved step at a time. Raises `InputError` as
+    `stress_field`."""
+
+    def __init__(self, history: History, view: SceneView, body: str, points: str) -> None:
+        self.history, self.view, self.body = history, view, body
+        self.field = stress_field(view, body, points)
+        self._squares = membrane_forms(view.bodies[body])
+        walls = view.bodies[body].reduced.provenance.get("contact_walls", {})
+        self._loads: list[NormalLoads | PatchStress] = []
+        for pair in view.pairs.values():
+            if body in (pair.first_body.name, pair.second_body.name):
+                load = normal_loads(pair, history, first=pair.first_body.name == body)
+                is_fine = isinstance(load, CellLoads)
+                self._loads.append(PatchStress(load, self.field, walls.get(load.surface.name)) if is_fine else load)
+        self._loads += film_loads(view.films.values(), history, body)
+        self._laps = LapLoads(history, view, body)
+
+    def tensor(self, i: int) -> np.ndarray:
+        """Stress (p, 6) [Pa] in the order xx, yy, zz, xy, yz, zx, axes of the body's user frame, at saved step `i`."""
+        modal, loads = self.history.bodies[self.body].modal[i], self._loads
+        rubbing = tangential_surface_forces(self.history, self.view, self.body, i)
+        stretched = None if self._squares is None else membrane_amplitudes(self._squares, modal)
+        tensor = self.field.evaluate(modal, surface_forces(loads, i), rubbing, self._laps.forces(i), stretched)
         for load in loads:
             if isinstance(load, PatchStress):
-                tensor[i] += load.at(i, load.forces(i))
-    return StressResult(history.time, field.points, tensor)
+                tensor = tensor + load.at(i, load.forces(i))
+        return tensor
+
+
+def stress_result(result: Any, body: str, points: str, rows: Sequence[int] | np.ndarray | None = None) -> StressResult:
+    """Stress of `body` at the `points` named when it was reduced, at the saved steps `rows` (r,), all if None."""
+    source, count = BodyStress(result.history, result.view, body, points), len(result.time)
+    shown = np.arange(count) if rows is None else saved_rows(rows, count, "stress: rows")
+    tensor = np.empty((len(shown), len(source.field.points), 6))
+    for n, i in enumerate(shown):
+        tensor[n] = source.tensor(int(i))
+    return StressResult(result.time[shown], source.field.points, tensor)
+
+
+def stress_at_point(result: Any, body: str, points: str, index: int) -> np.ndarray:
+    """Stress (T, 6) [Pa] at one of the `points`, without those of the others being kept."""
+    source = BodyStress(result.history, result.view, body, points)
+    found = np.empty((len(result.time), 6))
+    for i in range(len(found)):
+        found[i] = source.tensor(i)[index]
+    return found
+
+
+def saved_rows(rows: Any, count: int, what: str) -> np.ndarray:
+    """Numbers (r,) from 0 of the saved steps `rows`, negative ones from the end; raises `InputError` naming `what` for
+    no whole numbers, and for one that is not among the `count` of the run."""
+    found = np.atleast_1d(np.asarray(rows))
+    if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer):
+        raise InputError(f"{what} must be whole numbers of saved steps, got {rows!r}")
+    if len(found) and not -count <= found.min() <= found.max() < count:
+        raise InputError(f"{what}: the run has saved steps 0 to {count - 1}, got {found.min()} to {found.max()}")
+    return found % max(count, 1)

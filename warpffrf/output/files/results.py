@@ -381,6 +381,7 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
     ]
     group.attrs["ground"] = json.dumps({name: shape for b in fixed for name, shape in _described(b).items()})
     group.attrs["anchors"] = json.dumps([anchor.describe() for anchor in view.anchors])
+    group.attrs["bearings"] = json.dumps(view.bearings)
 
 
 def _described(body: BodyView) -> dict[str, Any]:
@@ -427,7 +428,8 @@ def _get_scene(file: Any, older: Older) -> SceneView:
         pairs[name] = replace(pairs[name], at_nodes=True)
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
     joints = tuple(json.loads(group.attrs["joints"]))
-    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps)
+    bearings = json.loads(group.attrs.get("bearings", "{}"))
+    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps, bearings)
 
 
 def _as_bytes(reduced: Any) -> np.ndarray:

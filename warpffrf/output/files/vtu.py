@@ -2,8 +2,11 @@
 
 Points are the rigidly moved, undeformed skin in world axes; the point data `displacement` [m, world axes] (warp by
 this vector), `pressure` [Pa], and of bodies with friction `traction` [Pa, world axes, on this body], `slip` speed
-[m/s], `wear` index [W/m2] and `state` (0 open, 1 stick, 2 slip). ParaView and `pyvista.PVDReader` open the .pvd; one
-body is one part.
+[m/s], `wear` index [W/m2] and `state` (0 open, 1 stick, 2 slip). Bodies that were reduced with stress points on their
+skin (`reduce(..., stress={"skin": "skin"})`) also have `stress` [Pa, world axes: xx, yy, zz, xy, yz, zx, as ParaView
+takes six components] and `von_mises` [Pa]; where stress is missing, on nodes or whole bodies, it is said in a comment
+of the .pvd and on the logger. ParaView and `pyvista.PVDReader` open the .pvd; one body is one part. Steps are written
+one after the other, so that memory does not grow with their number.
 
 A lap is a part, too: the triangles that its cells consist of, on the first body with the displacement of its skin,
 with the cell data `pressure` and `traction` [Pa, world axes, on the second face], `gap` [m], `slip` [m, world axes, of
@@ -13,6 +16,7 @@ with friction, traction and state of their laps at the nodes.
 
 from __future__ import annotations
 
+import logging
 import os
 from functools import partial
 from pathlib import Path
@@ -21,17 +25,25 @@ from xml.sax.saxutils import quoteattr
 
 import numpy as np
 
+from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.meshio_files import meshio_package
 from warpffrf.model.output_paths import checked_output_path
+from warpffrf.model.progress import Progress
+from warpffrf.model.stress_field import rotated, von_mises
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.laps.lap_result import LapResult
 from warpffrf.output.laps.on_skin import LapOnSkin
 
+log = logging.getLogger("warpffrf")
 
-def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False) -> Path:
+
+def write_time_series(
+    result: Any, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = False
+) -> Path:
     """Write every `stride`-th saved step; the .vtu files go into a folder named like the .pvd. Returns the .pvd path.
+    progress: how far it is, on stderr.
 
     Raises InputError for a path without the ending .pvd or one that cannot be written, for a stride below 1, and for
     a run without flexible bodies, and for a .pvd that exists where `overwrite` is not set.
@@ -46,6 +58,9 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
     skins = result.skins()
     if not skins:
         raise InputError("to_vtu: the scene has no flexible body, so there is no surface to write")
+    notes = [skin.stress.note for skin in skins.values() if skin.stress.note]
+    for note in notes:
+        log.info("to_vtu: %s", note)
     folder = target.with_suffix("")
     folder.mkdir(exist_ok=True)
     entries = []
@@ -54,7 +69,10 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
     for lap in laps:
         placed = LapOnSkin(lap.view, skins[lap.view.first_body.name])
         parts.append((lap.name, partial(lap_mesh, result, lap, placed)))
-    for i in range(0, len(result.time), stride):
+    rows = range(0, len(result.time), stride)
+    bar = Progress("VTK files", len(rows), enabled=progress)
+    for done, i in enumerate(rows):
+        bar.update(done)
         for part, (name, mesh_at) in enumerate(parts):
             file = folder / f"{part}_{i:06d}.vtu"
             meshio.write(file, mesh_at(i))
@@ -62,9 +80,11 @@ def write_time_series(result: Any, path: str | os.PathLike[str], *, stride: int 
             entries.append(
                 f'    <DataSet timestep="{result.time[i]:.17g}" part="{part}" name={quoteattr(name)} file={location}/>'
             )
+    bar.close()
     lines = [
         '<?xml version="1.0"?>',
         "<!-- written by warpffrf -->",
+        *(f"<!-- {note.replace('--', '- -')} -->" for note in notes),
         '<VTKFile type="Collection" version="0.1">',
         "  <Collection>",
         *entries,
@@ -80,6 +100,9 @@ def body_mesh(result: Any, name: str, skin: Skin, i: int) -> Any:
     motion = result.history.bodies[name]
     rotation = motion.rotation[i]
     data: dict[str, Any] = {"displacement": rotate(rotation, skin.displacement(i)), "pressure": skin.pressure(i)}
+    if skin.stress.count:
+        tensor = skin.stress.tensor(i)
+        data |= {"stress": rotated(tensor, rot.matrix(rotation)), "von_mises": von_mises(tensor)}
     for field in skin.contact_fields[1:]:
         data[field] = rotate(rotation, skin.traction(i)) if field == "traction" else skin.contact_field(field, i)
     return meshio.Mesh(

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+
+from warpffrf.output.contact.friction import STATES
 
 LEVELS = 256
 MOST_BARS = 3  # of a legend in one column
@@ -15,6 +18,8 @@ SLIP_STOPS = ("#c9ced6", "#fdd0a2", "#fd8d3c", "#d94801", "#7f2704")
 WEAR_STOPS = ("#c9ced6", "#d4b9da", "#df65b0", "#ce1256", "#67001f")
 STATE_COLORS = ("#c9ced6", "#2a7fb8", "#ff9f1c")  # open, stick, slip
 DISPLACEMENT_STOPS = ("#dfe7ee", "#74c0e3", "#2a7fb8", "#1b3a8a", "#2d0a4e")
+STRESS_STOPS = ("#2b4c9b", "#3fa7d6", "#7bd389", "#f6d743", "#d7263d")
+UNKNOWN = (118, 118, 118)  # of a value that is not finite: dark grey, in no scale
 
 
 def largest(values: list[np.ndarray]) -> float:
@@ -43,13 +48,15 @@ class ColorScale:
         )
 
     def rgb(self, values: np.ndarray) -> np.ndarray:
-        """(..., 3) uint8 colours of SI values; below 0 and above the top take the end colours."""
+        """(..., 3) uint8 colours of SI values; below 0 and above the top take the end colours, NaN is `UNKNOWN`."""
         level = (
             np.clip(np.nan_to_num(values) / self.top * (LEVELS - 1), 0, LEVELS - 1)
             if self.top > 0
-            else np.zeros_like(values)
+            else np.zeros(np.shape(values))
         )
-        return self.table()[level.astype(int)]
+        found = self.table()[level.astype(int)]
+        found[np.isnan(values)] = UNKNOWN
+        return found
 
     def packed(self, values: np.ndarray) -> np.ndarray:
         """(n,) uint32 0xRRGGBBAA."""
@@ -82,6 +89,28 @@ class ColorClasses:
         return _packed(self.rgb(values))
 
 
+def displacement_scale(top: float) -> ColorScale:
+    """Colours of displacements up to `top` [m], in the unit that suits it."""
+    unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
+    return ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
+
+
+def field_scale(field: str, top: float, of: str = "") -> ColorScale | ColorClasses:
+    """Colours of a field of `Skin.fields` or of the displacement up to `top` [SI]; `of`: whose pressure it is."""
+    if field == "displacement":
+        return displacement_scale(top)
+    if field == "state":
+        return ColorClasses("state of the cells", STATES, STATE_COLORS)
+    label, factor, stops = {
+        "pressure": (f"{of} pressure [MPa]".strip(), 1e-6, PRESSURE_STOPS),
+        "traction": ("tangential traction [MPa]", 1e-6, TRACTION_STOPS),
+        "slip": ("slip speed [mm/s]", 1e3, SLIP_STOPS),
+        "wear": ("wear index, pressure times slip speed [W/mm²]", 1e-6, WEAR_STOPS),
+        "von_mises": ("von Mises stress [MPa]", 1e-6, STRESS_STOPS),
+    }[field]
+    return ColorScale(label, top, factor, stops)
+
+
 def legend_rows(scales: Sequence[ColorScale | ColorClasses]) -> int:
     """Bars one under the other in `legend_picture`: more than `MOST_BARS` stand in two columns."""
     return len(scales) if len(scales) <= MOST_BARS else -(-len(scales) // 2)
@@ -90,8 +119,6 @@ def legend_rows(scales: Sequence[ColorScale | ColorClasses]) -> int:
 def legend_picture(scales: Sequence[ColorScale | ColorClasses]) -> np.ndarray:
     """Horizontal colour bars with ticks and units, or names, in one or two columns: (height, width, 3) uint8."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.colorbar import ColorbarBase
-    from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
     from matplotlib.figure import Figure
 
     rows = legend_rows(scales)
@@ -101,22 +128,29 @@ def legend_picture(scales: Sequence[ColorScale | ColorClasses]) -> np.ndarray:
     for n, scale in enumerate(scales):
         column, row = divmod(n, rows)
         corner = (column + 0.05) / columns, 1.0 - (row + 0.48) / rows
-        axes = figure.add_axes((*corner, 0.9 / columns, 0.26 / rows))
-        colors = ListedColormap(scale.table() / 255.0)
-        if isinstance(scale, ColorClasses):
-            edges = np.arange(len(scale.names) + 1) - 0.5
-            bar = ColorbarBase(
-                axes, cmap=colors, norm=BoundaryNorm(edges, len(scale.names)), orientation="horizontal",
-                ticks=[float(n) for n in range(len(scale.names))],
-            )  # fmt: skip
-            bar.ax.set_xticklabels(scale.names)
-        else:
-            top = scale.top * scale.factor if scale.top > 0 else 1.0
-            ColorbarBase(axes, cmap=colors, norm=Normalize(0.0, top), orientation="horizontal")
-        axes.set_title(scale.label, fontsize=9, loc="left", pad=3)
-        axes.tick_params(labelsize=8)
+        draw_bar(figure.add_axes((*corner, 0.9 / columns, 0.26 / rows)), scale)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
+
+
+def draw_bar(axes: Any, scale: ColorScale | ColorClasses) -> None:
+    """A horizontal colour bar with ticks and unit, or names, on matplotlib axes of its size."""
+    from matplotlib.colorbar import ColorbarBase
+    from matplotlib.colors import BoundaryNorm, ListedColormap, Normalize
+
+    colors = ListedColormap(scale.table() / 255.0)
+    if isinstance(scale, ColorClasses):
+        edges = np.arange(len(scale.names) + 1) - 0.5
+        bar = ColorbarBase(
+            axes, cmap=colors, norm=BoundaryNorm(edges, len(scale.names)), orientation="horizontal",
+            ticks=[float(n) for n in range(len(scale.names))],
+        )  # fmt: skip
+        bar.ax.set_xticklabels(scale.names)
+    else:
+        top = scale.top * scale.factor if scale.top > 0 else 1.0
+        ColorbarBase(axes, cmap=colors, norm=Normalize(0.0, top), orientation="horizontal")
+    axes.set_title(scale.label, fontsize=9, loc="left", pad=3)
+    axes.tick_params(labelsize=8)
 
 
 def map_axes_picture(

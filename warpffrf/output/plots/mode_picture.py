@@ -66,15 +66,19 @@ def eye_axes(points: np.ndarray) -> np.ndarray:
     return np.stack([right, np.cross(eye, right), eye])
 
 
-def draw_skin(
-    ax: Any, points: np.ndarray, triangles: np.ndarray, axes: np.ndarray, colors: np.ndarray, box: np.ndarray
-) -> None:
-    """Draw triangles (t, 3) over `points` (n, 3) on `ax`, seen along `axes` (3, 3), with `colors` (n, 3) in 0 to 1 of
-    the points. `box` (k, 3): points that shall lie inside the picture."""
-    from matplotlib.collections import PolyCollection
+@dataclass(frozen=True, eq=False)
+class Faces:
+    """Triangles as they are painted: corners (t, 3, 3), to the right, upwards and towards the eye, and colours (t, 3)
+    in 0 to 1."""
 
-    seen = points @ axes.T
-    corners = seen[triangles]
+    corners: np.ndarray
+    colors: np.ndarray
+
+
+def shaded(points: np.ndarray, triangles: np.ndarray, axes: np.ndarray, colors: np.ndarray) -> Faces:
+    """What is seen of triangles (t, 3) over `points` (n, 3) along `axes` (3, 3), with `colors` (n, 3) in 0 to 1 of the
+    points."""
+    corners = (points @ axes.T)[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.abs(normals).sum()
     if np.abs(normals.sum(axis=0)).max() < CLOSED * area:  # faces on the far side of a closed body cannot be seen
@@ -85,14 +89,23 @@ def draw_skin(
     normals /= np.where(length > 0.0, length, 1.0)
     normals *= np.where(normals[:, 2:] < 0.0, -1.0, 1.0)  # a face seen from behind is lit as if turned round
     light = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ np.array(LIGHT), 0.0, 1.0)
-    faces = colors[triangles].mean(axis=1) * light[:, None]
+    return Faces(corners, colors[triangles].mean(axis=1) * light[:, None])
+
+
+def paint(ax: Any, parts: list[Faces], axes: np.ndarray, box: np.ndarray, *, alpha: float = 1.0) -> None:
+    """Paint `parts` on `ax` from the back to the front, seen along `axes` (3, 3); `alpha` of what is behind a face is
+    covered. `box` (k, 3): points that shall lie inside the picture."""
+    from matplotlib.collections import PolyCollection
+
+    corners, colors = np.concatenate([p.corners for p in parts]), np.concatenate([p.colors for p in parts])
     order = np.argsort(corners[:, :, 2].mean(axis=1))
     ax.add_collection(
         PolyCollection(
             list(corners[order][:, :, :2]),
-            facecolors=faces[order],
-            edgecolors=faces[order],  # closes the hairlines between neighbours
+            facecolors=colors[order],
+            edgecolors=colors[order] if alpha == 1.0 else "none",  # closes the hairlines between neighbours
             linewidths=0.3,
+            alpha=alpha,
             rasterized=True,
         )
     )
@@ -101,3 +114,17 @@ def draw_skin(
     pad = MARGIN * float((high - low).max())
     ax.set(xlim=(low[0] - pad, high[0] + pad), ylim=(low[1] - pad, high[1] + pad), aspect="equal")
     ax.set_axis_off()
+
+
+def draw_skin(
+    ax: Any,
+    points: np.ndarray,
+    triangles: np.ndarray,
+    axes: np.ndarray,
+    colors: np.ndarray,
+    box: np.ndarray,
+    *,
+    alpha: float = 1.0,
+) -> None:
+    """Draw one skin on `ax`, as `shaded` and `paint` do."""
+    paint(ax, [shaded(points, triangles, axes, colors)], axes, box, alpha=alpha)

@@ -11,15 +11,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.contact.friction import STATES
 from warpffrf.output.plots.colors import (
-    PRESSURE_STOPS,
-    SLIP_STOPS,
-    STATE_COLORS,
-    TRACTION_STOPS,
-    WEAR_STOPS,
     ColorClasses,
     ColorScale,
+    field_scale,
     largest,
     map_axes_picture,
 )
@@ -59,25 +54,14 @@ class ContactColors:
         def top(arrays: list[np.ndarray]) -> float:
             return largest([a[rows] for a in arrays])
 
-        self._scales: dict[str, ColorScale | ColorClasses] = {
-            "pressure": ColorScale(
-                f"{pressing} pressure [MPa]",
-                top([c.peak_pressure for c in contacts] + [o.pressure for o in (*films, *laps)]),
-                1e-6,
-                PRESSURE_STOPS,
-            ),
-            "traction": ColorScale(
-                "tangential traction [MPa]",
-                top([o.traction_magnitude for o in (*rubbing, *laps)]),
-                1e-6,
-                TRACTION_STOPS,
-            ),
-            "slip": ColorScale("slip speed [mm/s]", top([f.slip_speed for f in rubbing]), 1e3, SLIP_STOPS),
-            "wear": ColorScale(
-                "wear index, pressure times slip speed [W/mm²]", top([f.wear_index for f in rubbing]), 1e-6, WEAR_STOPS
-            ),
-            "state": ColorClasses("state of the cells", STATES, STATE_COLORS),
+        tops = {
+            "pressure": top([c.peak_pressure for c in contacts] + [o.pressure for o in (*films, *laps)]),
+            "traction": top([o.traction_magnitude for o in (*rubbing, *laps)]),
+            "slip": top([f.slip_speed for f in rubbing]),
+            "wear": top([f.wear_index for f in rubbing]),
+            "state": 0.0,
         }
+        self._scales = {field: field_scale(field, most, pressing) for field, most in tops.items()}
         self.top_pressure = top([c.peak_pressure for c in contacts])
         self.top_traction = top([f.traction_magnitude for f in rubbing])
 

@@ -8,39 +8,13 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.bodies.shown_skin import DISPLACEMENT, ShownSkin
+from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
 from warpffrf.output.geometry.poses import tangents
-from warpffrf.output.geometry.thinning import thinned
 
-SHOWN_DISPLACEMENT = (
-    0.015  # automatic magnification: the largest displacement is drawn at most this part of the smallest body's size
-)
 RELIEF_HEIGHT = 0.35  # height of the pressure relief over the patch, as part of the length shown along the arc
-
-
-def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
-    """Rows to show, first and last among them, at most `max_frames`, and the stride between them."""
-    if steps == 0:
-        return np.zeros(0, dtype=int), 1
-    if steps == 1 or max_frames == 1:
-        return np.array([steps - 1]), max(steps, 1)
-    stride = -(-(steps - 1) // (max_frames - 1))
-    return rows_every(steps, stride), stride
-
-
-def rows_every(steps: int, stride: int) -> np.ndarray:
-    """Every `stride`th row from the first on, and the last."""
-    rows = np.arange(0, steps, stride)
-    return rows if rows[-1] == steps - 1 else np.append(rows, steps - 1)
-
-
-def round_factor(factor: float) -> float:
-    """The largest of 1, 2, 5 times a power of ten not above `factor`; at least 1."""
-    if not np.isfinite(factor) or factor <= 1.0:
-        return 1.0
-    decade = 10.0 ** np.floor(np.log10(factor))
-    return float(max(m * decade for m in (1.0, 2.0, 5.0) if m * decade <= factor * (1.0 + 1e-12)))
 
 
 @dataclass
@@ -51,24 +25,21 @@ class BodyFrames:
     triangles: np.ndarray  # (t, 3)
     displacement: np.ndarray  # (F, n, 3) m, float32, user frame
     size: float  # m, largest extent
-    values: np.ndarray | None = None  # (F, n) float32, a contact field in SI units, where one was asked for
+    values: np.ndarray | None = None  # (F, n) float32, another field in SI units, where one was asked for
 
 
-def body_frames(result: Any, rows: np.ndarray, max_points: int, field: str | None = None) -> dict[str, BodyFrames]:
-    """Skins of all flexible bodies at the given rows, with a contact `field` of `Skin.contact_fields`; zero on bodies
-    that do not have it."""
+def body_frames(skins: dict[str, Skin], rows: np.ndarray, max_points: int, field: str) -> dict[str, BodyFrames]:
+    """The `skins` of all flexible bodies at the given rows, with a `field` of `Skin.fields`."""
     frames = {}
-    for name, skin in result.skins().items():
-        sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
-        kept, triangles = thinned(skin.points, skin.triangles, max_points, sectors)
-        displacement = np.empty((len(rows), len(kept), 3), dtype=np.float32)
-        values = None if field is None else np.zeros((len(rows), len(kept)), dtype=np.float32)
+    for name, skin in skins.items():
+        shown = ShownSkin(skin, max_points)
+        displacement = np.empty((len(rows), len(shown.points), 3), dtype=np.float32)
+        values = None if field == DISPLACEMENT else np.empty((len(rows), len(shown.points)), dtype=np.float32)
         for f, i in enumerate(rows):
-            displacement[f] = skin.displacement(i)[kept]
-            if values is not None and field in skin.contact_fields:
-                values[f] = skin.contact_field(field, i)[kept]
-        size = float(np.ptp(skin.points, axis=0).max())
-        frames[name] = BodyFrames(skin.points[kept], triangles, displacement, size, values)
+            displacement[f] = shown.displacement(i)
+            if values is not None:
+                values[f] = shown.values(field, i)
+        frames[name] = BodyFrames(shown.points, shown.triangles, displacement, shown.size, values)
     return frames
 
 

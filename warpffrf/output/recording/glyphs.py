@@ -1,53 +1,27 @@
 r"""What a recording draws besides deforming skins: rigid bodies, and arrows of joint reactions and applied forces.
 
-A rigid body has no shape, only mass and inertia. It is drawn as the solid box with the same principal moments,
-
-    I_x = m (b^2 + c^2)/3, ...    =>    a^2 = 3 (I_y + I_z - I_x)/(2 m), ...    half lengths a, b, c,
-
-and a bar from its centre of mass to every place where a joint or a force holds it.
+A rigid body is drawn as its box of inertia (`geometry.inertia_box`), and a bar from its centre of mass to every place
+where a joint or a force holds it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from warpffrf.model import rotation as rot
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.inertia_box import inertia_box
 from warpffrf.output.geometry.scene_view import BodyView
 from warpffrf.output.plots.colors import largest
 
-THINNEST = 0.03  # half length of the thinnest side drawn, of the longest: a disc is no body without thickness
 BODY_COLORS = ((150, 160, 175), (190, 160, 120), (130, 170, 150), (170, 145, 175))
 JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (90, 200, 120), (235, 110, 60), (80, 130, 230)
 ARROW_LENGTH = 0.45  # of the scene's largest body, for the largest force of the run
 ARROW_RADIUS, BAR_RADIUS, POINT_RADIUS = 0.008, 0.01, 0.015  # of the largest body
 LEAST_SHOWN = 1e-3  # of the largest force: shorter arrows are dots
 MOST_LABELS = 8  # more names in a picture hide it
-
-
-@dataclass(frozen=True)
-class InertiaBox:
-    """The box of a rigid body: center (3,) [m, user frame], half lengths (3,) [m], axes as a quaternion (x y z w)."""
-
-    center: np.ndarray
-    half: np.ndarray
-    rotation: np.ndarray
-
-
-def inertia_box(body: BodyView) -> InertiaBox | None:
-    """The box with the body's mass and inertia; None where the inertia is not known (an older results file)."""
-    if body.inertia is None:
-        return None
-    moments, axes = np.linalg.eigh(body.inertia)
-    if np.linalg.det(axes) < 0.0:
-        axes[:, 0] = -axes[:, 0]
-    squares = 1.5 * (moments.sum() - 2.0 * moments) / body.mass
-    half = np.sqrt(np.maximum(squares, 0.0))
-    return InertiaBox(body.center_of_mass, np.maximum(half, THINNEST * half.max()), rot.quaternion(axes))
 
 
 class Glyphs:

@@ -22,12 +22,24 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count, unknown_name
+from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.model.progress import Progress
+from warpffrf.online.history.history import History
 from warpffrf.output.bodies.lap_loads import left_out
+from warpffrf.output.bodies.shown_skin import DISPLACEMENT, require_field
+from warpffrf.output.bodies.skin import VON_MISES, Skin
+from warpffrf.output.geometry.shown import automatic_factor, frame_rows, rows_every
 from warpffrf.output.geometry.thinning import vertex_normals
-from warpffrf.output.plots.colors import DISPLACEMENT_STOPS, ColorClasses, ColorScale, largest, legend_picture
+from warpffrf.output.plots.colors import (
+    ColorClasses,
+    ColorScale,
+    displacement_scale,
+    field_scale,
+    largest,
+    legend_picture,
+)
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.contact_scene import ContactColors, ContactScene
 from warpffrf.output.recording.contact_series import contact_series
@@ -37,13 +49,14 @@ from warpffrf.output.recording.layout import blueprint
 from warpffrf.output.recording.machine_series import machine_series
 from warpffrf.output.recording.rigid_shapes import RigidShapes
 from warpffrf.output.recording.streams import close_stream, in_memory, new_stream
+from warpffrf.output.result import Result
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB
 MAX_SERIES = 4000  # points of a scalar plot: more than a screen has pixels
 AXES_LENGTH = 0.58  # of the largest body: out of a roller's rim
 RIGID_AXES_LENGTH = 0.2  # where nothing hides them
 AXES_COLORS = [(230, 80, 80), (90, 200, 90), (90, 130, 255)]  # x, y, z
-DISPLACEMENT = "displacement"
+COLOR_NAMES = {VON_MISES: "von Mises stress", "slip": "slip speed", "wear": "wear index"}
 CONTACT_TEXT = (
     "The close-up travels with the patch on the first body: the height of the relief is the pressure. The patch map is "
     "the same patch unwrapped, the arc to the right along e_theta and the axis of the first body upwards."
@@ -74,8 +87,9 @@ class RecordingInfo:
     notes: list[str] = field(default_factory=list)
 
 
+@named_arguments
 def record(
-    result: Any,
+    result: Result | History | str | os.PathLike[str],
     path: str | os.PathLike[str],
     *,
     deformation_factor: float | None = None,
@@ -86,10 +100,11 @@ def record(
     overwrite: bool = False,
     progress: bool = False,
 ) -> RecordingInfo:
-    """Write a .rrd of a Result (or History) that `rerun FILE` opens.
+    """Write a .rrd of a result, or of a results file (.h5), that `warpffrf view FILE` or `rerun FILE` opens.
 
     color: what the bodies' surfaces are coloured by: "displacement", or of their contacts, oil films and laps
-    "pressure", with friction "traction" and "state", and of contacts with friction "slip" and "wear".
+    "pressure", with friction "traction" and "state", and of contacts with friction "slip" and "wear"; "von_mises" of
+    bodies that were reduced with `stress={"skin": "skin"}`, where surfaces without stress are dark grey.
 
     deformation_factor: magnification of the elastic displacement, chosen from 1, 2, 5, 10, ... when None; rigid
     motion is never magnified. Drawn are every `every`th saved row and the last, or where that is None, so many that
@@ -98,9 +113,7 @@ def record(
     InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
     have, a run without saved rows, and a file that exists, unless `overwrite` is set and warpffrf wrote it.
     """
-    from warpffrf.output.result import Result
-
-    result = result if isinstance(result, Result) else Result(result)
+    result = _result(result)
     if deformation_factor is not None and not deformation_factor > 0.0:
         raise InputError(f"record: deformation_factor is {deformation_factor}; it must be positive")
     if max_frames < 1 or max_points < 4:
@@ -112,19 +125,24 @@ def record(
     if len(result.time) == 0:
         raise InputError("record: the run has no saved row to draw")
     target = checked_output_path(path, "record", overwrite=overwrite)
-    known = [DISPLACEMENT, *{f: None for skin in result.skins().values() for f in skin.contact_fields}]
-    if color not in known:
-        raise unknown_name("record: color", color, known)
+    skins = result.skins()
+    require_field(skins, color, "record: color")
     saved = len(result.time)
-    rows, stride = fr.frame_rows(saved, max_frames) if every is None else (fr.rows_every(saved, every), every)
+    rows, stride = frame_rows(saved, max_frames) if every is None else (rows_every(saved, every), every)
     with np.errstate(invalid="ignore"):
-        bodies = fr.body_frames(result, rows, max_points, None if color == DISPLACEMENT else color)
+        bodies = fr.body_frames(skins, rows, max_points, color)
     good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
     skipped = [int(i) for i in rows[~good]]
     with written_whole(target) as partial:
-        recorder = _Recorder(result, bodies, rows, good, stride, deformation_factor, color)
+        recorder = _Recorder(result, skins, bodies, rows, good, stride, deformation_factor, color)
         recorder.write(partial, skipped, progress)
     return RecordingInfo(target, int(good.sum()), stride, recorder.factor, skipped, recorder.notes)
+
+
+def _result(given: Result | History | str | os.PathLike[str]) -> Result:
+    if isinstance(given, str | os.PathLike):
+        return Result.load(given)
+    return given if isinstance(given, Result) else Result(given)
 
 
 def _row_is_finite(result: Any, bodies: dict[str, fr.BodyFrames], f: int, i: int) -> bool:
@@ -147,6 +165,7 @@ class _Recorder:
     def __init__(
         self,
         result: Any,
+        skins: dict[str, Skin],
         bodies: dict[str, fr.BodyFrames],
         rows: np.ndarray,
         good: np.ndarray,
@@ -158,7 +177,14 @@ class _Recorder:
 
         self.rr = rr
         self.stream = new_stream()
-        self.result, self.bodies, self.rows, self.good, self.stride = result, bodies, rows, good, stride
+        self.result, self.skins, self.bodies, self.rows, self.good, self.stride = (
+            result,
+            skins,
+            bodies,
+            rows,
+            good,
+            stride,
+        )
         self.contacts = [result.contact(name) for name in result.contact_names]
         shown = [np.linalg.norm(b.displacement[good], axis=-1) for b in bodies.values()]
         top = largest(shown)
@@ -168,26 +194,31 @@ class _Recorder:
         rigid = [rigid_size(b, view.anchors) for b in seen]
         self.size = max([b.size for b in bodies.values()] + rigid, default=0.0) or 0.1
         smallest = min((b.size for b in bodies.values()), default=0.1)
-        automatic = fr.round_factor(fr.SHOWN_DISPLACEMENT * smallest / top) if top > 0.0 else 1.0
-        self.factor = float(factor) if factor is not None else automatic
-        unit, per_metre = ("mm", 1e3) if top > 1e-3 else ("µm", 1e6)
-        self.moved = ColorScale(f"elastic displacement of the bodies [{unit}]", top, per_metre, DISPLACEMENT_STOPS)
+        self.factor = float(factor) if factor is not None else automatic_factor(top, smallest)
         self.top_force = largest([c.force_magnitude[rows[good]] for c in self.contacts])
         films = list(result.history.films.values())
         laps = [result.lap(name) for name in result.lap_names]
         self.color, self.contact_colors = color, ContactColors(self.contacts, films, laps, rows[good])
-        self.skin_scale = self.moved if color == DISPLACEMENT else self.contact_colors.scale(color)
+        self.skin_scale = self._skin_scale(top)
         self.scenes = [ContactScene(self, contact) for contact in self.contacts]
         self.lap_colors = LapColors(laps, rows[good])
-        skins = result.skins() if laps else {}
         self.lap_scenes = [LapScene(self, lap, skins[lap.view.first_body.name]) for lap in laps]
         self.glyphs, self.shapes = Glyphs(self, self.size), RigidShapes(self)
         fields = self.contact_colors.fields
-        on_skins = [color] if color not in (DISPLACEMENT, *fields) else []  # of films and laps alone
-        shown = [self.contact_colors.scale(name) for name in (*fields, *on_skins)]
-        shown += [self.lap_colors.scale(name) for name in self.lap_colors.fields]
-        self.scales: list[ColorScale | ColorClasses] = [self.moved] * bool(bodies and color == DISPLACEMENT) + shown
+        self.scales: list[ColorScale | ColorClasses] = [self.contact_colors.scale(name) for name in fields]
+        if bodies and color not in fields:
+            self.scales.insert(0, self.skin_scale)
+        self.scales += [self.lap_colors.scale(name) for name in self.lap_colors.fields]
         self.notes = self._notes()
+
+    def _skin_scale(self, top: float) -> ColorScale | ColorClasses:
+        """Colours of the skins; top: the largest displacement [m]."""
+        if self.color == DISPLACEMENT:
+            return displacement_scale(top)
+        if self.color == VON_MISES:
+            stresses = [b.values[self.good] for b in self.bodies.values() if b.values is not None]
+            return field_scale(VON_MISES, largest(stresses))
+        return self.contact_colors.scale(self.color)
 
     def path(self, *parts: str) -> str:
         """Entity path with every part escaped."""
@@ -237,6 +268,8 @@ class _Recorder:
             full = len(self.result.view.bodies[name].reduced.surface.points)
             if count < full:
                 notes.append(f"surface of '{name}' drawn with {count} of {full} points")
+        if self.color == VON_MISES:
+            notes += [skin.stress.note for skin in self.skins.values() if skin.stress.note]
         return [*notes, *left_out(self.result.view.bodies.values()), *self.result.history.notes]
 
     def _static(self) -> None:
@@ -273,8 +306,9 @@ class _Recorder:
         ]
         parts = (
             "# What this shows",
-            f"Flexible bodies are coloured by {self.color}, contact patches by pressure; the ranges hold for "
-            "the whole run. The red, green and blue lines are x, y, z of each body's user frame and turn with it. "
+            f"Flexible bodies are coloured by {COLOR_NAMES.get(self.color, self.color)}, contact patches by pressure; "
+            "the ranges hold for the whole run. The red, green and blue lines are x, y, z of each body's user frame "
+            "and turn with it. "
             "A rigid body is the box with its mass and moments of inertia, with bars to the places that hold it.",
             "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load, "
             "blue ones those of lumped contacts on their first body; "

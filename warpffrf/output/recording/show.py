@@ -14,7 +14,6 @@ it is called.
 from __future__ import annotations
 
 import os
-import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -28,6 +27,7 @@ from warpffrf.output.geometry.thinning import vertex_normals
 from warpffrf.output.plots.colors import ColorScale, legend_picture
 from warpffrf.output.plots.mode_picture import MODE_STOPS, ModeSkin, eye_axes, mode_skin
 from warpffrf.output.recording.streams import close_stream, in_memory, new_stream
+from warpffrf.output.recording.viewer import has_screen
 
 RIGID_MODES = 6
 RIGID_NAMES = ("translation x", "translation y", "translation z", "rotation x", "rotation y", "rotation z")
@@ -117,8 +117,7 @@ def _shape(body: ReducedBody, skin: ModeSkin, number: int) -> np.ndarray:
 
 
 def _require_screen() -> None:
-    """rerun's viewer needs a window system; on Linux its environment variables tell whether there is one."""
-    if sys.platform.startswith("linux") and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+    if not has_screen():
         raise InputError("show: there is no screen for the viewer; give path='mode.rrd' and open the file elsewhere")
 
 

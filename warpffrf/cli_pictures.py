@@ -1,0 +1,123 @@
+"""The commands `warpffrf view` and `warpffrf picture`: the bodies of a run, on the screen and as pictures."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from warpffrf.cli_errors import one_line_errors
+
+FIELD = typer.Option(
+    metavar="FIELD",
+    help="What surfaces are coloured by: displacement, pressure, traction, slip, state, wear or von_mises.",
+)
+OVERWRITE = typer.Option("--overwrite", help="Replace a file that is there.")
+
+
+def add_picture_commands(app: typer.Typer, is_quiet: Callable[[], bool]) -> None:
+    """Add `view` and `picture` to `app`."""
+
+    @app.command("view")
+    def view_results(
+        file: Annotated[Path, typer.Argument(metavar="FILE", help="Results (.h5) or recording (.rrd).")],
+        field: Annotated[str, FIELD] = "displacement",
+        every: Annotated[
+            int | None, typer.Option(help="Of results: draw every so many saved steps; left out: at most 300 of them.")
+        ] = None,
+        out: Annotated[
+            Path | None,
+            typer.Option("--out", metavar="RRD", help="Of results: write the recording here and open no viewer."),
+        ] = None,
+        serve: Annotated[
+            bool, typer.Option("--serve", help="Serve it to a browser, on a machine without a screen.")
+        ] = False,
+        overwrite: Annotated[bool, OVERWRITE] = False,
+    ) -> None:
+        """Open a run in the rerun viewer; of results the recording is made first.
+
+        Example: warpffrf view press.h5 --field von_mises
+        """
+        with one_line_errors():
+            from warpffrf.model.errors import InputError
+            from warpffrf.output.recording import viewer
+
+            if file.suffix.lower() == viewer.ENDING:
+                if out is not None or every is not None or field != "displacement":
+                    raise InputError("a recording is shown as it is; --field, --every and --out are for results (.h5)")
+                viewer.run(viewer.viewer_command(file, serve=serve))
+                return
+            if out is None and not serve and not viewer.has_screen():
+                raise InputError(
+                    "there is no screen for the viewer; --serve lets a browser open the recording, --out FILE.rrd "
+                    "writes it for another machine, and warpffrf picture draws without a screen"
+                )
+            if out is not None:
+                print(_recorded(file, out, field, every, overwrite, is_quiet()))
+                return
+            with tempfile.TemporaryDirectory() as folder:
+                recording = Path(folder) / f"{file.stem}{viewer.ENDING}"
+                said = _recorded(file, recording, field, every, False, is_quiet())
+                if not is_quiet():
+                    print(said)
+                viewer.run(viewer.viewer_command(recording, serve=serve))
+
+    @app.command("picture")
+    def picture_of_results(
+        file: Annotated[Path, typer.Argument(metavar="FILE", help="Results (.h5) or recording (.rrd).")],
+        out: Annotated[
+            Path,
+            typer.Argument(metavar="OUT", help="Of results .png, .pdf, .svg, .gif or .mp4; of a recording .png."),
+        ],
+        field: Annotated[str, FIELD] = "displacement",
+        time: Annotated[
+            float | None, typer.Option(metavar="SECONDS", help="Draw the saved step next to this time, not the last.")
+        ] = None,
+        every: Annotated[
+            int | None,
+            typer.Option(help="Of a .gif or .mp4: a frame for every so many saved steps; left out: at most 100."),
+        ] = None,
+        fps: Annotated[float, typer.Option(help="Of a .gif or .mp4: frames a second.")] = 15.0,
+        deformation_factor: Annotated[
+            float | None, typer.Option(help="Magnification of elastic displacements; left out: what suits them.")
+        ] = None,
+        overwrite: Annotated[bool, OVERWRITE] = False,
+    ) -> None:
+        """Draw the bodies of a run, still or moving; results need neither screen nor viewer.
+
+        A recording is drawn as it opens in the viewer, on a server by xvfb and mesa-vulkan-drivers.
+
+        Example: warpffrf picture press.h5 press.gif --field von_mises
+        """
+        with one_line_errors():
+            from warpffrf.output.plots.animation import ENDINGS
+            from warpffrf.output.recording.viewer import ENDING, recording_picture
+            from warpffrf.output.result import Result
+
+            if file.suffix.lower() == ENDING:
+                print(f"written to {recording_picture(file, out, overwrite=overwrite)}")
+                return
+            result = Result.load(file)
+            common: dict[str, Any] = {"deformation_factor": deformation_factor, "overwrite": overwrite}
+            if out.suffix.lower() in ENDINGS:
+                written = result.animate(out, field, every=every, fps=fps, progress=not is_quiet(), **common)
+            else:
+                written = result.picture(out, field, time=time, **common)
+            print(f"written to {written}")
+
+
+def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: bool, is_quiet: bool) -> str:
+    """Make the recording of a results file; what was made."""
+    import time
+
+    from warpffrf.output.recording.recorder import record
+    from warpffrf.output.result import Result
+    from warpffrf.output.written import Written
+
+    begin = time.perf_counter()
+    info = record(Result.load(file), out, color=field, every=every, overwrite=overwrite, progress=not is_quiet)
+    written = Written.of("recording", info.path, time.perf_counter() - begin)
+    return f"recording: {written}, {info.frames} frames"

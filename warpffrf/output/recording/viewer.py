@@ -1,0 +1,116 @@
+"""Rerun's own program: the commands that open a recording, serve it to a browser and make a picture of it.
+
+Commands are built here and started by `run`, apart from each other. The viewer needs a screen. A server without one
+serves the recording to the browser of another machine, or draws it on a virtual screen with the software renderer of
+Mesa (Vulkan); rerun's own `--headless` leaves pictures incomplete.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.output_paths import checked_output_path, written_whole
+
+WINDOW = (1600, 1000)  # points, two pixels each
+SCREEN = (6600, 4200)  # pixels: the pointer stands in its middle, and must not stand on the window
+PICTURE_SECONDS = 180.0  # until a picture is given up: it takes some 15 s
+DRIVERS = ("/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vulkan/icd.d")
+DRIVER_VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES")
+LAST_WORDS = 30  # of what the viewer says where it fails
+ENDING = ".rrd"
+
+
+def has_screen() -> bool:
+    """Whether a viewer can open: on Linux the variables of the window system tell."""
+    linux = sys.platform.startswith("linux")
+    return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
+
+
+def viewer_command(recording: Path, *, serve: bool = False) -> list[str]:
+    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens. Raises `InputError`
+    where there is no screen for a viewer, for no recording, and where rerun is missing."""
+    _require_recording(recording)
+    if serve:
+        return [_rerun(), str(recording), "--serve-web"]
+    if not has_screen():
+        raise InputError(
+            f"view: there is no screen for the viewer; serve=True (--serve) lets a browser open '{recording}', "
+            f"or copy it and open it elsewhere with: rerun {recording.name}"
+        )
+    return [_rerun(), str(recording)]
+
+
+def picture_command(recording: Path, picture: Path) -> list[str]:
+    """What draws `recording` as it opens into `picture` (.png): on the screen that there is, or a virtual one. Raises
+    `InputError` with the packages that are missing for that, for no recording, and where rerun is missing."""
+    _require_recording(recording)
+    size = "{}x{}".format(*WINDOW)
+    command = [_rerun(), str(recording), "--port", "auto", "--window-size", size, "--screenshot-to", str(picture)]
+    if has_screen():
+        return command
+    missing = [] if shutil.which("xvfb-run") else ["xvfb"]
+    if not any(os.environ.get(name) for name in DRIVER_VARIABLES):
+        missing += [] if any(any(Path(folder).glob("*.json")) for folder in DRIVERS) else ["mesa-vulkan-drivers"]
+    if missing:
+        raise InputError(
+            f"picture: there is no screen, and a recording is drawn on a virtual one by {' and '.join(missing)} "
+            f"(Debian, Ubuntu: apt install {' '.join(missing)}); a picture of the results (.h5) needs neither"
+        )
+    return ["xvfb-run", "-a", "-s", "-screen 0 {}x{}x24".format(*SCREEN), *command]
+
+
+def run(command: list[str]) -> int:
+    """Start `command` and wait for its end; its exit code."""
+    return subprocess.run(command).returncode
+
+
+def recording_picture(recording: Path, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+    """Draw a recording as it opens into a .png. Raises `InputError` as `picture_command`, for a path that cannot be
+    written or exists, and where the viewer makes no picture."""
+    if Path(path).suffix.lower() != ".png":
+        raise InputError(f"picture: of a recording it must end in .png, got '{path}'")
+    with tempfile.TemporaryDirectory() as folder:
+        drawn = Path(folder) / "drawn.png"
+        command = picture_command(recording, drawn)
+        target = checked_output_path(path, "picture", overwrite=overwrite)
+        try:
+            said = subprocess.run(command, capture_output=True, text=True, timeout=PICTURE_SECONDS)
+        except subprocess.TimeoutExpired:
+            raise InputError(f"picture: the viewer drew nothing in {PICTURE_SECONDS:g} s") from None
+        if not drawn.is_file():
+            words = " ".join((said.stderr or said.stdout).split()[-LAST_WORDS:])
+            raise InputError(f"picture: the viewer drew nothing ({words or 'it gives no reason'})")
+        with written_whole(target) as partial:
+            _sign(drawn, partial)
+    return target
+
+
+def _sign(drawn: Path, signed: Path) -> None:
+    """The picture as one that warpffrf wrote, and may replace."""
+    from PIL import Image
+    from PIL.PngImagePlugin import PngInfo
+
+    about = PngInfo()
+    about.add_text("Software", "warpffrf")
+    with Image.open(drawn) as image:
+        image.save(signed, "PNG", pnginfo=about)
+
+
+def _require_recording(file: Path) -> None:
+    if file.suffix.lower() != ENDING or not file.is_file():
+        raise InputError(f"'{file}' is no recording ({ENDING})" if file.is_file() else f"'{file}' does not exist")
+
+
+def _rerun() -> str:
+    """The program beside the interpreter, or on the path."""
+    beside = shutil.which("rerun", path=str(Path(sys.executable).parent))
+    found = beside or shutil.which("rerun")
+    if found is None:
+        raise InputError("the program rerun is missing; it comes with the package rerun-sdk: pip install rerun-sdk")
+    return found
