@@ -153,7 +153,8 @@ class Modes(looks.Shown):
     def plot_shape(self, i: int, ax: Axes | None = None, *, scale: float = 0.06) -> Axes:
         """Draw mode i on the matplotlib axes `ax` (new ones when None) and return them: deformed skins in colour, red
         where the mode moves most, over the undeformed ones in grey, at the moment at which they are farthest; rigid
-        bodies as boxes of their mass and inertia. scale: largest displacement drawn, of the extent of the bodies.
+        bodies as boxes of their mass and inertia. scale [-]: largest displacement drawn, as a fraction of the extent of
+        the bodies.
 
         Raises InputError for an unknown mode, a scale that is not positive.
         """
@@ -162,8 +163,8 @@ class Modes(looks.Shown):
         return drawn_on
 
     def plot_shapes(self, count: int = 8, *, scale: float = 0.06) -> Figure:
-        """A matplotlib Figure of the first `count` modes, drawn as by `plot_shape`. Raises InputError for a count below
-        1, no modes, and as `plot_shape`."""
+        """A matplotlib Figure of the first `count` modes, drawn as by `plot_shape` with its scale [-]. Raises
+        InputError for a count below 1, no modes, and as `plot_shape`."""
         count = min(require_count(count, "plot_shapes: count", 1), len(self))
         if not count:
             raise InputError("plot_shapes: there are no modes; nothing in the scene can move")

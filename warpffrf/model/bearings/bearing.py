@@ -26,9 +26,10 @@ class Bearing(looks.Shown):
 
     kind: "ball" or "roller". elements: rigid bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
-    "pocket_1", "cage_axle". cage: its body, drive: of its speed, None without. raceways: the geometry; place: where it
-    stands; materials: of the elements and of the rings; shoulders: heights [m] of the inner and the outer ring's
-    shoulders over the bottom of the raceway, None where they are not known.
+    "pocket_1", "cage_axle". name: as given; element_surface: what the surface of each element is called. cage: its
+    body, drive: of its speed, None without. raceways: the geometry; place: where it stands; materials: of the elements
+    and of the rings; shoulders: heights [m] of the inner and the outer ring's shoulders over the bottom of the raceway,
+    None where they are not known.
     """
 
     name: str
