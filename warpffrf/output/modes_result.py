@@ -145,7 +145,7 @@ class Modes(looks.Shown):
         labels = [f"{f:.5g} Hz, {100.0 * z:.3g} %" for f, z in zip(self.frequencies, self.damping_ratios, strict=True)]
         ax.set_yticks(np.arange(len(self)), labels)
         ax.invert_yaxis()
-        ax.set(xlabel="share of the kinetic energy, %", title=f"Modes about the {self.about}")
+        ax.set(xlabel="share of the kinetic energy [%]", title=f"Modes about the {self.about}")
         ax.set_xlim(0.0, 100.0)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, frameon=False)
         return ax

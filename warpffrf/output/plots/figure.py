@@ -200,7 +200,7 @@ def energy(result: Any, ax: Any) -> None:
     scale = result.energy_scale
     ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)")
     defect = result.energy.get("contact_grid")
-    if defect is not None and scale > 0.0:
+    if defect is not None and np.any(defect) and scale > 0.0:
         ax.plot(
             result.time * 1e3, np.asarray(defect) / scale, color=REFERENCE, lw=1.0, label="grid defect of the contact"
         )
