@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from typing import Any
 
 import drawn_runs
@@ -168,3 +170,9 @@ def test_the_run_is_hertz_s_under_the_surface(rolling: Result) -> None:
     (below,) = rolling.stress_below()
     exact = largest_below(contact.hertz(len(rolling.time) - 1), 0.3)[0]
     assert largest_of(below.depth, below.von_mises) == pytest.approx(exact, rel=0.01)
+
+
+def test_the_docs_list_every_kind() -> None:
+    text = (Path(__file__).resolve().parents[2] / "docs" / "plots.md").read_text(encoding="utf-8")
+    rows = dict(re.findall(r"^\| `(\w+)` \| [^|]+ \| (.+) \|$", text, flags=re.MULTILINE))
+    assert rows == about_kinds()

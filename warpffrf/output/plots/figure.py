@@ -235,7 +235,10 @@ def widths(result: Any, ax: Any) -> None:
 
 def ripple(result: Any, ax: Any) -> None:
     """Force, half-width and peak pressure of the second half of the run about their means in per cent, so that a small
-    change looks large, but for less than 1e-3 %, which is round-off and the tolerance of iterations."""
+    change looks large, down to 1e-3 %.
+
+    Less is round-off and the tolerance of iterations.
+    """
     contact = _contact(result)
     rows = np.flatnonzero(contact.touching & (result.time >= 0.5 * (result.time[0] + result.time[-1])))
     curves = {
