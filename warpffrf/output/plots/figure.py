@@ -198,7 +198,7 @@ def stress_depth(result: Any, ax: Any) -> None:
 def energy(result: Any, ax: Any) -> None:
     """What closes the energy balance, and the grid defect, over the largest energy at hand."""
     scale = result.energy_scale
-    ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)")
+    ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)", zorder=3)
     defect = result.energy.get("contact_grid")
     if defect is not None and np.any(defect) and scale > 0.0:
         ax.plot(
