@@ -130,7 +130,7 @@ def record(
     saved = len(result.time)
     rows, stride = frame_rows(saved, max_frames) if every is None else (rows_every(saved, every), every)
     with np.errstate(invalid="ignore"):
-        bodies = fr.body_frames(skins, rows, max_points, color)
+        bodies = fr.body_frames(skins, rows, max_points, color, progress)
     good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
     skipped = [int(i) for i in rows[~good]]
     with written_whole(target) as partial:
