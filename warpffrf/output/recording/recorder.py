@@ -186,7 +186,8 @@ class _Recorder:
             stride,
         )
         self.contacts = [result.contact(name) for name in result.contact_names]
-        shown = [np.linalg.norm(b.displacement[good], axis=-1) for b in bodies.values()]
+        drawn = np.flatnonzero(good)  # one by one: a copy of all rows would be as large as they are
+        shown = [np.linalg.norm(b.displacement[f], axis=-1) for b in bodies.values() for f in drawn]
         top = largest(shown)
         view = result.view
         # where bodies touch the view is that of the flexible ones: invented inertias of carriages would rule it
