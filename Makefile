@@ -83,16 +83,21 @@ format: $(STAMP)
 	$(BIN)/ruff check --fix $(CHECKED)
 	$(BIN)/ruff format $(CHECKED)
 
-# The wheel in an environment of its own, run from another folder: what a user gets.
+# What a user gets: a source distribution, the wheel that is built from it, in an environment of its own, run from another
+# folder with a cold cache of kernels: a scene of its own, and all that README.md and docs/ print.
 wheel-test: $(STAMP)
 	rm -rf build/wheel
-	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir build/wheel .
+	$(PYTHON) -m venv build/wheel/tools
+	build/wheel/tools/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt hatchling
+	build/wheel/tools/bin/hatchling build -t sdist -d build/wheel
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps --wheel-dir build/wheel build/wheel/*.tar.gz
+	$(BIN)/python tests/wheel_contents.py build/wheel/*.whl build/wheel/*.tar.gz
 	$(PYTHON) -m venv build/wheel/venv
 	build/wheel/venv/bin/python -m pip install --quiet --disable-pip-version-check -c constraints.txt build/wheel/*.whl
 	mkdir -p build/wheel/elsewhere
 	cp tests/wheel_smoke.py build/wheel/elsewhere/
-	cd build/wheel/elsewhere && ../venv/bin/python -I wheel_smoke.py && ../venv/bin/warpffrf info smoke.h5
-	cd build/wheel/elsewhere && ../venv/bin/warpffrf --quiet demo two-rollers --quick --out two_rollers
+	cd build/wheel/elsewhere && WARP_CACHE_PATH=kernels ../venv/bin/python -I wheel_smoke.py && ../venv/bin/warpffrf info smoke.h5
+	$(BIN)/python tests/wheel_blocks.py build/wheel/venv build/wheel/elsewhere
 
 clean:
 	rm -rf build dist out .warp_cache .pytest_cache .ruff_cache .hypothesis .import_linter_cache

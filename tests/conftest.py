@@ -1,16 +1,37 @@
-"""Set up before any test module is imported: one Warp kernel cache per xdist worker, one BLAS thread per process.
+"""Set up before any test module is imported: one Warp kernel cache for all workers, one BLAS thread per process.
 
-Workers that compile the same kernel into one folder at the same time damage each other's files. The folder stays
-between runs so that a second run starts warm; remove `.warp_cache` for a cold one.
+Whoever loads a module, a test that launches a kernel itself too, has it alone (`warpffrf.online.step.kernel_cache`), so
+that a module is compiled once and no worker reads what another one is writing. The folder stays between runs so that a
+second run starts warm; remove `.warp_cache` for a cold one.
 """
 
 from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-_worker = os.environ.get("PYTEST_XDIST_WORKER", "main")
-os.environ["WARP_CACHE_PATH"] = str(Path(__file__).resolve().parents[1] / ".warp_cache" / _worker)
+os.environ["WARP_CACHE_PATH"] = str(Path(__file__).resolve().parents[1] / ".warp_cache" / "tests")
+
+import warp as wp
+
+from warpffrf.online.step.kernel_cache import sound
 
 DATA = Path(__file__).resolve().parent / "data"
+
+_load = wp.Module.load
+_loaded: set[tuple[Any, ...]] = set()
+
+
+def _load_alone(module: wp.Module, device: Any, block_dim: int | None = None, *rest: Any, **options: Any) -> Any:
+    what = (module, str(device), block_dim)
+    if what in _loaded:  # every launch asks
+        return _load(module, device, block_dim, *rest, **options)
+    with sound(module):
+        found = _load(module, device, block_dim, *rest, **options)
+    _loaded.add(what)
+    return found
+
+
+setattr(wp.Module, "load", _load_alone)  # noqa: B010

@@ -67,6 +67,7 @@ def coarse(tmp_path: Path) -> Path:
         ["info"],
         ["run"],
         ["modes"],
+        ["campbell"],
         ["compare"],
         ["plot"],
         ["spectrum"],
@@ -199,7 +200,7 @@ def test_reduce_then_info(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_options_of_a_reduction_reach_it(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     target = tmp_path / "body.h5"
-    mesh, mm = str(DATA / "tet_roller.msh"), ["--length-unit", "mm"]
+    mesh, mm = str(wf.examples.path("roller") / "roller.msh"), ["--length-unit", "mm"]
     sets = ["--interface", "bore", "--modes", "6", "--no-cache"]
     sets += ["--inertia-modes", "4", "--stiffening", "--centrifugal"]
     assert cli.main(["-q", "reduce", mesh, *mm, *STEEL, *sets, "-o", str(target)]) == 0
@@ -208,6 +209,43 @@ def test_options_of_a_reduction_reach_it(tmp_path: Path, capsys: pytest.CaptureF
     assert terms is not None and terms.modes == 4
     assert "with the static response to turning" in body.info()
     assert terms.stiffening is not None and list(terms.stiffening.interfaces) == ["bore"]
+
+
+ROTOR = """\
+[parameters]
+speed = 1.0
+
+[bodies.rotor]
+mass = 2.0
+inertia_tensor = [0.02, 0.02, 0.03]
+angular_velocity = [0, 0, "= speed"]
+
+[joints.foot]
+kind = "spherical"
+a = "ground"
+b = { body = "rotor", point = [0, 0, 0] }
+
+[forces.holder]
+kind = "bushing"
+a = "ground"
+b = { body = "rotor", point = [0, 0, 0] }
+stiffness = [0, 0, 0, 800, 800, 0]
+"""
+
+
+def test_campbell_diagram_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
+    """J w^2 -+ J_p W w = k: forward and backward tilting of a rotor held by a spring about its middle."""
+    file, picture = tmp_path / "rotor.toml", tmp_path / "campbell.png"
+    file.write_text(ROTOR, encoding="utf-8")
+    given = ["campbell", str(file), "speed", "100", "--steps", "2", "--count", "4", "--out", str(picture)]
+    assert cli.main(given) == 0 and picture.stat().st_size > 10_000
+    said = capsys.readouterr().out
+    for spin in (0.0, 50.0, 100.0):
+        for sign in (1.0, -1.0):
+            w = abs(np.roots([0.02, -sign * 0.03 * spin, -800.0]).max())
+            assert f"{w / (2.0 * np.pi):.5g}" in said, said
+    assert cli.main(["campbell", str(file), "speed", "100", "--steps", "0"]) == 1
+    assert "--steps is 0" in capsys.readouterr().err
 
 
 def test_modes_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
@@ -224,8 +262,11 @@ def test_modes_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) ->
         assert cli.main(["modes", str(file), *about]) == 0
         text = capsys.readouterr().out
         assert said in text and frequency in text and "block 100 %" in text, text
-    assert cli.main(["modes", str(file), "--set", "forces.spring.stiffness=3200.0"]) == 0
-    assert f"{np.sqrt(3200.0 / 2.0) / (2.0 * np.pi):.5g}" in capsys.readouterr().out
+    picture = tmp_path / "modes.png"
+    stiffer = ["--set", "forces.spring.stiffness=3200.0", "--out", str(picture)]
+    assert cli.main(["modes", str(file), *stiffer]) == 0 and picture.stat().st_size > 5_000
+    said = capsys.readouterr().out
+    assert f"{np.sqrt(3200.0 / 2.0) / (2.0 * np.pi):.5g}" in said and f"drawn to {picture}" in said
     for arguments, said in (
         (["--about", "equilibirum"], "known: equilibrium, initial, or a results file"),
         (["--about", "none.h5"], "does not exist"),
@@ -237,7 +278,7 @@ def test_modes_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) ->
 
 
 def test_info_of_a_mesh_gives_its_size_mass_and_inertia(capsys: pytest.CaptureFixture) -> None:
-    path = DATA / "tet_roller.msh"
+    path = wf.examples.path("roller") / "roller.msh"
     assert cli.main(["info", str(path), "--length-unit", "mm"]) == 0
     said = capsys.readouterr().out
     for word in ("nodes", "box", "rim (", "bore (", "mass", "inertia"):

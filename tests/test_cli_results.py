@@ -10,6 +10,7 @@ import pytest
 import warpffrf as wf
 from warpffrf import cli
 from warpffrf.output.plots.figure import about_kinds, drawable
+from warpffrf.output.plots.histories import HISTORY_PLOTS
 
 STEPS = 20
 
@@ -67,4 +68,5 @@ def test_kinds_are_listed(files: tuple[Path, Path], capsys: pytest.CaptureFixtur
     assert [line.split()[0] for line in lines] == list(about_kinds()) and all(len(line.split()) > 3 for line in lines)
     assert cli.main(["plot", str(files[0]), "--list"]) == 0
     kinds = [line.split()[0] for line in capsys.readouterr().out.splitlines()]
-    assert kinds == [*drawable(wf.Result.load(files[0])), "summary"] == ["energy", "summary"]
+    assert kinds == [*drawable(wf.Result.load(files[0])), *HISTORY_PLOTS, "summary"]
+    assert kinds == ["energy", "spectrum", "waterfall", "summary"]

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
+from printed import commands, python_blocks
 from typer.testing import CliRunner
 
 import warpffrf as wf
@@ -26,61 +27,16 @@ LONGEST = 25  # lines of an example that one still reads at a glance
 SHORT_LINE_CONTACT = 0.632  # 0.558 of an infinite line; 0.638 and 0.626 on cells half as large, by hats and patches
 FINER_CELLS = 0.012  # what is left between hats and patches
 STRESS_TOLERANCE = 0.03  # what the cells add to peak and stress, and the mesh of 0.4 half-widths
-RADIUS, HALF, WIDTH, HEIGHT = 50.0, 3.0, 4.0, 20.0  # mm, of a shoe with a round pad on top
-COUNTS = (30, 20, 10)  # cells across, along, down
-CORNERS = ((0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0))
-HARDENED = 6  # layers of steel on top of the cast iron
-TAIL = """\
-*Surface, type=ELEMENT, name=pad
-top, S2
-*Surface, type=ELEMENT, name=foot
-bottom, S1
-*Solid Section, elset=hardened, material=steel
-*Solid Section, elset=core, material=iron
-*End Part
-*Assembly, name=machine
-*Instance, name=shoe-1, part=shoe
-*End Instance
-*Instance, name=shoe-2, part=shoe
-0., 0., 100.
-*End Instance
-*End Assembly
-*Material, name=steel
-*Density
-7.85e-09
-*Elastic
-210000., 0.3
-*Material, name=iron
-*Density
-7.1e-09
-*Elastic
-120000., 0.26
-"""
 
 
-def deck(counts: tuple[int, int, int] = COUNTS) -> str:
-    """The deck of the second example: two instances of a shoe, mm, MPa, t/mm3."""
-    nx, ny, nz = counts
-    x, y = np.linspace(-HALF, HALF, nx + 1), np.linspace(-0.5 * WIDTH, 0.5 * WIDTH, ny + 1)
-    X, Y, T = np.meshgrid(x, y, np.linspace(0.0, 1.0, nz + 1) ** 2, indexing="ij")  # T: depth, finer at the top
-    Z = (np.sqrt(RADIUS**2 - X**2) - RADIUS) * (1.0 - T) - HEIGHT * T
-    number = np.arange(X.size).reshape(X.shape) + 1
-    cells = np.stack([number[a : a + nx, b : b + ny, c : c + nz].ravel() for a, b, c in CORNERS], axis=1)
-    layer = np.arange(len(cells)) % nz
-    sets = {"top": layer == 0, "bottom": layer == nz - 1, "hardened": layer < HARDENED, "core": layer >= HARDENED}
-    lines = ["*Part, name=shoe", "*Node"]
-    lines += [
-        f"{n}, {a:.10g}, {b:.10g}, {c:.10g}" for n, a, b, c in zip(*map(np.ravel, (number, X, Y, Z)), strict=True)
-    ]
-    lines += ["*Element, type=C3D8"] + [", ".join(map(str, (n + 1, *nodes))) for n, nodes in enumerate(cells)]
-    for name, members in sets.items():
-        lines += [f"*Elset, elset={name}"] + [str(n + 1) for n in np.flatnonzero(members)]
-    return "\n".join(lines) + "\n" + TAIL
+def blocks() -> list[str]:
+    """The examples that are tested here; those of other rooms are in the files beside this."""
+    return [c for c in python_blocks(README) if not any(word in c for word in ("friction=", "wf.Film("))]
 
 
 def run_example(number: int, folder: Path, changed: tuple[str, str] = ("", "")) -> str:
     """What the example prints that stands as the given one in the README, one text in it `changed`."""
-    code = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)[number].replace(*changed)
+    code = blocks()[number].replace(*changed)
     path = os.pathsep.join([str(ROOT), str(ROOT / "kernels")])
     environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
     script = folder / "example.py"
@@ -91,9 +47,8 @@ def run_example(number: int, folder: Path, changed: tuple[str, str] = ("", "")) 
 
 
 def test_examples_are_short() -> None:
-    examples = re.findall(r"```python\n(.*?)```", README, flags=re.DOTALL)
-    assert len(examples) == 4
-    assert all(len([line for line in code.splitlines() if line]) <= LONGEST for code in examples)
+    assert len(blocks()) == 4
+    assert all(len([line for line in code.splitlines() if line]) <= LONGEST for code in blocks())
 
 
 def test_the_two_rollers_run(tmp_path: Path) -> None:
@@ -105,7 +60,7 @@ def test_the_two_rollers_run(tmp_path: Path) -> None:
 
 
 def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
-    (tmp_path / "machine.inp").write_text(deck(), encoding="utf-8")
+    wf.examples.copy("machine", tmp_path)
     said = run_example(1, tmp_path)
     assert "steel, E 2.1e+11 Pa" in said and "foot: average" in said and "contact grid  pad" in said, said
     peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
@@ -117,7 +72,9 @@ def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
 @pytest.mark.parametrize("patch_grid", [False, True])
 def test_the_stress_under_the_pad_is_that_of_finer_cells(tmp_path: Path, patch_grid: bool) -> None:
     """What `SHORT_LINE_CONTACT` is: cells half as large, by hats and by patches."""
-    (tmp_path / "machine.inp").write_text(deck((60, 40, 16)), encoding="utf-8")
+    wf.examples.copy("machine", tmp_path)
+    make = runpy.run_path(str(tmp_path / "make_machine.py"))
+    (tmp_path / "machine.inp").write_text(make["deck"]((40, 40, 16)), encoding="utf-8")
     said = run_example(1, tmp_path, ("max_frequency=50e3,", f"max_frequency=50e3, patch_grid={patch_grid},"))
     peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
     assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < FINER_CELLS
@@ -139,7 +96,7 @@ def said_in(quoted: str, said: str) -> bool:
 
 def quoted_after(number: int) -> list[str]:
     """The lines of output that the README shows after an example, up to the next heading."""
-    text = README.split("```python\n")[number + 1].split("```")[1].split("\n## ")[0]
+    text = README.split(blocks()[number])[1].split("```")[1].split("\n## ")[0]
     return [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
 
 
@@ -153,15 +110,13 @@ def test_what_the_readme_quotes_is_what_the_example_prints(number: int, lines: i
 
 
 def test_commands_have_the_options_that_the_readme_gives_them() -> None:
-    text = README.replace("\\\n", " ")
-    commands = [
-        shlex.split(re.split(r"  +(?=[a-z]{3})", line)[0])
-        for line in re.findall(r"^    (warpffrf .*)$", text, re.MULTILINE)
-    ]
-    known_commands = {"demo", "run", "modes", "info", "reduce", "plot", "compare", "spectrum", "picture", "view"}
-    assert {words[1] for words in commands} == known_commands
-    for words in commands:
-        names = words[1:3] if words[1] == "demo" else words[1:2]
+    found = [command.words for command in commands(README)]
+    assert {words[1] for words in found} == {
+        "demo", "example", "run", "modes", "campbell", "info", "reduce", "plot", "compare", "spectrum", "picture",
+        "view",
+    }  # fmt: skip
+    for words in found:
+        names = words[1:3] if words[1] in ("demo", "example") else words[1:2]
         known = CliRunner().invoke(app, [*names, "--help"], env={"COLUMNS": "200"}).output
         for option in (word for word in words if word.startswith("-")):
             assert re.search(rf"(?<!\S){option}\b", known), f"{' '.join(words)}: no option {option}"
@@ -183,7 +138,7 @@ def test_names_of_the_readme_exist() -> None:
 
 
 def test_links_and_pictures_exist() -> None:
-    pages = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+    pages = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
     for page in pages:
         for target in re.findall(r"\]\(([^)#]+)", page.read_text(encoding="utf-8")):
             if "://" not in target:

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from printed import python_blocks
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -16,7 +17,7 @@ QUOTED = 0.003  # of a number: three digits
 
 
 def test_the_film_is_as_thin_as_it_says(tmp_path: Path) -> None:
-    (code,) = (c for c in re.findall(r"```py\n(.*?)```", README, flags=re.DOTALL) if "wf.Film(" in c)
+    (code,) = (c for c in python_blocks(README) if "wf.Film(" in c)
     script = tmp_path / "example.py"
     script.write_text(code.replace("0.02, step=2e-4", "6e-4, step=2e-4"), encoding="utf-8")
     path = os.pathsep.join([str(ROOT), str(ROOT / "kernels")])

@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from printed import python_blocks
 
 import warpffrf as wf
 
@@ -25,11 +26,7 @@ NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 @pytest.fixture(scope="module")
 def code() -> str:
-    found = [
-        code
-        for code in re.findall(r"```py\n(.*?)```", README, flags=re.DOTALL)
-        if "friction=" in code and "Contact(" in code
-    ]
+    found = [code for code in python_blocks(README) if "friction=" in code and "Contact(" in code]
     assert len(found) == 1
     return found[0]
 

@@ -20,7 +20,7 @@ from warpffrf.scene_file.load import DOCUMENT_SIGN, scene_of
 from warpffrf.scene_file.source import parse
 
 DATA = Path(__file__).resolve().parent / "data"
-DEMO = DATA / "two_rollers.toml"
+DEMO = wf.examples.path("two-rollers") / "two_rollers.toml"
 COARSE = demo.Size(sectors=360, layers=8, axial=2)
 COARSER = [f"meshes.roller.{name}={getattr(COARSE, name)}" for name in ("sectors", "layers", "axial")]
 
@@ -104,7 +104,7 @@ def test_every_item_of_the_registries_has_a_kind() -> None:
 
 
 def test_every_joint_can_be_written() -> None:
-    extra = {"axis": "axis = [0, 0, 1]", "second_axis": "second_axis = [1, 0, 0]"}
+    extra = {"axis": "axis = [0, 0, 1]", "second_axis": "second_axis = [1, 0, 0]", "line": "line = [1, 0, 0]"}
     for kind, form in item_kinds()["joints"].items():
         lines = [extra[name] for name in form.roles if name in extra]
         text = "[bodies.block]\nmass = 1.0\ninertia_tensor = [1, 1, 1]\n" + "\n".join(

@@ -12,9 +12,10 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpffrf import study
+    from warpffrf import examples, study
     from warpffrf.model import (
         bases,
+        bearings,
         damping,
         films,
         forces,
@@ -41,6 +42,7 @@ if TYPE_CHECKING:
     from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
+    from warpffrf.output.campbell import campbell
     from warpffrf.output.comparison import compare
     from warpffrf.output.modes_result import eigenmodes
     from warpffrf.output.recording.recorder import record
@@ -66,11 +68,14 @@ __all__ = [
     "Stage",
     "StressPoints",
     "bases",
+    "bearings",
+    "campbell",
     "compare",
     "contact_spacing",
     "damping",
     "eigenmodes",
     "equilibrium",
+    "examples",
     "films",
     "forces",
     "integrators",
@@ -107,11 +112,14 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
+    "bearings": ("warpffrf.model.bearings", None),
+    "campbell": ("warpffrf.output.campbell", "campbell"),
     "compare": ("warpffrf.output.comparison", "compare"),
     "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
     "damping": ("warpffrf.model.damping", None),
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
+    "examples": ("warpffrf.examples", None),
     "films": ("warpffrf.model.films", None),
     "forces": ("warpffrf.model.forces", None),
     "integrators": ("warpffrf.model.integrators", None),

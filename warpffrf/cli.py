@@ -1,4 +1,5 @@
-"""The command line: `warpffrf demo | run | modes | reduce | info | compare | plot | spectrum | view | picture | study`.
+"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum |
+view | picture | study`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
@@ -15,12 +16,13 @@ from collections.abc import Sequence
 from contextlib import nullcontext, redirect_stdout
 from io import StringIO
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import typer
 
 import warpffrf
 from warpffrf.cli_errors import know_options, one_line_errors
+from warpffrf.cli_examples import add_example_commands
 from warpffrf.cli_pictures import add_picture_commands
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
@@ -30,13 +32,14 @@ from warpffrf.demos import DEMOS
 # (on two busy cores 16 times longer than one thread alone).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
+SCENE = typer.Argument(metavar="SCENE", help="Scene file, .toml; what may stand in it: warpffrf scene-file.")
 EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
 
 log = logging.getLogger("warpffrf")
 
 app = typer.Typer(
     name="warpffrf",
-    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers",
+    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers, or warpffrf example",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
@@ -44,16 +47,22 @@ app = typer.Typer(
 )
 demo = typer.Typer(
     help="Run a complete example, print its figures beside what they must be, and write its results to a folder.",
-    no_args_is_help=True,
     rich_markup_mode=None,
 )
 app.add_typer(demo, name="demo")
+
+
+@demo.callback(invoke_without_command=True)
+def list_demos(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
 
 
 class _State:
     """Options of the main command that the others read."""
 
     quiet = False
+    pairs: Literal["folded", "all"] = "folded"  # of reports
 
 
 def _version(wanted: bool) -> None:
@@ -67,7 +76,11 @@ def options(
     context: typer.Context,
     verbose: Annotated[
         bool,
-        typer.Option("--verbose", "-v", help="Say more: the scene, where time goes, where faults are."),
+        typer.Option(
+            "--verbose",
+            "-v",
+            help="Say more: the scene, times, where faults are, each of alike contacts.",
+        ),
     ] = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print neither progress nor reports, only warnings and errors.")
@@ -76,7 +89,7 @@ def options(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
     ] = False,
 ) -> None:
-    _State.quiet = quiet
+    _State.quiet, _State.pairs = quiet, "all" if verbose else "folded"
     know_options(context)
     from warpffrf.model.speech import Lines, notes
 
@@ -116,7 +129,7 @@ for _module, _about in DEMOS.items():
 
 @app.command("run")
 def run_scene_file(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    scene_file: Annotated[Path, SCENE],
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -158,14 +171,14 @@ def run_scene_file(
         )  # fmt: skip
         for call, result in results.items():
             if not _State.quiet:
-                print(f"{call}\n{result.report()}")
+                print(f"{call}\n{result.report(pairs=_State.pairs)}")
         if any(result.status != "completed" or result.unwritten for result in results.values()):
             raise typer.Exit(1)
 
 
 @app.command("modes")
 def modes_of_scene_file(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    scene_file: Annotated[Path, SCENE],
     settings: Annotated[
         list[str] | None,
         typer.Option(
@@ -180,6 +193,10 @@ def modes_of_scene_file(
             help="equilibrium, initial, or a results file (.h5) of this scene, whose last state is meant.",
         ),
     ] = EQUILIBRIUM,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PNG", help="Also draw their shapes here: .png, .pdf or .svg.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
 ) -> None:
     """List frequencies, damping and moving bodies of the lowest modes of a machine, joints and contacts included.
 
@@ -189,7 +206,52 @@ def modes_of_scene_file(
         from warpffrf.scene_file import load_scene
 
         scene = load_scene(scene_file, settings=settings or ()).scene
-        print(warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet).report())
+        modes = warpffrf.eigenmodes(scene, count, about=_state(about), progress=not _State.quiet)
+        print(modes.report())
+        if out is not None:
+            from warpffrf.output.plots.picture import write_picture
+
+            print(f"drawn to {write_picture(modes.plot_shapes(count), out, 'modes', overwrite=overwrite)}")
+
+
+@app.command("campbell")
+def campbell_of_scene_file(
+    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    speed: Annotated[
+        str, typer.Argument(metavar="NAME", help="The key that the speed [rad/s] is put into, as --set of run has it.")
+    ],
+    last: Annotated[float, typer.Argument(metavar="LAST", help="The largest speed, rad/s.")],
+    first: Annotated[float, typer.Option(metavar="SPEED", help="The smallest speed, rad/s.")] = 0.0,
+    steps: Annotated[int, typer.Option(help="How many steps from the smallest to the largest.")] = 12,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="NAME=VALUE", help="Another value for a parameter or a key. Repeat for more."),
+    ] = None,
+    count: Annotated[int, typer.Option(help="How many modes at each speed, from the lowest on.")] = 12,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="PNG", help="Also draw the diagram here: .png, .pdf or .svg.")
+    ] = None,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+) -> None:
+    """List natural frequencies about the initial state of a machine against the speed of its rotation.
+
+    Example: warpffrf campbell rotor.toml speed 600 --out campbell.png
+    """
+    with one_line_errors():
+        from warpffrf.output.plots.picture import write_drawing
+        from warpffrf.scene_file import load_scene
+
+        if steps < 1:
+            raise warpffrf.InputError(f"--steps is {steps}; it must be at least 1")
+
+        def build(rate: float) -> warpffrf.Scene:
+            return load_scene(scene_file, settings=[*(settings or ()), f"{speed}={rate!r}"]).scene
+
+        speeds = [first + (last - first) * n / steps for n in range(steps + 1)]
+        found = warpffrf.campbell(build, speeds, count, progress=not _State.quiet)
+        print(found.report())
+        if out is not None:
+            print(f"drawn to {write_drawing(found.plot, out, 'campbell', overwrite=overwrite)}")
 
 
 def _state(about: str) -> Any:
@@ -370,12 +432,19 @@ def info(
 
         print(
             describe_file(
-                file, length_unit=length_unit, part=part_of(part), density=density, page=page, overwrite=overwrite
-            )
+                file,
+                length_unit=length_unit,
+                part=part_of(part),
+                density=density,
+                page=page,
+                overwrite=overwrite,
+                pairs=_State.pairs,
+            )  # fmt: skip
         )
 
 
 add_result_commands(app)
+add_example_commands(app)
 add_picture_commands(app, lambda: _State.quiet)
 
 

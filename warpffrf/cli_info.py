@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
+
+if TYPE_CHECKING:
+    from warpffrf.output.report.fold import Pairs
 
 STEEL_DENSITY = 7850.0  # kg/m3
 ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rounding and printed as zero
@@ -22,25 +26,27 @@ def describe_file(
     part: int | str | None = None,
     page: Path | None = None,
     overwrite: bool = False,
+    pairs: Pairs = "folded",
 ) -> str:
     """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
 
     length_unit, part, density [kg/m3]: used for meshes only; without a density that of the file's materials, else of
-    steel. page: for a reduced body, where to write the picture of its quality. Raises `InputError` for a file that is
-    missing or of no known kind, for a mesh without `length_unit` or with several bodies and no `part`, and for a page
-    that cannot be written or of a file that is no reduced body.
+    steel. page: for a reduced body, where to write the picture of its quality. pairs: as of `Result.report`.
+
+    Raises `InputError` for a file that is missing or of no known kind, for a mesh without `length_unit` or with several
+    bodies and no `part`, and for a page that cannot be written or of a file that is no reduced body.
     """
     from warpffrf.output.files.unfinished import is_unfinished
 
     if is_unfinished(path):
         _no_page(page, path)
-        return _results(path)
+        return _results(path, pairs)
     if not path.is_file():
         raise InputError(f"there is no file {str(path)!r}")
     with path.open("rb") as file:
         start = file.read(len(HDF5_SIGNATURE))
     if start == HDF5_SIGNATURE:
-        return _hdf5(path, page, overwrite)
+        return _hdf5(path, page, overwrite, pairs)
     from warpffrf.model.mesh.reader import SUFFIXES
 
     if path.suffix.lower() in SUFFIXES:
@@ -65,7 +71,7 @@ def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: 
     return str(mesh.report(Material(210e9, 0.3, rho))) + f"\n  note: mass at {rho:g} kg/m3"
 
 
-def _hdf5(path: Path, page: Path | None, overwrite: bool) -> str:
+def _hdf5(path: Path, page: Path | None, overwrite: bool, pairs: Pairs) -> str:
     import h5py
 
     from warpffrf.model.reduced_body_file import MARK
@@ -82,7 +88,7 @@ def _hdf5(path: Path, page: Path | None, overwrite: bool) -> str:
         return _reduced_body(path, page, overwrite)
     if kind == FORMAT:
         _no_page(page, path)
-        return _results(path)
+        return _results(path, pairs)
     raise InputError(f"{path.name} is an HDF5 file, but neither a reduced body nor results of warpffrf")
 
 
@@ -103,16 +109,19 @@ def _reduced_body(path: Path, page: Path | None, overwrite: bool) -> str:
     return "\n".join(lines)
 
 
-def _results(path: Path) -> str:
+def _results(path: Path, pairs: Pairs) -> str:
+    from warpffrf.output.report.fold import Block, folded
     from warpffrf.output.result import Result
 
     result = Result.load(path)
-    lines = [f"results {path.name}"]
+    blocks = []
     for body in result.view.bodies.values():
-        lines.append(f"body '{body.name}': {body.mass:.6g} kg, {'rigid' if body.reduced is None else 'flexible'}")
+        lines = [f"body '{body.name}': {body.mass:.6g} kg, {'rigid' if body.reduced is None else 'flexible'}"]
         if body.reduced is not None:
             lines.append(_box(body.reduced.surface.points))
-    return "\n".join([*lines, result.report()])
+        blocks.append(Block(body.name, lines))
+    bodies = [line for lines in folded(blocks, "body", pairs) for line in lines]
+    return "\n".join([f"results {path.name}", *bodies, result.report(pairs=pairs)])
 
 
 def _vector(values: np.ndarray) -> str:

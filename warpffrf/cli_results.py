@@ -70,6 +70,18 @@ def add_result_commands(app: typer.Typer) -> None:
         row: Annotated[
             int | None, typer.Option(help="Saved step of maps of films and laps, from 0; left out: the last.")
         ] = None,
+        channel: Annotated[
+            str | None,
+            typer.Option(
+                metavar="HISTORY",
+                help="Of spectrum and waterfall: what to draw, as columns of to_csv are called: 'contact_force_z[a on "
+                "b]'.",
+            ),
+        ] = None,
+        speed: Annotated[
+            str | None,
+            typer.Option(metavar="BODY", help="Of spectrum and waterfall: over the rotation of this body."),
+        ] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Draw one kind of plot of a run into a picture; without KIND a page with all that the run has data for.
@@ -79,6 +91,7 @@ def add_result_commands(app: typer.Typer) -> None:
         with one_line_errors():
             from warpffrf.model.errors import InputError
             from warpffrf.output.plots.figure import about_kinds, drawable, write_plot
+            from warpffrf.output.plots.histories import HISTORY_PLOTS
             from warpffrf.output.result import Result
 
             if file is None and not listed:
@@ -86,13 +99,16 @@ def add_result_commands(app: typer.Typer) -> None:
             result = None if file is None else Result.load(file)
             if listed:
                 known = about_kinds()
-                kinds = [*known] if result is None else [*drawable(result, film, lap=lap), "summary"]
+                kinds = [*known] if result is None else [*drawable(result, film, lap=lap), *HISTORY_PLOTS, "summary"]
                 width = max(map(len, kinds))
                 print("\n".join(f"{name:{width}}  {known[name]}" for name in kinds))
                 return
             if out is None:
                 raise InputError("say where to write the picture with --out, as in --out force.png")
-            written = write_plot(result, kind, out, contact=contact, film=film, lap=lap, row=row, overwrite=overwrite)
+            written = write_plot(
+                result, kind, out, contact=contact, film=film, lap=lap, row=row, channel=channel, speed=speed,
+                overwrite=overwrite,
+            )  # fmt: skip
             print(f"written to {written}")
 
     @app.command("spectrum")

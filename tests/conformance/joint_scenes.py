@@ -28,6 +28,8 @@ FREE = {
     "spherical": "XYZ",
     "universal": "XY'",
     "point_on_line": "XYZz",
+    "point_in_plane": "XYZxy",
+    "line_in_plane": "ZY'xy",
     "distance": "XYZ",
 }
 KINDS = list(joints.JOINT_KINDS)
@@ -37,6 +39,8 @@ def make_joint(kind: str, a: Any, b: Any, **more: Any) -> joints.Joint:
     """A joint of a kind between two ports, with the axes above."""
     if kind == "universal":
         more = {"second_axis": SECOND, **more}
+    if kind == "line_in_plane":
+        more = {"line": SECOND, **more}
     if kind not in ("spherical", "distance"):
         more = {"axis": AXIS, **more}
     return joints.JOINT_KINDS[kind](a, b, **more)

@@ -15,6 +15,7 @@ from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.online.history.history import BodyHistory
 
 ROUND_OFF = 1e-8  # of the weight: of accelerations from positions at a step of 5e-4 s
+SECOND_ORDER = 2e-5  # of the weight, at 0.5 ms: bodies that slide freely in a plane turn the fastest
 FIRST = 1e-11  # of the weight: round-off of the first reaction
 COORDINATES = [(kind, name) for kind in KINDS for name in joints.JOINT_KINDS[kind].coordinates]
 
@@ -85,7 +86,7 @@ def test_reactions_are_what_newton_and_euler_ask_for(kind: str) -> None:
                 np.abs(found.torque[2:-2] - torque)[tail].max() / (9.81 * body.mass * 0.2),
             )
         )
-    assert error[1] < 1e-5 and (error[1] < 0.35 * error[0] or error[1] < ROUND_OFF)
+    assert error[1] < SECOND_ORDER and (error[1] < 0.35 * error[0] or error[1] < ROUND_OFF)
 
 
 @pytest.mark.parametrize("kind", KINDS)

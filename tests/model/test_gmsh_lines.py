@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from warpffrf import examples
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 
@@ -81,7 +82,7 @@ def test_more_nodes_than_there_are(tmp_path: Path) -> None:
 
 
 def test_nodes_of_a_binary_file(tmp_path: Path) -> None:
-    content = (DATA / "tet_roller.msh").read_bytes()
+    content = (examples.path("roller") / "roller.msh").read_bytes()
     at = content.index(b"\n$Nodes\n") + 8
     changes = ((0, 10**15), (8, 10**15), (32 + 12, 10**15), (32 + 20, 2**40), (32 + 20, 0))
     for place, value in ((at + offset, value) for offset, value in changes):

@@ -13,20 +13,21 @@ import meshio
 import numpy as np
 import pytest
 
+from warpffrf import examples
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import cell_kind
 
 DATA = Path(__file__).resolve().parents[1] / "data"
-TET_ROLLER = DATA / "tet_roller.msh"
+TET_ROLLER = examples.path("roller") / "roller.msh"
 MESHIO_CELL = {"hex8": "hexahedron", "hex27": "hexahedron27"}
 MESHIO_FACET = {"quad4": "quad", "quad9": "quad9"}
 
 
 def generator() -> Any:
     """The script that made the file, for the dimensions it used (gmsh itself is imported only by its main)."""
-    spec = importlib.util.spec_from_file_location("make_tet_roller", DATA / "make_tet_roller.py")
+    spec = importlib.util.spec_from_file_location("make_roller", TET_ROLLER.with_name("make_roller.py"))
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from warpffrf import examples
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import periodicity
@@ -17,7 +17,7 @@ from warpffrf.model.mesh.facets import FacetSet, outer_faces
 from warpffrf.offline.cyclic.sector import periodicity_fault
 
 R, R_I, WIDTH = 0.05, 0.015, 0.02
-TET_ROLLER = Path(__file__).resolve().parents[1] / "data" / "tet_roller.msh"
+TET_ROLLER = examples.path("roller") / "roller.msh"
 # the six tetrahedra about the diagonal 0-6 of a hexahedron: opposite faces are cut alike, so neighbours fit
 TETS = np.array([(0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6)])
 

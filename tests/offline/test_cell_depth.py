@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import logging
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from offline_bodies import reduced
 
+from warpffrf import examples
 from warpffrf.model import mesh as meshes
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import roller
@@ -17,7 +17,6 @@ from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.contact.cell_depth import DEEPEST, layer_depth, node_spacing
 
 R, R_I = 0.05, 0.015
-DATA = Path(__file__).resolve().parents[1] / "data"
 
 
 def rim_shape(mesh):
@@ -44,13 +43,13 @@ def test_spacing_of_nodes_is_the_wider_of_depth_and_columns(layers):
 
 
 def test_spacing_of_tetrahedra_is_not_given():
-    mesh = meshes.read(DATA / "tet_roller.msh", length_unit="mm")
+    mesh = meshes.read(examples.path("roller") / "roller.msh", length_unit="mm")
     grid = ContactGrid(np.array([1.0, 0.0, 0.0]), 0.0, 0.1, 60, True, np.array([-0.01, 0.01]), 60)
     assert node_spacing(mesh, "rim", rim_shape(mesh), grid) is None
 
 
 def test_depth_of_tetrahedra_is_at_most_their_edge():
-    mesh = meshes.read(DATA / "tet_roller.msh", length_unit="mm")
+    mesh = meshes.read(examples.path("roller") / "roller.msh", length_unit="mm")
     x = mesh.points[mesh.single[1][:, :4]]
     longest = max(np.linalg.norm(x[:, i] - x[:, j], axis=1).max() for i in range(4) for j in range(i))
     depth = layer_depth(mesh, "rim", rim_shape(mesh))

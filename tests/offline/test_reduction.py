@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import fields, is_dataclass
-from pathlib import Path
 from typing import Any
 
 import h5py
@@ -12,6 +11,7 @@ import numpy as np
 import pytest
 from offline_bodies import STEEL, reduced
 
+from warpffrf import examples
 from warpffrf.model import mesh as meshes
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
@@ -20,8 +20,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.sealed_file import seal
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
-
-DATA = Path(__file__).resolve().parents[1] / "data"
 
 
 @pytest.fixture
@@ -87,7 +85,7 @@ def test_more_modes_than_the_mesh_has():
 
 
 def test_tetrahedral_roller_tilted_and_off_center():
-    mesh = meshes.read(DATA / "tet_roller.msh", length_unit="mm")
+    mesh = meshes.read(examples.path("roller") / "roller.msh", length_unit="mm")
     body = reduced(mesh, max_frequency=15e3)
     assert body.report["path"] == "general"
     exact = STEEL.density * np.pi * (0.05**2 - 0.015**2) * 0.02

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.online.diagnosis.contact_notes import _pulled_apart
 from warpffrf.online.diagnosis.free_falls import fall_notes
+from warpffrf.online.diagnosis.untouched import pulled_apart
 
 ORIGIN = (0.0, 0.0, 0.0)
 G = 9.81
@@ -22,14 +24,15 @@ def falling(gravity: float = G) -> wf.Scene:
     return scene
 
 
-def notes(scene: wf.Scene) -> str:
-    run = wf.simulate(scene, 0.1, step=0.01, progress=False)
+def notes(scene: wf.Scene, method: Literal["separated", "monolithic"] = "separated") -> str:
+    run = wf.simulate(scene, 0.1, step=0.01, method=method, progress=False)
     assert run.status == "completed"
     return "\n".join(run.history.notes)
 
 
-def test_a_body_that_falls_is_named() -> None:
-    said = notes(falling())
+@pytest.mark.parametrize("method", ["separated", "monolithic"])
+def test_a_body_that_falls_is_named(method: Literal["separated", "monolithic"]) -> None:
+    said = notes(falling(), method)
     assert f"body 'loose' by {0.5 * G * 0.1**2:.3g} m" in said and "'arm'" not in said and "add the joint" in said
 
 
@@ -48,11 +51,24 @@ def test_signs_of_preloads_are_told() -> None:
     scene = wf.Scene()
     body = scene.add_rigid_body(1.0, (1, 1, 1), name="body")
     guide = scene.add(wf.joints.Prismatic(scene.ground, body.at(ORIGIN), axis=(0, 0, 1)))
-    assert _pulled_apart(scene) == ""
+    assert pulled_apart(scene) == ""
     scene.add(wf.forces.JointSpringDamper(guide, 1e3, preload=-200.0, name="press"))
-    assert "sign of the preload of 'press' (-200 N): a positive one pushes the second body" in _pulled_apart(scene)
+    assert "sign of the preload of 'press' (-200 N): a positive one pushes the second body" in pulled_apart(scene)
     scene.add(wf.forces.JointSpringDamper(guide, 1e3, preload=wf.signals.Ramp(0, 1, duration=1), name="soft"))
-    assert "'soft' (a signal)" in _pulled_apart(scene)
+    assert "'soft' (a signal)" in pulled_apart(scene)
+
+
+def test_a_lumped_contact_that_never_touches_is_named() -> None:
+    """A ball that is thrown up from 1 m above the floor, for 0.1 s."""
+    scene = wf.Scene(gravity=(0.0, 0.0, -G))
+    steel = wf.Material(210e9, 0.3, 7850.0)
+    floor = scene.ground.surface(wf.surfaces.Plane(origin=ORIGIN, outward=(0, 0, 1)), name="floor")
+    skin = wf.surfaces.Sphere(radius=0.01, axis_point=ORIGIN, axis_direction=(0, 0, 1))
+    place, up = (0.0, 0.0, 1.01), (0.0, 0.0, 1.0)
+    ball = scene.add_rigid_body(0.03, (1e-6,) * 3, name="ball", position=place, velocity=up, surfaces={"skin": skin})
+    scene.add(wf.LumpedContact(ball["skin"], floor, law=wf.laws.HertzPoint(steel, steel), name="landing"))
+    said = notes(scene)
+    assert "contact without any touch in the run: 'landing' (1 m apart at the least)" in said
 
 
 def test_reports_at_rest_do_not_alarm() -> None:

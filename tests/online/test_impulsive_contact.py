@@ -155,7 +155,8 @@ def test_impacts_together_gain_a_hundredth() -> None:
             engine.compiled.models, state.energy, work.dx, state.pair_force, work.restless, work.wanted,
             work.created_now, state.lumped_force, state.lumped_energy, work.hold_force,
         ]  # fmt: skip
-        wp.launch(decide, dim=1, inputs=inputs, outputs=[state.impulsive, state.ctl, state.clk], device="cpu")
+        outputs = [state.impulsive, state.ctl, state.clk]
+        wp.launch(decide, dim=1, inputs=inputs, outputs=outputs, device=engine.compiled.device)
         return bool(engine.word("accept")[0])
 
     assert not accepted(1.1 * tolerance) and accepted(-1.1 * tolerance)

@@ -12,6 +12,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
+from warpffrf.online.device import chosen_device
 from warpffrf.online.run import MESSAGES, describe
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
@@ -270,3 +271,12 @@ def test_a_duration_that_is_no_multiple_of_the_step_is_named() -> None:
     assert history.time[-1] == pytest.approx(0.01)
     assert any("no multiple of the step: 10 steps" in note for note in history.notes)
     assert not any("multiple" in note for note in run(scene, 0.01, step=1e-3, progress=False).notes)
+
+
+def test_the_usual_device_is_that_of_the_environment(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("WARPFFRF_DEVICE", raising=False)
+    assert chosen_device(None) == "cpu"
+    monkeypatch.setenv("WARPFFRF_DEVICE", "cuda:7")
+    assert chosen_device("cpu") == "cpu"
+    with pytest.raises(InputError, match=r"device 'cuda:7' \(WARPFFRF_DEVICE\) is not available here"):
+        chosen_device(None)

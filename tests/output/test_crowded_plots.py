@@ -102,3 +102,34 @@ def test_ripple_fills_its_axes(body: ReducedBody) -> None:
     low, high = ax.get_ylim()
     drawn = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in ax.get_lines()])
     assert low < drawn.min() and drawn.max() < high and high - low < 2.0 * np.ptp(drawn)
+
+
+@pytest.mark.parametrize(
+    ("ripple", "cut", "said"), [(0.02, True, "varies by 2 %"), (0.5, False, ""), (1e-9, False, ""), (0.0, False, "")]
+)
+def test_axes_from_zero_are_cut_where_values_vary_little(
+    body: ReducedBody, ripple: float, cut: bool, said: str
+) -> None:
+    """Nine rows 1 - r/2, 1, 1 + r/2, ...: from end to end r of a mean of 1."""
+    history = make_history(body)
+    (contact,) = history.contacts.values()
+    rows = np.arange(len(history.time))
+    contact.force = np.outer(2e3 * (1.0 + 0.5 * ripple * (rows % 3 - 1)), [0.0, 0.0, -1.0])
+    ax = Result(history).plot("force", Figure().add_subplot())
+    low, high = ax.get_ylim()
+    assert (low > 0.0) == cut and ("axis cut" in ax.get_ylabel()) == cut and ax.get_ylabel().endswith(said)
+    assert low < 2.0 * (1.0 - 0.5 * ripple) and 2.0 * (1.0 + 0.5 * ripple) < high
+    if cut:
+        assert high - low == pytest.approx(1.2 * 2.0 * ripple, rel=1e-9)
+
+
+def test_round_off_is_no_ripple(body: ReducedBody) -> None:
+    history = make_history(body)
+    (contact,) = history.contacts.values()
+    contact.pressure = np.repeat(contact.pressure[:1], len(history.time), axis=0)
+    contact.first_column, contact.center_column = (
+        np.repeat(v[:1], len(history.time), axis=0) for v in (contact.first_column, contact.center_column)
+    )
+    contact.force = np.outer(2e3 * (1.0 + 1e-9 * np.arange(len(history.time))), [0.0, 0.0, -1.0])
+    low, high = Result(history).plot("ripple", Figure().add_subplot()).get_ylim()
+    assert low == pytest.approx(-1e-3) and high == pytest.approx(1e-3)  # per cent

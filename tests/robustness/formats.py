@@ -155,7 +155,7 @@ def read_source(path: Path) -> str:
     return digest(found.scene.content_hash(), found.method)
 
 
-def copied(name: str) -> Callable[[Path], Any]:
+def copied(name: str | Path) -> Callable[[Path], Any]:
     return lambda path: shutil.copy(DATA / name, path)
 
 
@@ -273,7 +273,7 @@ FORMATS: dict[str, Format] = {
     "run under way, header": Format(".arrays", make_source, read_source, header_of_arrays),
     ".msh 4.1": Format(".msh", copied("gmsh_hex8.msh"), read_mesh, textwise),
     ".msh 2.2": Format(".msh", copied("gmsh_wedge6.msh"), read_mesh, textwise),
-    ".msh binary": Format(".msh", copied("tet_roller.msh"), read_mesh, bytewise),
+    ".msh binary": Format(".msh", copied(wf.examples.path("roller") / "roller.msh"), read_mesh, bytewise),
     ".inp": Format(".inp", make_inp, read_mesh, textwise),
     ".inp assembly": Format(".inp", copied("assembly.inp"), read_assembly, textwise),
     ".vtu ASCII": Format(".vtu", vtu(False), read_mesh, textwise),

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
+from warpffrf import examples
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
@@ -17,7 +16,7 @@ from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium, run
 from warpffrf.verification.scenes.rollers import PAIR, STEEL, roller_body
 
-FILE = Path(__file__).parents[1] / "data" / "tet_roller.msh"
+FILE = examples.path("roller") / "roller.msh"
 LOAD = 400e3  # N: a half-width of some millimetres, as the 7 mm elements need
 
 

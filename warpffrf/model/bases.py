@@ -40,7 +40,7 @@ def __dir__() -> list[str]:
 class Basis:
     """Common to all bases.
 
-    dependent_tolerance: a direction of unit energy whose part outside the others has less than this energy norm is
+    dependent_tolerance [-]: a direction of unit energy whose part outside the others has less than this energy norm is
         dropped. Round-off of a Gram matrix, 1e-16 in its eigenvalues, is 1e-8 in a norm: smaller values keep noise.
     """
 
@@ -67,7 +67,8 @@ class Basis:
         return ()
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
-        """Raises `InputError` for a limit of `reduce` that this basis does not take."""
+        """Raises `InputError` for a limit of `reduce`, `max_frequency` [Hz] or `modes`, that this basis does not
+        take."""
         for name, value in (("max_frequency", max_frequency), ("modes", modes)):
             if value is not None and name not in self.takes:
                 raise InputError(f"basis {self.kind!r} has no use for {name}; {self.cure}")
@@ -132,13 +133,15 @@ class CraigChang(_Modal):
 @named_arguments
 @dataclass(frozen=True, kw_only=True)
 class Krylov(Basis):
-    """Moment matching: block Krylov spaces of the interface loads about `expansion_points` [Hz].
+    """Moment matching: block Krylov spaces of the interface loads about `expansion_points` [Hz] (B. Salimbahrami and B.
+    Lohmann 2006).
 
     expansion_points: frequencies where the interface receptance and its derivatives are matched. None: 0 and, where
         `max_frequency` is given, half of it and the whole.
     moments: blocks of vectors a point; m of them match the receptance and its first 2 m - 1 derivatives with respect
         to the square of the frequency. The space has up to (points x moments x interface loads) directions.
     deflation_tolerance: a vector of unit M-norm whose part outside the space so far is smaller ends its sequence.
+    Raises `InputError`.
     """
 
     kind: ClassVar[str] = "krylov"
@@ -195,7 +198,7 @@ class Balanced(_Modal):
             object.__setattr__(self, "pool_modes", require_count(self.pool_modes, "basis 'balanced': pool_modes", 1))
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
-        """Raises `InputError` for `max_frequency` beside `pool_modes`."""
+        """Raises `InputError` for `max_frequency` [Hz] beside `pool_modes`, whatever `modes` is."""
         super().check_limits(max_frequency, modes)
         if max_frequency is not None and self.pool_modes is not None:
             raise InputError("basis 'balanced': max_frequency and pool_modes both set the pool; give one of them")
@@ -204,14 +207,14 @@ class Balanced(_Modal):
 @named_arguments
 @dataclass(frozen=True, kw_only=True, eq=False)
 class POD(Basis):
-    """Proper orthogonal decomposition of snapshots, in the inner product of the mass matrix.
+    """Proper orthogonal decomposition of snapshots (L. Sirovich 1987), in the inner product of the mass matrix.
 
     snapshots: displacements (nodes, 3, t) or (3 nodes, t) [m], mesh frame and numbering, small; rigid motion is taken
         out. None: steady responses of the FE model to harmonic loads on the interfaces at `frequencies`.
     frequencies: [Hz], of the default snapshots. None: 20, evenly from 0 to `max_frequency`.
     damping: ratio of the structural damping in the default snapshots, K (1 + 2 i damping).
     tolerance: where `modes` is not given, vectors are taken until the rest is below this fraction of all snapshots
-        (root of the sum of squares, mass norm).
+        (root of the sum of squares, mass norm). Raises `InputError`.
     """
 
     kind: ClassVar[str] = "pod"
@@ -251,7 +254,8 @@ class POD(Basis):
             object.__setattr__(self, "frequencies", found)
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
-        """Raises `InputError` where it is open, or twice said, at which frequencies snapshots are to be computed."""
+        """Raises `InputError` where it is open, or twice said, at which frequencies snapshots are to be computed:
+        `max_frequency` [Hz] or `frequencies`; modes: any number."""
         super().check_limits(max_frequency, modes)
         if max_frequency is not None and (self.snapshots is not None or self.frequencies is not None):
             raise InputError(
@@ -271,7 +275,7 @@ class TrialVectorDerivatives(_Modal):
     touch: derivatives of static and vibration modes with respect to the state of the joint (Witteveen, Pichler 2014).
 
     normal, tangential: number of joint modes from pressures and from tractions. For comparison with the published way;
-    a lap (`reduce(laps=...)`) knows every cell and needs no such modes.
+    a lap (`reduce(laps=...)`) knows every cell and needs no such modes. Raises `InputError`.
     """
 
     kind: ClassVar[str] = "trial_vector_derivatives"

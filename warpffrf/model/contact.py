@@ -30,7 +30,7 @@ CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow n
 
 @named_arguments
 class Contact(looks.Item):
-    """Contact between two contact surfaces, `body["rim"]` each; the first must be of a flexible body.
+    """Contact between two contact surfaces a and b, `body["rim"]` each; a must be of a flexible body.
 
     Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing
     by default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible
@@ -46,7 +46,8 @@ class Contact(looks.Item):
     "points", at points of both surfaces, which also holds for axes that lean towards each other later. cells:
     strips across and rows along, None to have them chosen for that error. capacity: largest number of active hats,
     None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None
-    for a small part of their radius. name: default "<first body>-<second body>".
+    for a small part of their radius. name: default "<first body>-<second body>". Raises `InputError` for surfaces, laws
+    and options that do not go together.
     """
 
     scene_list = "contacts"

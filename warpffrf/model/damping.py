@@ -78,7 +78,8 @@ class DampingBands:
 @named_arguments
 @dataclass(frozen=True)
 class Rayleigh:
-    """Damping matrix alpha M + beta K: zeta = alpha/(2 omega) + beta omega/2.
+    """Damping matrix alpha M + beta K (Lord Rayleigh, The Theory of Sound, 1877): zeta = alpha/(2 omega) + beta
+    omega/2.
 
     alpha [1/s] damps motions against the body's own rigid motion, low frequencies most; beta [s] high ones. Neither may
     be negative (InputError).
@@ -104,7 +105,8 @@ DAMPINGS: dict[str, type] = {"damping_bands": DampingBands, "rayleigh": Rayleigh
 
 
 def default_damping(frequencies: np.ndarray) -> np.ndarray:
-    """Damping ratios (m,): 10 % above half the highest retained frequency, none below.
+    """Damping ratios (m,) [-] of modes of these frequencies (m,) [Hz]: 10 % above half the highest retained frequency,
+    none below.
 
     The highest retained modes ring against the massless contact compliance after a step load; the lower ones carry the
     physics and stay undamped.

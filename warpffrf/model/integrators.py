@@ -66,7 +66,8 @@ class Coefficients(NamedTuple):
 class GeneralizedAlpha:
     """Second order, unconditionally stable for linear systems, with dissipation by choice.
 
-    rho_inf: spectral radius at infinite frequency, 0 (annihilates what it cannot resolve) to 1 (dissipates nothing).
+    rho_inf [-]: spectral radius at infinite frequency, 0 (annihilates what it cannot resolve) to 1 (dissipates
+    nothing).
     project_velocities: after each step the velocities are projected onto those that the joints allow, in the mass
     metric. Raises `InputError` for rho_inf outside 0 to 1.
     """

@@ -39,7 +39,17 @@ class Shown:
 
 
 class Item(Shown):
-    """Looks of what is added to a scene: its name, and the places that it acts on or between."""
+    """What is added to a scene, and shows itself by its name and the places that it acts on or between.
+
+    name: what results, files and messages call it; None: made of its kind and a number when it is added
+    ("revolute_1").
+    """
+
+    @property
+    def ports(self) -> tuple[Any, ...]:
+        """The places that it acts on or between, one or two: of two the force on the second has its opposite on the
+        first."""
+        raise TypeError(f"{type(self).__name__} does not say where it is")
 
     def _facts(self) -> dict[str, Any]:
         item: Any = self

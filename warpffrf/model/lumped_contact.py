@@ -32,7 +32,7 @@ class LumpedContact(looks.Item):
     `laws.LUMPED_LAWS`; by laminae the first surface is the roller. friction: the coefficient, or a friction law
     (`warpffrf.model.friction`), at the place of the force. Forces are reported on the first body. overlap [m]: how deep
     the surfaces may lie in one another at the start of a run, None for a hundredth of their radius. name: default
-    "<first body>-<second body>".
+    "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "lumped_contacts"

@@ -14,7 +14,8 @@ FORMULATIONS = ("displacement", "mixed")
 @named_arguments
 @dataclass(frozen=True)
 class Material:
-    """Young's modulus E [Pa], Poisson ratio nu [-] in (-1, 0.5), density rho [kg/m3].
+    """A linear isotropic material: youngs_modulus E [Pa], poisson_ratio nu [-] in (-1, 0.5), density rho [kg/m3]; name:
+    of the material in reports.
 
     `formulation` of the cells made of it: "displacement", "mixed" (displacement and pressure, which does not lock where
     the volume hardly changes, see `warpffrf.offline.fe.dilatation`), or None: mixed above `NEARLY_INCOMPRESSIBLE`.

@@ -24,8 +24,12 @@ from warpffrf.model.reduced_body_file import content_hash, read_reduced_body, wr
 class ReducedBody(looks.Shown, ReducedBodyData):
     """A flexible body, reduced: mass properties, global modes, interfaces, contact surfaces, skin, and how it was made.
 
-    Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame). The
-    arrays and their units are those of `ReducedBodyData`.
+    Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame). It has
+    mass [kg], center_of_mass (3,) [m, user frame], inertia (3, 3) [kg m2] about it in user axes, the frequencies (m,)
+    [Hz] of its m global modes, and by name its interfaces (places for joints and forces), contact_surfaces (bodies
+    touch there, with their local modes), laps (faces that are joined) and stress (places where it can be asked for).
+    surface is the skin for pictures, report says how good it is and provenance how it was made; inertia_terms, cross
+    and lap_compliance [m/N] are what turning, loads on several surfaces and loads on laps do (`ReducedBodyData`).
     """
 
     def _facts(self) -> dict[str, Any]:
@@ -47,7 +51,8 @@ class ReducedBody(looks.Shown, ReducedBodyData):
 
     @classmethod
     def load(cls, path: str | Path) -> ReducedBody:
-        """Read a file of `save`. Raises `InputError` for a missing, damaged, or newer-schema file."""
+        """Read the file at `path` that `save` wrote. Raises `InputError` for a missing, damaged, or newer-schema
+        file."""
         return read_reduced_body(cls, Path(path))
 
     def content_hash(self) -> str:
@@ -80,6 +85,14 @@ class ReducedBody(looks.Shown, ReducedBodyData):
         exists and `overwrite` is not set.
         """
         return _output("plots.quality_page").write_quality_page(self, path, overwrite=overwrite)
+
+    def plot_modes(self, count: int = 8) -> Any:
+        """A matplotlib Figure of the shapes of the first `count` elastic modes: deformed skins in colour, red where the
+        mode moves most, over the undeformed one in grey. Numbers and frequencies [Hz] are those of the free body.
+
+        Raises `InputError` for a count below 1, and a body without skin or without elastic modes.
+        """
+        return _output("plots.quality_page").modes_figure(self, count)
 
     def show(
         self,

@@ -12,6 +12,7 @@ import numpy as np
 from warpffrf.model import looks
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.assembly import joined_bodies, shift_bodies
+from warpffrf.model.bearings import Bearing, add_ball_bearing, add_roller_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
 from warpffrf.model.claims import refuse_double_claims, refuse_double_laps
 from warpffrf.model.contact import Contact
@@ -44,8 +45,8 @@ class Scene(looks.Shown):
     """A machine: bodies with poses, and what connects and loads them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
-    `sensors` are lists in the order of adding; `ground` is the world as a body. SI units, world axes, quaternions (x,
-    y, z, w).
+    `sensors` are lists in the order of adding; `bearings` are whole ones, whose parts are in the other lists too;
+    `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
     """
 
     def __init__(self, *, gravity: Vector = (0.0, 0.0, 0.0)) -> None:
@@ -61,9 +62,13 @@ class Scene(looks.Shown):
         self.films: list[Film] = []
         self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
+        self.bearings: list[Bearing] = []
+
+    add_ball_bearing = add_ball_bearing
+    add_roller_bearing = add_roller_bearing
 
     def _facts(self) -> dict[str, Any]:
-        kinds = ("bodies", *_ADDED)
+        kinds = ("bodies", *_ADDED, "bearings")
         return {kind: looks.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
 
     def add_body(
@@ -79,7 +84,7 @@ class Scene(looks.Shown):
         inertia: str = "auto",
         stiffening: bool = False,
     ) -> Body:
-        """Add a flexible body (one `ReducedBody` may be added many times); returns its handle.
+        """Add a flexible body (one `ReducedBody` may be added many times), called `name`; returns its handle.
 
         position [m], rotation: pose of the user frame (the frame of the mesh file), rotation a quaternion (x, y, z, w),
         a matrix (3, 3), {"axis": (0, 1, 0), "angle": 0.3} [rad], Euler angles {"xyz": (0.1, 0.2, 0.3)} [rad] or a scipy
@@ -93,6 +98,7 @@ class Scene(looks.Shown):
         body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
         least of them by an estimate that the result's report states. stiffening: first-order geometric stiffening by
         centrifugal load and by the forces at interfaces, of a body that was reduced with `stiffening=True`.
+        Raises `InputError` for a name that there is and arguments that do not fit the body.
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         if not hasattr(body, "contact_surfaces") or not hasattr(body, "frequencies"):
@@ -131,8 +137,9 @@ class Scene(looks.Shown):
         """Add a rigid body; returns its handle.
 
         mass [kg]; inertia_tensor (3, 3), or its diagonal (3,) [kg m2], about the centre of mass, user axes;
-        center_of_mass (3,) [m, user frame]; pose and velocities as in `add_body`. surfaces: contact surfaces by name,
-        shapes of `warpffrf.surfaces` in the user frame with everything given, `{"tread": Cylinder(...)}`.
+        center_of_mass (3,) [m, user frame]; position, rotation, velocity and angular_velocity as in `add_body`.
+        surfaces: contact surfaces by name, shapes of `warpffrf.surfaces` in the user frame with everything given,
+        `{"tread": Cylinder(...)}`.
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         handle = Body(
@@ -154,8 +161,9 @@ class Scene(looks.Shown):
         return handle
 
     def add(self, item: Item) -> Item:
-        """Add a joint, drive, force, contact pair, film, lap or sensor and return it; one without a name gets one
-        (`revolute_1`)."""
+        """Add an `item`, a joint, drive, force, contact pair, film, lap or sensor, and return it; one without a name
+        gets one (`revolute_1`). Raises `InputError` for anything else, a name that there is, and a body of another
+        scene."""
         where = getattr(item, "scene_list", None)
         if where not in _ADDED or isinstance(item, type):
             raise InputError(
@@ -208,8 +216,13 @@ class Scene(looks.Shown):
         """The lap called `name`; `InputError` lists those that exist."""
         return _named(self.laps, name, "lap")
 
+    def bearing(self, name: str) -> Bearing:
+        """The bearing called `name`; `InputError` lists those that exist."""
+        return _named(self.bearings, name, "bearing")
+
     def place(self, port: Port, *, onto: Port) -> None:
-        """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged)."""
+        """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged).
+        Raises `InputError` for the ground, and for two ports of one body."""
         for p, label in ((port, "place: port"), (onto, "place: onto")):
             if not isinstance(p, Port):
                 raise InputError(f"{label} must be a port (body['interface'] or body.at(point)), got {p!r}")
@@ -235,7 +248,8 @@ class Scene(looks.Shown):
 
         with_bodies: what moves with that body. None: whatever joints take along, so that an assembly stays together: a
         follower with its roller, but not the guide along which it slides (`assembly.joined_bodies`); where joints lead
-        to the other body of the contact as well, and with `()`, it moves alone.
+        to the other body of the contact as well, and with `()`, it moves alone. Raises `InputError` where surfaces do
+        not meet in that direction, and for two that cannot be moved.
         """
         if not isinstance(contact, Contact):
             raise InputError(f"close_gap: a contact pair is needed, got {contact!r}")

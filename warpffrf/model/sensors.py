@@ -6,7 +6,7 @@ sensors is the same scene. `SENSORS` is the registry by kind.
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 from warpffrf.model import looks
 from warpffrf.model.bodies import Body, Ground, Port, PortLike, as_port
@@ -44,10 +44,6 @@ class Sensor(looks.Item):
     components: tuple[str, ...] = AXES
     frame = "world"
     name: str | None = None
-
-    @property
-    def ports(self) -> tuple[Any, ...]:
-        raise TypeError(f"{type(self).__name__} does not say where it is")
 
     def _label(self, name: str | None) -> str:
         return f"{self.kind} sensor {name!r}" if name else f"{self.kind} sensor"
@@ -101,7 +97,7 @@ class Acceleration(_PortSensor):
 @named_arguments
 class JointReaction(Sensor):
     """Reaction of a joint and its drives on the second body (T, 6): force [N], torque [N m] about the joint point on
-    the second body, world axes."""
+    the second body, world axes. Raises `InputError`."""
 
     kind = "joint_reaction"
     unit = "N, N m"
@@ -122,7 +118,7 @@ class JointReaction(Sensor):
 class InterfaceForce(Sensor):
     """What joints, springs, bushings and concentrated loads at a port together exert on its body (T, 6): force [N],
     torque [N m] about the port as it moves, world axes. An item acts at the port if it was given the same interface, or
-    the same point of a rigid body."""
+    the same point of a rigid body. Raises `InputError`."""
 
     kind = "interface_force"
     unit = "N, N m"
@@ -145,7 +141,7 @@ class Stress(Sensor):
     """Stress of a flexible body at one of the points named when it was reduced (`reduce(..., stress={name: points})`).
 
     points: their name; index: which of them. Values (T, 7) [Pa]: the tensor xx, yy, zz, xy, yz, zx in the axes of the
-    body's user frame, and the equivalent stress.
+    body's user frame, and the equivalent stress. Raises `InputError` for a point that there is not.
     """
 
     kind = "stress"

@@ -85,7 +85,7 @@ class Signal:
         return Polynomial(breaks, C)
 
     def scaled(self, factor: float) -> Signal:
-        """The signal times a constant."""
+        """The signal times a `factor` [-]."""
         breaks, c = self._pieces
         return Polynomial(breaks, c * require_number(factor, "signal: factor"))
 
@@ -119,7 +119,9 @@ def _shifted(c: np.ndarray, d: float) -> np.ndarray:
 
 @named_arguments
 class Polynomial(Signal):
-    """A signal given by its pieces: `breaks` (n+1,) [s] increasing, `coefficients` (n, up to 8)."""
+    """A signal given by its pieces: `breaks` (n+1,) [s] increasing, `coefficients` (n, up to 8) of powers of t - break,
+    in units of the quantity over s^k. Raises `InputError` for breaks that do not increase and shapes that do not
+    fit."""
 
     def __init__(self, breaks: Vector, coefficients: Matrix) -> None:
         self.breaks = require_array(breaks, "signal: breaks", (None,))

@@ -39,8 +39,8 @@ SUMMED = 8  # points a place up to which a harmonic sum a point costs less than 
 @named_arguments
 @dataclass(frozen=True, eq=False)
 class StressPoints:
-    """Points (p, 3) [m, user frame], or the name of a facet set, whose stress is averaged over the cells of one
-    `cell_set` only."""
+    """Places of stress: `points` (p, 3) [m, user frame], or the name of a facet set, whose stress is averaged over the
+    cells of one `cell_set` only."""
 
     points: Any
     cell_set: str

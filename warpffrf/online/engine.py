@@ -6,7 +6,6 @@ import time
 from collections.abc import Mapping
 
 import numpy as np
-import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import DeviceArray
 from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
@@ -20,6 +19,7 @@ from warpffrf.online.arrays.scratch import KEPT, KEPT_OF_PATCHES, scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.scene import compile_scene
+from warpffrf.online.device import chosen_device
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.step import kernel_cache
@@ -44,7 +44,7 @@ class Engine:
         scene: Scene,
         *,
         worlds: int = 1,
-        device: str = "cpu",
+        device: str | None = None,
         settings: Settings | None = None,
         integrator: Integrator | None = None,
         step_error: float | None = None,
@@ -53,14 +53,12 @@ class Engine:
         progress: bool = False,
     ) -> None:
         """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
-        `progress`: a bar while kernels are compiled; the rest as `online.run`."""
+        `device`: None for the usual one (`chosen_device`). `progress`: a bar while kernels are compiled; the rest as
+        `online.run`."""
         kernel_cache.check_place()
         if start_warp():
             kernel_cache.remove_unfinished()
-        try:
-            wp.get_device(device)
-        except (ValueError, RuntimeError) as error:
-            raise InputError(f"device {device!r} is not available here; use 'cpu'") from error
+        device = chosen_device(device)
         self.settings = settings or Settings()
         self.scene, self.worlds = scene, worlds
         self.compiled = compile_scene(scene, self.settings, device, local, patches)

@@ -74,7 +74,7 @@ def run_static(
     start: str | History | Unfinished = "initial",
     local: str | LocalDynamics = "quasi_static",
     save_every: int = 1,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     settings: Settings | None = None,
     keeper: Keeper | None = None,

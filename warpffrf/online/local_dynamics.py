@@ -43,7 +43,8 @@ FOLLOWS, STEPS_HHT, STEPS_EXACTLY = 0, 1, 2  # kinds of modes in the kernels: th
 @named_arguments
 @dataclass(frozen=True)
 class LocalDynamics:
-    """Treatment of the local modes, see the module; `simulate(local="hht")` is `LocalDynamics("hht")`.
+    """The `treatment` of the local modes, "quasi_static", "hht", "exponential" or "auto", see the module;
+    `simulate(local="hht")` is `LocalDynamics("hht")`.
 
     max_frequency [Hz], count: the modes of each contact surface that get inertia, all that can be resolved if both are
     None. damping: their ratio, 0 to below 1; None for none with HHT, which damps by itself, and EXACT_DAMPING with

@@ -46,7 +46,8 @@ SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
 @named_arguments
 @dataclass(frozen=True)
 class Stage:
-    """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. Names of stages are unique.
+    """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. name: of the stage, each
+    another.
     kind: "dynamic", in time, or "static", from one equilibrium to the next; static stages override save_every, local
     and loads.
 
@@ -82,7 +83,8 @@ class Stage:
         return {key: value for key, value in self.overrides.items() if key in RUN_OPTIONS}
 
     def scene(self, scene: Scene) -> Scene:
-        """`scene` itself, or a copy with this stage's gravity and forces; bodies, joints and contacts are shared."""
+        """`scene` itself, or a copy with this stage's gravity and forces; bodies, joints and contacts are shared.
+        Raises `InputError` for overrides that the scene does not know."""
         if not any(key in self.overrides for key in SCENE_VALUES):
             return scene
         label = f"stage {self.name!r}"

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from warpffrf.model import looks
 from warpffrf.model import rotation as rot
-from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
 from warpffrf.model.second_order_motion import skin_displacement, skin_variation
 from warpffrf.model.speech import speaking
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
+from warpffrf.output.plots.mode_shapes import draw_shape, shapes_figure, skins_of
 from warpffrf.output.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 UNDAMPED = 1e-6  # ratio: what the linearisation of an undamped machine about the end of a run leaves, some 1e-7
 NAMED_SHARE = 0.01  # of the kinetic energy: bodies with less are not named in the table
@@ -132,12 +137,7 @@ class Modes(looks.Shown):
         """Draw the share of each body in each mode, modes labelled with frequency and damping, on the matplotlib axes
         `ax` (new ones when None); returns them."""
         if ax is None:
-            from matplotlib.backends.backend_agg import FigureCanvasAgg
-            from matplotlib.figure import Figure
-
-            figure = Figure(figsize=SIZE, layout="constrained")
-            FigureCanvasAgg(figure)
-            ax = figure.add_subplot()
+            ax = _new_axes()
         left = np.zeros(len(self))
         for name, share in self.found.shares.items():
             ax.barh(np.arange(len(self)), 100.0 * share, left=left, label=name, height=0.75)
@@ -150,10 +150,48 @@ class Modes(looks.Shown):
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, frameon=False)
         return ax
 
+    def plot_shape(self, i: int, ax: Axes | None = None, *, scale: float = 0.06) -> Axes:
+        """Draw mode i on the matplotlib axes `ax` (new ones when None) and return them: deformed skins in colour, red
+        where the mode moves most, over the undeformed ones in grey, at the moment at which they are farthest; rigid
+        bodies as boxes of their mass and inertia. scale: largest displacement drawn, of the extent of the bodies.
+
+        Raises InputError for an unknown mode, a scale that is not positive.
+        """
+        drawn_on: Any = _new_axes() if ax is None else ax
+        draw_shape(drawn_on, skins_of(self, self._index(i)), self._title(i), drawn=_scale(scale))
+        return drawn_on
+
+    def plot_shapes(self, count: int = 8, *, scale: float = 0.06) -> Figure:
+        """A matplotlib Figure of the first `count` modes, drawn as by `plot_shape`. Raises InputError for a count below
+        1, no modes, and as `plot_shape`."""
+        count = min(require_count(count, "plot_shapes: count", 1), len(self))
+        if not count:
+            raise InputError("plot_shapes: there are no modes; nothing in the scene can move")
+        drawn = _scale(scale)
+        shapes = [(self._title(i), skins_of(self, i)) for i in range(count)]
+        return shapes_figure(shapes, f"Modes about the {self.about}", drawn=drawn)
+
+    def _title(self, i: int) -> str:
+        ratio = 100.0 * self.damping_ratios[i] + 0.0
+        return f"{i}: {self.frequencies[i]:.5g} Hz" + (f", {ratio:.2g} %" if abs(ratio) > 100.0 * UNDAMPED else "")
+
     def _index(self, i: int) -> int:
         if not isinstance(i, int | np.integer) or not 0 <= i < len(self):
             raise InputError(f"mode {i!r} does not exist; there are {len(self)}, numbered from 0")
         return int(i)
+
+
+def _new_axes() -> Any:
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=SIZE, layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure.add_subplot()
+
+
+def _scale(scale: float) -> float:
+    return require_number(scale, "plot_shape: scale", positive=True)
 
 
 @named_arguments

@@ -31,6 +31,8 @@ from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, 
 from warpffrf.monolithic.run import build
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
+from warpffrf.online.diagnosis.free_falls import fall_notes
+from warpffrf.online.diagnosis.untouched import untouched_notes
 from warpffrf.online.history.films import eccentricity
 from warpffrf.online.history.history import (
     ENERGY_LINES,
@@ -68,7 +70,7 @@ def run_monolithic(
     local: Any = "quasi_static",
     step_error: float | None = None,
     save_every: int = 1,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     project_start: bool = False,
     options: monolithic.Monolithic | None = None,
@@ -81,7 +83,7 @@ def run_monolithic(
     treatment = as_local_dynamics(local)
     if step_error is not None:
         raise InputError("method 'monolithic' takes fixed steps; leave step_error out")
-    if device != "cpu":
+    if device not in (None, "cpu"):
         raise InputError(f"method 'monolithic' runs on the CPU, got device {device!r}")
     if treatment.treatment not in ("quasi_static", "hht", "auto"):
         raise InputError(
@@ -212,7 +214,7 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
     }  # fmt: skip
     counters = dict(found.counters)
     counters["rejected_steps"] = 0
-    return History(
+    history = History(
         scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts, films=films,
         energy={line: found.energy.get(line, missing).copy() for line in ENERGY_LINES},
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
@@ -222,6 +224,8 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
                *deflection_lines(scene, deflections(scene, bodies))],
         checkpoint={} if found.final is None else to_arrays(found.final),
     )  # fmt: skip
+    history.notes += [*fall_notes(scene, history), *untouched_notes(scene, history)]
+    return history
 
 
 def same_windows(histories: list[History]) -> list[History]:

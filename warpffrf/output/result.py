@@ -25,6 +25,7 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SensorHistory,
 )
+from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.film_result import FilmResult
@@ -42,8 +43,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from warpffrf.model.scene import Scene
+    from warpffrf.output.bearings.stiffness import BearingStiffness
     from warpffrf.output.bodies.stress import StressResult
+    from warpffrf.output.bodies.stress_below import StressBelow
+    from warpffrf.output.report.fold import Pairs
     from warpffrf.output.spectrum import Spectrum
+    from warpffrf.output.waterfall import Waterfall
 
 
 @named_arguments
@@ -145,6 +150,24 @@ class Result(looks.Shown):
             for name, lap in self.history.laps.items()
         }
 
+    @property
+    def bearing_names(self) -> list[str]:
+        """Names of the whole bearings."""
+        return list(self.view.bearings)
+
+    def bearing(self, name: str) -> BearingResult:
+        """The bearing called `name`: loads, contact angles and patches of its elements, motion of its rings, lives;
+        raises InputError when there is none."""
+        return BearingResult(self.history, _named(self.view.bearings, "bearing", name))
+
+    def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
+        """Stiffness (6, 6) of the bearing called `name` about a saved step, by central differences of twelve
+        equilibria (`warpffrf.output.bearings.stiffness`); raises InputError for flexible parts, for a bearing without
+        load, and for a result that was read from a file."""
+        from warpffrf.output.bearings.stiffness import bearing_stiffness
+
+        return bearing_stiffness(self.scene, name, self.history, row)
+
     def hysteresis(self, force: Any, against: Any) -> Hysteresis:
         """A force against a displacement over the run: loops with their losses and equivalent damping
         (`.loop(begin, end)`, `.cycles(period)`), stiffness against load (`.stiffness()`), and plots (`.draw(ax)`).
@@ -168,8 +191,8 @@ class Result(looks.Shown):
         return frequency_spectrum(self.time, *self._history(history))
 
     def orders(self, history: str | np.ndarray, body: str, axis: Any = None) -> Spectrum:
-        """The same by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis` (3,) in the
-        world, that of its mean angular velocity if None; also while its speed changes.
+        """The same of a `history` by orders, `.place` [1/turn], of the rotation of the body called `body` about `axis`
+        (3,) in the world, that of its mean angular velocity if None; also while its speed changes.
 
         Raises InputError as `spectrum`, and for a body that turns fewer than 2 times, or back.
         """
@@ -177,6 +200,24 @@ class Result(looks.Shown):
 
         values, label, units = self._history(history)
         return order_spectrum(self.time, values, self.body(body).angular_velocity, label, units, body, axis)
+
+    def waterfall(
+        self, history: str | np.ndarray, speed: str | None = None, *, window: float | None = None, axis: Any = None
+    ) -> Waterfall:
+        """Spectra of consecutive windows of a history, as of `spectrum`, over time: `.time` (w,) [s], `.frequency` (n,)
+        [Hz], `.amplitude` (w, n), `.report()`, `.draw(ax)`; or over the speed of rotation of the body called `speed`
+        about `axis` as of `orders`: `.speed` (w,) [turns/s], drawn with lines of orders.
+
+        window: length of a window [s], an eighth of the run if None; frequencies are told to 1 over it. Raises
+        InputError as `spectrum`, for fewer than 3 windows or 16 rows in one, and for a speed that does not change.
+        """
+        from warpffrf.output.waterfall import over_speed, waterfall
+
+        values, label, units = self._history(history)
+        found = waterfall(self.time, values, label, units, window)
+        if speed is None:
+            return found
+        return over_speed(found, self.time, self.body(speed).angular_velocity, speed, axis)
 
     def _history(self, history: str | np.ndarray) -> tuple[np.ndarray, str, str]:
         """Values (T,), name and unit."""
@@ -244,6 +285,29 @@ class Result(looks.Shown):
 
         return stress_result(self, body, points, rows)
 
+    def stress_below(
+        self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None
+    ) -> list[StressBelow]:
+        """Stress [Pa] in the half-space below the centre of the patch of a contact pair, the first one if None, of the
+        pressure of the saved step `row`, the last one that touches if None, without tractions: `.depth` (n,) [m],
+        `.tensor` (n, 6), `.von_mises`, `.max_shear`; one for each of Poisson's ratios of its bodies.
+
+        depth: (n,) [m] from the surface, down to 3 half-widths if None. It needs no stress points of the bodies; how it
+        is made: `warpffrf.output.bodies.stress_below`. Raises InputError for a pair or row that there is not, a row in
+        which nothing touches, and bodies that do not say their material.
+        """
+        from warpffrf.output.bodies.stress_below import stress_below
+
+        if contact is None and not self.contact_names:
+            raise InputError("stress_below: the scene has no contact pair; see result.stress for points of a body")
+        pair = self.contact(self.contact_names[0] if contact is None else contact)
+        touching = np.flatnonzero(pair.touching)
+        if row is None:
+            row = int(touching[-1]) if len(touching) else len(self.time) - 1
+        if not 0 <= row < len(self.time):
+            raise InputError(f"stress_below: row is {row}; the run has the saved rows 0 to {len(self.time) - 1}")
+        return stress_below(pair, row, depth)
+
     @cached_property
     def energy_scale(self) -> float:
         """The largest energy at hand in the run [J]: stored, or moved by forces, drives, gravity, dampers and friction.
@@ -260,7 +324,7 @@ class Result(looks.Shown):
 
     @property
     def energy_residual(self) -> np.ndarray:
-        """(T,) what closes the energy balance (ledger line "numerical") over the largest energy at hand;
+        """(T,) [-] what closes the energy balance (ledger line "numerical") over the largest energy at hand;
         positive means gained; NaN where it was not booked."""
         numerical = np.asarray(self.energy.get("numerical", np.zeros(len(self.time))))
         return numerical / self.energy_scale if self.energy_scale > 0.0 else np.zeros_like(numerical)
@@ -269,7 +333,8 @@ class Result(looks.Shown):
         """What each source of error does to the results: time step, contact grid, sampling points, mesh, inertia terms,
         local modes, iteration (`warpffrf.output.budget`). Made when first asked for, by stepping the run, or parts of
         it, once more with twice the step, and short parts with a quarter of it: up to the time of a short run, a fifth
-        of that of a long one. It goes into a file with the results that are saved afterwards.
+        of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far it is,
+        on stderr.
 
         Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
         method and the check integrators.
@@ -283,12 +348,15 @@ class Result(looks.Shown):
                 self.history.budget = budget.error_budget(self, progress=progress)
         return self.history.budget
 
-    def report(self, *, progress: bool = True) -> str:
+    def report(self, *, progress: bool = True, pairs: Pairs = "folded") -> str:
         """Status, counters, contact figures at the last saved step, energy balance, the error budget, and everything
-        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long."""
+        neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long. pairs:
+        four and more contacts, joints, forces or notes that differ in figures and in numbers within names alone are
+        "folded" into one, with the least and the largest of each figure and whose they are; "all" tells each by
+        itself. Raises InputError for another word."""
         from warpffrf.output.report.report import report_text
 
-        return report_text(self, progress)
+        return report_text(self, progress, pairs)
 
     def _facts(self) -> dict[str, Any]:
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
@@ -301,30 +369,34 @@ class Result(looks.Shown):
     @overload
     def plot(
         self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
-        film: str | None = None, row: int | None = None, lap: str | None = None,
+        film: str | None = None, row: int | None = None, lap: str | None = None, bearing: str | None = None,
     ) -> Figure: ...  # fmt: skip
 
     @overload
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None,
+        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+        bearing: str | None = None,
     ) -> Axes: ...  # fmt: skip
 
     def plot(
         self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None,
+        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+        bearing: str | None = None,
     ) -> Any:  # fmt: skip
         """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
         returns a Figure.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
-        film, lap: likewise the oil film and the lap; row: the saved step of their maps, the last one if None. Kinds:
-        see `warpffrf.output.plots.figure.PLOTS`, of films `plots.films.FILM_PLOTS`, of laps `plots.laps.LAP_PLOTS`.
-        Raises InputError for an unknown kind, pair, film or lap.
+        film, lap, bearing: likewise the oil film, the lap and the bearing; row: the saved step of their maps and loads,
+        the last one if None. channel: of "spectrum" and "waterfall" the history, as of `spectrum`; speed: the body over
+        whose rotation it is drawn, by orders or speed, over frequency or time if None. Kinds: docs/plots.md,
+        `warpffrf plot --list`. Raises InputError for an unknown kind, pair, film, lap, bearing, history or body, and
+        what a run has not.
         """
         from warpffrf.output.plots import figure
 
-        return figure.plot(self, kind, ax, contact, film, row, lap)
+        return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed, bearing)
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
@@ -396,8 +468,8 @@ class Result(looks.Shown):
     def to_vtu(
         self, path: str | os.PathLike[str], *, stride: int = 1, overwrite: bool = False, progress: bool = True
     ) -> Path:
-        """Write every `stride`-th saved step as a VTK time series (a .pvd and a folder of .vtu beside it) that ParaView
-        and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
+        """Write every `stride`-th saved step as a VTK time series, path: a .pvd, a folder of .vtu comes beside it, that
+        ParaView and pyvista open: displacement, pressure, friction, and of bodies that were reduced with
         `stress={"skin": "skin"}` stress and von Mises stress, on the skins. progress: how far it is, on stderr.
 
         Raises InputError for a path that does not end in .pvd, a stride below 1, a scene without flexible bodies, and
@@ -409,16 +481,16 @@ class Result(looks.Shown):
             return write_time_series(self, path, stride=stride, overwrite=overwrite, progress=progress)
 
     def save(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
-        """Write the run as one HDF5 file; `Result.load` reads it back, also to continue the run. Raises InputError for
-        a file that exists, unless `overwrite` is set and warpffrf wrote it."""
+        """Write the run as one HDF5 file at `path`; `Result.load` reads it back, also to continue the run. Raises
+        InputError for a file that exists, unless `overwrite` is set and warpffrf wrote it."""
         from warpffrf.output.files.results import write_results
 
         return write_results(self, path, overwrite=overwrite)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Result:
-        """Read a results file, or the folder `.unfinished` of a run that has not ended. Raises InputError for a file
-        that is missing, damaged, of another kind or of a newer version."""
+        """Read the results file at `path`, or the folder `.unfinished` of a run that has not ended. Raises InputError
+        for a file that is missing, damaged, of another kind or of a newer version."""
         from warpffrf.output.files.results import read_history
         from warpffrf.output.files.unfinished import is_unfinished, read_unfinished
 

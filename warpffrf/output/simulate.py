@@ -76,7 +76,7 @@ def simulate(
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
     record_every: int | None = None,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     project_start: bool = False,
     overwrite: bool = False,
@@ -107,7 +107,8 @@ def simulate(
     LocalDynamics, for bodies reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both
     are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
     written is in `unwritten` of the Result and in its notes. record_every: the recording shows every so many saved
-    steps, None: at most 300 of them. progress: what is being done, and the notes of the run, on stderr: bars on a
+    steps, None: at most 300 of them. device: "cpu" or "cuda:0", None for what the environment variable
+    WARPFFRF_DEVICE names, else the CPU. progress: what is being done, and the notes of the run, on stderr: bars on a
     terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages, results
     "run.h5" also means "run.NAME.h5"
     at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status` and
@@ -120,8 +121,9 @@ def simulate(
     there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped (with laps to
     round-off), by every method and integrator; a finished run is read, and one that never began is begun.
 
-    kind: "dynamic", or "static" for equilibria at the end of every step, under the forces and prescribed motions of
-    that time, friction with its history (`warpffrf.online.load_steps`); of stages each has its own.
+    device: where kernels run, "cpu" or "cuda:0". kind: "dynamic", or "static" for equilibria at the end of every step,
+    under the forces and prescribed motions of that time, friction with its history (`warpffrf.online.load_steps`); of
+    stages each has its own.
     """
     _known_scene(scene, "simulate")
     _known_method(method)
@@ -344,7 +346,7 @@ def equilibrium(
     friction: bool = False,
     results: str | os.PathLike[str] | None = None,
     record: str | os.PathLike[str] | None = None,
-    device: str = "cpu",
+    device: str | None = None,
     progress: bool = True,
     overwrite: bool = False,
 ) -> Result:
@@ -354,8 +356,9 @@ def equilibrium(
     contact surfaces from where they are pressed together, as that of laps does in any case
     (`warpffrf.online.start.rub_to_rest`, with the path of loads that this means). Runs that `start` from the Result, in
     time or static, go on with it.
-    Not converging is a status, not an exception; wrong input raises InputError. progress: what is being done, and the
-    notes, on stderr. overwrite: replace files of an earlier call.
+    Not converging is a status, not an exception; wrong input raises InputError. results, record: files to write (.h5,
+    .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on stderr.
+    overwrite: replace files of an earlier call.
     """
     _known_scene(scene, "equilibrium")
     outputs = Outputs(overwrite)

@@ -59,7 +59,7 @@ class Spectrum:
         return [(float(self.place[k]), float(a[k])) for k in best]
 
     def report(self, count: int = 5) -> str:
-        """The largest peaks as a table."""
+        """The largest peaks, `count` of them, as a table."""
         lines = [f"{self.label}: amplitudes by {self.of}, resolution {self.resolution:.4g}"]
         lines += [f"note: {note}" for note in self.notes]
         peaks = self.peaks(count)
@@ -67,7 +67,8 @@ class Spectrum:
         return "\n".join(lines)
 
     def draw(self, ax: Any, *, logarithmic: bool = True) -> None:
-        """Draw on matplotlib axes, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear one."""
+        """Draw on the matplotlib axes `ax`, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear
+        one."""
         ax.plot(self.place, self.amplitude, lw=1.0, color=LINE)
         most = float(self.amplitude.max())
         if logarithmic and most > 0.0:
@@ -82,15 +83,30 @@ class Spectrum:
 def frequency_spectrum(time: np.ndarray, values: np.ndarray, label: str, units: str) -> Spectrum:
     """The `Spectrum` by frequency of `values` (T,) at `time` (T,) [s]; rows at uneven times are interpolated linearly
     to even ones, which a note says. Raises InputError for fewer than 8 rows and values that are no numbers."""
-    _check(time, values, label)
-    even = np.linspace(time[0], time[-1], len(time))
-    step = even[1] - even[0]
-    notes = []
-    if np.max(np.abs(time - even)) > EVEN * step:
-        values = np.interp(even, time, values)
-        notes.append(f"rows at uneven times, interpolated linearly to every {step:.4g} s")
+    values, step, notes = even_rows(time, values, label)
     place, amplitude = amplitudes(values, step)
     return Spectrum(label, units, "frequency [Hz]", place, amplitude, notes)
+
+
+def even_rows(time: np.ndarray, values: np.ndarray, label: str) -> tuple[np.ndarray, float, list[str]]:
+    """`values` (T,) at even times, their distance [s], and notes: interpolated linearly where rows are uneven. Raises
+    InputError as `frequency_spectrum`."""
+    _check(time, values, label)
+    even = np.linspace(time[0], time[-1], len(time))
+    step = float(even[1] - even[0])
+    if np.max(np.abs(time - even)) <= EVEN * step:
+        return values, step, []
+    note = f"rows at uneven times, interpolated linearly to every {step:.4g} s"
+    return np.interp(even, time, values), step, [note]
+
+
+def turning_rate(time: np.ndarray, spin: np.ndarray, axis: Any = None) -> np.ndarray:
+    """(T,) rad/s about `axis` (3,), or that of the mean of the angular velocity `spin` (T, 3), in the sense in which it
+    turns on the whole."""
+    mean = np.trapezoid(spin, time, axis=0) if axis is None else require_direction(axis, "orders: axis")
+    size = np.linalg.norm(mean)
+    rate = spin @ (mean / size) if size > 0.0 else np.zeros(len(time))
+    return -rate if np.sum(rate) < 0.0 else rate
 
 
 def order_spectrum(
@@ -100,10 +116,7 @@ def order_spectrum(
     direction (3,) in the world, that of the mean angular velocity if None. Raises InputError for a body that turns
     fewer than 2 times, or back, about the axis, for too few rows a turn, and as `frequency_spectrum`."""
     _check(time, values, label)
-    mean = np.trapezoid(spin, time, axis=0) if axis is None else require_direction(axis, "orders: axis")
-    size = np.linalg.norm(mean)
-    rate = spin @ (mean / size) if size > 0.0 else np.zeros(len(time))
-    rate = -rate if np.sum(rate) < 0.0 else rate
+    rate = turning_rate(time, spin, axis)
     turns = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(time))]) / TURN
     whole = int(np.floor(turns[-1] * (1.0 + EVEN)))
     if whole < FEWEST_TURNS:

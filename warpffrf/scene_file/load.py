@@ -45,8 +45,8 @@ class LoadedScene:
 
 @named_arguments
 def load_scene(path: str | os.PathLike[str], *, settings: Sequence[str] = ()) -> LoadedScene:
-    """The scene in a TOML file, ready to run. settings: "name=value" as of `--set`. Raises `InputError`, with file and
-    line, for everything that is wrong."""
+    """The scene in the TOML file at `path`, ready to run. settings: "name=value" as of `--set`. Raises `InputError`,
+    with file and line, for everything that is wrong."""
     file = Path(path).expanduser()
     if not file.is_file():
         raise InputError(f"scene file {str(path)!r} does not exist; check the path")
@@ -83,12 +83,13 @@ def run_scene(
     overwrite: bool = False,
     resume: bool = False,
 ) -> dict[str, Any]:
-    """Do what the scene file says: its `equilibrium`, its `simulate`, or both; returns {call: Result}.
+    """Do what the scene file at `path` says: its `equilibrium`, its `simulate`, or both; returns {call: Result}.
 
     Files go into the folder `out`, by default out/NAME of the file NAME.toml: what `results` and `record` name, the
     results of a call without `results` as NAME.h5 (NAME_equilibrium.h5), and the document as it was run, NAME.toml.
     A name that leads out of the folder is refused, with InputError, unless `anywhere`.
-    overwrite: replace the files of an earlier run; resume: go on where it was stopped, or read it if it ended, see
+    settings: "name=value" as of `--set`. progress: what is being done, on stderr. overwrite: replace the files of an
+    earlier run; resume: go on where it was stopped, or read it if it ended, see
     `simulate`.
     """
     from warpffrf.output.simulate import equilibrium, simulate

@@ -43,8 +43,8 @@ class Feed(ABC):
         return True
 
     def nodes(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, bool]:
-        """Nodes (columns, rows) of a grid, at theta (columns,) and z (rows,), that hold its pressure, and whether it
-        covers them: False of the nearest ones."""
+        """Nodes (columns, rows) bool of the grid of a surface `shape`, at theta (columns,) [rad, of a plane m] and z
+        (rows,) [m], that hold its pressure, and whether it covers them: False of the nearest ones."""
         found = self.covers(shape, theta[:, None], z[None, :])
         if not self.reaches_ends:
             found[:, [0, -1]] = False

@@ -39,8 +39,8 @@ LOOSEST = (
 
 @named_arguments
 class Film(looks.Item):
-    """An oil film between two surfaces, `body["bore"]` each; the first must be of a flexible body, the second is of one
-    too or rigid.
+    """An oil film between two surfaces a and b, `body["bore"]` each; a must be of a flexible body, b is of one too or
+    rigid.
 
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves, rings and holes where oil comes
     in (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
@@ -51,7 +51,7 @@ class Film(looks.Item):
     with the flow factors of Patir and Cheng; None for smooth ones. evaluation: "semi", all hats of the contact grid at
     all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
     few points, or "full", pressures at the FE nodes of the first surface, which method "monolithic" solves for. name:
-    default "<first body>-<second body>".
+    default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "films"
@@ -165,7 +165,8 @@ class Film(looks.Item):
         return _deviation(self.form, theta, z)
 
     def second_form(self, theta: Any, z: Any) -> np.ndarray:
-        """The same of the second surface, in its own chart."""
+        """What the form of the second surface adds to the gap [m] at places theta [rad, of a plane m], z [m] of its own
+        chart, shapes that broadcast."""
         return _deviation(self.form_second, theta, z)
 
     def initial_gap(self) -> np.ndarray:

@@ -119,8 +119,8 @@ class Worn(Form):
 @named_arguments
 @dataclass(frozen=True, eq=False)
 class Measured(Form):
-    """Measured deviations (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising, straight between
-    them; beyond the outermost z their value.
+    """Measured deviations, `values` (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising, straight
+    between them; beyond the outermost z their value.
 
     periodic: around the full turn, with the first theta again behind the last; otherwise beyond the outermost theta
     their value too. Raises `InputError`.

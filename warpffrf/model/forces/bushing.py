@@ -83,7 +83,7 @@ class TwoPorts(looks.Item):
         return given[-1]
 
     def markers(self, world_axes: np.ndarray) -> dict[str, Any]:
-        """Ports, points and axes of the markers as `SpringLaw` takes them."""
+        """Ports, points and axes of the markers as `SpringLaw` takes them, of the columns `world_axes` (3, 3)."""
         x = self.world_point()
         points = tuple(port.body.to_user(x) for port in self.ports)
         axes = tuple(rot.matrix(port.body.rotation).T @ world_axes for port in self.ports)
@@ -99,7 +99,7 @@ class TwoPorts(looks.Item):
 
 @named_arguments
 class Bushing(TwoPorts):
-    """Resists relative displacement and rotation of two ports by 6 x 6 matrices; unloaded at the initial pose.
+    """Resists relative displacement and rotation of two ports a and b by 6 x 6 matrices; unloaded at the initial pose.
 
     stiffness, damping: (6, 6), or (6,) for a diagonal, on (d_x, d_y, d_z [m], phi_x, phi_y, phi_z [rad]): N/m, N/rad,
     N m/rad and the same times s. axes: (3, 3), columns are the axes of the law in the world at the initial pose, from
@@ -146,7 +146,8 @@ class Bushing(TwoPorts):
         self.preload = np.zeros(6) if preload is None else require_array(preload, f"{label}: preload", (6,))
 
     def law(self) -> SpringLaw:
-        """Coordinates and law, from the initial pose as it is now."""
+        """Coordinates and law, from the initial pose as it is now. Raises `InputError` for ports that lie
+        apart, and a preload in a direction without stiffness and damping."""
         Q, W, sprung = split_directions(self.stiffness, self.damping) if self.linear else self._own_directions()
         if np.abs(Q @ (W.T @ self.preload) - self.preload).max() > ORTHONORMAL * np.abs(self.preload).max():
             raise InputError(f"{self.label}: preload acts in a direction that has neither stiffness nor damping")

@@ -38,7 +38,7 @@ class JointSpringDamper(looks.Item):
     so a spiral spring winds up over any number of them.
     A characteristic (`characteristics`) in the place of stiffness or damping is the force over s - reference, or over
     ds/dt. Between interfaces under head and nut, a joint that leaves their axis free and a negative preload make a bolt
-    of it, whose tension is -preload where nothing has yielded yet.
+    of it, whose tension is -preload where nothing has yielded yet. Raises `InputError`.
     """
 
     scene_list = "forces"
@@ -79,7 +79,7 @@ class JointSpringDamper(looks.Item):
         return self.joint.ports
 
     def law(self) -> SpringLaw:
-        """Coordinate and law."""
+        """Coordinate and law. Raises `InputError` where stiffness and damping are both zero."""
         if vanishes(self.stiffness) and vanishes(self.damping):
             raise InputError(
                 f"joint spring {self.name!r}: stiffness and damping are both zero; use a PointForce or PointTorque"

@@ -56,7 +56,8 @@ class SpringLaw:
     """Coordinates of two markers and the law on them, see the module.
 
     `ports` carry the markers at `points` (2, 3) [m, user frames] with `axes` (2, 3, 3, columns, user frames); with a
-    `joint` its own markers serve. stiffness, damping (n, n); reference, preload (n,). The first `sprung` coordinates
+    `joint` its own markers serve. stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad] (n, n); reference [m, rad]
+    and preload [N, N m] (n,). The first `sprung` coordinates
     have stiffness, the rest are dampers only. `expand` (k, n) gives the deformation that a result shows from the
     coordinates; None: the coordinates themselves. `elastic`, `viscous` (n,): the characteristics F_i and G_i, None
     where there is none; empty of a linear law. With them stiffness and damping are diagonal.
@@ -77,7 +78,7 @@ class SpringLaw:
     viscous: tuple[Characteristic | None, ...] = ()
 
     def force(self, e: np.ndarray, rate: np.ndarray) -> np.ndarray:
-        """lambda (n,) at the coordinates e (n,) and their rates (n,)."""
+        """lambda (n,) [N, N m] at the coordinates e (n,) [m, rad] and their rates (n,) [m/s, rad/s]."""
         off = e - self.reference
         lam = self.stiffness @ off + self.damping @ rate + self.preload
         for curves, x in ((self.elastic, off), (self.viscous, rate)):
@@ -87,7 +88,8 @@ class SpringLaw:
         return lam
 
     def slopes(self, e: np.ndarray, rate: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Slopes (n,) of the characteristics alone, F' and G', at the coordinates e (n,) and their rates (n,)."""
+        """Slopes (n,) of the characteristics alone, F' [N/m, N m/rad] and G' [N s/m, N m s/rad], at the coordinates e
+        (n,) [m, rad] and their rates (n,) [m/s, rad/s]."""
         found = np.zeros((2, len(self.coordinates)))
         for line, curves, x in zip(found, (self.elastic, self.viscous), (e - self.reference, rate), strict=True):
             for i, curve in enumerate(curves):
@@ -132,6 +134,7 @@ class SlipLaw:
 
     @property
     def ports(self) -> tuple[Any, Any]:
+        """Those of the joint."""
         return self.joint.ports
 
     def bound(self, R: np.ndarray, M: np.ndarray, axis: np.ndarray) -> float:
@@ -155,12 +158,14 @@ class TensionLaw:
 
     @property
     def ports(self) -> tuple[Any, Any]:
+        """Those of the joint."""
         return self.joint.ports
 
 
 @dataclass(frozen=True, eq=False)
 class PointLoad:
-    """A force [N] (`what` "force") or torque [N m] ("torque") at a port, three signals, axes `frame`."""
+    """A force [N] (`what` "force") or torque [N m] ("torque") at a port, its `components` three signals along the axes
+    `frame`."""
 
     what: str
     port: Any

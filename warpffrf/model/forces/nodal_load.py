@@ -29,7 +29,8 @@ class NodalLoad(looks.Item):
     """Forces on the nodes of a free interface of a flexible body, in body axes.
 
     port: `body['name of the interface']`. forces: (k, 3) [N], one a node in the order of the interface's `nodes`, or
-    (3,), a total that is shared equally. signal: a number or signal [-] that multiplies them.
+    (3,), a total that is shared equally. signal: a number or signal [-] that multiplies them. Raises
+    `InputError` for another kind of interface.
     """
 
     scene_list = "forces"

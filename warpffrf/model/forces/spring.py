@@ -25,11 +25,12 @@ from warpffrf.model.named_arguments import named_arguments
 
 @named_arguments
 class SpringDamper(looks.Item):
-    """A spring and damper along the line between two ports.
+    """A spring and damper along the line between two ports a and b.
 
     The force that pulls the ports together is stiffness (l - free_length) + damping dl/dt [N], l their distance [m];
     stiffness [N/m], damping [N s/m], free_length [m] or None for the distance at the initial pose. A characteristic
     (`characteristics`) in the place of either number is the force over l - free_length [m], or over dl/dt [m/s].
+    Raises `InputError`.
     """
 
     scene_list = "forces"
@@ -78,7 +79,8 @@ class SpringDamper(looks.Item):
         return distance if self.given_free_length is None else self.given_free_length
 
     def law(self) -> SpringLaw:
-        """Coordinate and law, from the initial pose as it is now."""
+        """Coordinate and law, from the initial pose as it is now. Raises `InputError` for ports that coincide,
+        and where stiffness and damping are both zero."""
         if vanishes(self.stiffness) and vanishes(self.damping):
             raise InputError(f"spring {self.name!r}: stiffness and damping are both zero; remove it")
         points = (np.asarray(self.a.point), np.asarray(self.b.point))

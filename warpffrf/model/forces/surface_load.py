@@ -35,7 +35,7 @@ class SurfaceLoad(looks.Item):
 
     surface: `body['name of the surface']`. pressure: a number or signal [Pa], positive pushing inwards. distribution:
     None for the same everywhere, else what multiplies it: coefficients (columns, rows) of the hats of the surface's
-    grid, or a function of points (..., 3) [m, user frame] that is taken at the grid's nodes.
+    grid, or a function of points (..., 3) [m, user frame] that is taken at the grid's nodes. Raises `InputError`.
     """
 
     scene_list = "forces"

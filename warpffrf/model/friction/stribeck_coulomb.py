@@ -54,7 +54,7 @@ class StribeckCoulomb(FrictionLaw):
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """From rest to where the fall has ended."""
+        """Speeds [m/s] from rest to where the fall has ended."""
         return 0.0, self.decay_velocity * float(-np.log(GONE)) ** (1.0 / self.exponent)
 
     def coefficient_at(self, speed: Any) -> np.ndarray:

@@ -49,7 +49,7 @@ class TableCoulomb(FrictionLaw):
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """The points."""
+        """The speeds [m/s] of the points."""
         return self.speeds
 
     def coefficient_at(self, speed: Any) -> np.ndarray:

@@ -11,6 +11,8 @@ A = A_a^T A_b, the kinds of joints ask for
     Spherical      d = 0                                      no coordinate
     Universal      d = 0,            e_x . A e_y = 0          rotation, second_rotation [rad]
     PointOnLine    d_x = d_y = 0                              translation [m]
+    PointInPlane   d_z = 0                                    no coordinate
+    LineInPlane    d_z = 0,          e_z . A e_y = 0          no coordinate
     Distance       |d| = its initial value                    distance [m]
 
 A new kind is a new file with a class that names its rows and coordinates, and a line in `JOINT_KINDS`; the compiler of
@@ -24,7 +26,9 @@ from warpffrf.model.joints.cylindrical import Cylindrical
 from warpffrf.model.joints.distance import Distance
 from warpffrf.model.joints.drive import QUANTITIES, Drive
 from warpffrf.model.joints.fixed import Fixed
+from warpffrf.model.joints.line_in_plane import LineInPlane
 from warpffrf.model.joints.planar import Planar
+from warpffrf.model.joints.point_in_plane import PointInPlane
 from warpffrf.model.joints.point_on_line import PointOnLine
 from warpffrf.model.joints.prismatic import Prismatic
 from warpffrf.model.joints.revolute import Revolute
@@ -34,7 +38,19 @@ from warpffrf.model.joints.universal import Universal
 
 JOINT_KINDS: dict[str, type[Joint]] = {
     joint.kind: joint
-    for joint in (Fixed, Revolute, Cylindrical, Planar, Prismatic, Spherical, Universal, PointOnLine, Distance)
+    for joint in (
+        Fixed,
+        Revolute,
+        Cylindrical,
+        Planar,
+        Prismatic,
+        Spherical,
+        Universal,
+        PointOnLine,
+        PointInPlane,
+        LineInPlane,
+        Distance,
+    )  # fmt: skip
 }
 
 __all__ = [
@@ -45,8 +61,10 @@ __all__ = [
     "Drive",
     "Fixed",
     "Joint",
+    "LineInPlane",
     "Marker",
     "Planar",
+    "PointInPlane",
     "PointOnLine",
     "Prismatic",
     "Revolute",

@@ -107,7 +107,7 @@ class Joint(looks.Item):
         return name
 
     def initial_value(self, row: Row) -> float:
-        """Value of a row at the initial pose: what a constraint holds, where a coordinate starts."""
+        """Value [m or rad] of a row at the initial pose: what a constraint holds, where a coordinate starts."""
         return 0.0
 
     def world_point(self) -> np.ndarray:
@@ -134,7 +134,7 @@ class Joint(looks.Item):
         return float(np.linalg.norm(d))
 
     def axes(self) -> np.ndarray:
-        """Marker axes (3, 3) in the world at the initial pose, columns x, y, z."""
+        """Unit directions of the marker axes (3, 3) in the world at the initial pose, columns x, y, z."""
         e_x = reference_direction(self.axis)
         return np.stack([e_x, np.cross(self.axis, e_x), self.axis], axis=1)
 

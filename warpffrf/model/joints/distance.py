@@ -13,9 +13,11 @@ from warpffrf.model.named_arguments import named_arguments
 
 @named_arguments
 class Distance(Joint):
-    """Holds the distance of two ports at its initial value, or at that of a drive (then it is a telescopic rod).
+    """Holds the distance of two ports a and b at its initial value, or at that of a drive (then it is a telescopic
+    rod).
 
-    Coordinate "distance", the length itself [m]: a drive with quantity="position" prescribes the length.
+    Coordinate "distance", the length itself [m]: a drive with quantity="position" prescribes the length. Raises
+    `InputError` where the ports coincide.
     """
 
     kind = "distance"
@@ -31,7 +33,8 @@ class Distance(Joint):
                 )
 
     def initial_value(self, row: Row) -> float:
-        """The initial length [m]; raises `InputError` where the ports coincide: the rod then has no direction."""
+        """The initial length [m], whatever the row; raises `InputError` where the ports coincide: the rod then has no
+        direction."""
         length = float(np.linalg.norm(self.b.world_point() - self.a.world_point()))
         if length <= coincident_within(self.a, self.b):
             raise InputError(

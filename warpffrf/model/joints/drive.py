@@ -22,7 +22,7 @@ class Drive(looks.Item):
     signal: a number or a signal; [rad/s] or [m/s] for quantity="velocity", [rad] or [m] for quantity="position", which
     counts from the initial pose (a distance: the length itself). coordinate: its name ("rotation", "translation", ...),
     needed where the joint has several; None takes the only one. A prescribed velocity is integrated exactly, so the
-    position does not drift.
+    position does not drift. Raises `InputError` for a coordinate that the joint does not have.
     """
 
     scene_list = "drives"

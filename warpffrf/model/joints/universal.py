@@ -30,7 +30,8 @@ class Universal(Joint):
     """A cross with `axis` fixed to a and `second_axis` fixed to b, perpendicular to each other at the initial pose.
 
     Coordinates "rotation" (of the cross against a about `axis`) and "second_rotation" (of b against the cross about
-    `second_axis`), both [rad].
+    `second_axis`), both [rad]. Directions (3,) in the world at the initial pose. Raises `InputError` where they are not
+    perpendicular.
     """
 
     kind = "universal"

@@ -127,7 +127,7 @@ class Lap(looks.Item):
 
     @property
     def coefficient(self) -> float:
-        """mu."""
+        """mu [-] of friction at rest."""
         return self.friction.static_coefficient
 
     @property

@@ -73,7 +73,7 @@ class GreenwoodTripp(Law):
         cls, deviation: float, crowding: float, steepness: float, modulus: float, cut: float | None = None
     ) -> GreenwoodTripp:
         """By the numbers that are usually told: `crowding` eta beta s, 0.03 to 0.05, and `steepness` s/beta, 1e-4 to
-        1e-2, both without unit; the others as above."""
+        1e-2, both without unit; deviation [m], modulus [Pa] and cut [m] as above."""
         s = require_number(deviation, "GreenwoodTripp: deviation [m]", positive=True)
         product = require_number(
             crowding, "GreenwoodTripp: crowding, density times radius times deviation", positive=True

@@ -58,7 +58,8 @@ class Law(ABC):
         return None if self.curve is None or self.curve.compliance else self.curve
 
     def pressure(self, gap: Any, closing_speed: Any = 0.0) -> np.ndarray:
-        """Pressure [Pa] at the gaps [m] and speeds [m/s] at which they close, shapes that broadcast."""
+        """Pressure [Pa] at the gaps [m], with the closing_speed [m/s] at which they become less, shapes that
+        broadcast."""
         elastic = self._given.pressure(-np.asarray(gap, float))
         if not self.chi:
             return elastic

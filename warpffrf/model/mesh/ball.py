@@ -39,7 +39,7 @@ LARGEST_PATCH = 0.4  # rad, half-width: the faces of the cube reach to pi/4, the
 
 @named_arguments
 def ball(radius: float, *, patch_half_width: Any, cell: float, growth: float = 1.5, order: int = 2) -> Mesh:
-    """A ball about the origin with facet sets `patch`, around +x, and `outside`, the whole surface.
+    """A ball of `radius` about the origin with facet sets `patch`, around +x, and `outside`, the whole surface.
 
     Parameters (lengths in m)
     -------------------------

@@ -43,7 +43,7 @@ def block(
     patch_half_width: of the fine rectangle in the middle of the top, one number or (2,) along x and y.
     cell: largest edge of the equal cells in it; with `order=2` nodes are half as far apart.
     depth: of the fine brick; None: the smaller half-width.
-    growth: of the shells around it, above 1.
+    growth [-]: of the shells around it, above 1.
     order: 1 for hex8, 2 for hex27.
 
     Sets `patch` and `bottom` serve as contact surface (`surfaces.Plane`) and as interface. Raises `InputError` for

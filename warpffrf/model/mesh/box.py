@@ -26,7 +26,7 @@ def box(size: Any, counts: Any, *, center: Any = (0.0, 0.0, 0.0), order: int = 2
     """A box along the axes with facet sets `x_min`, `x_max`, `y_min`, `y_max`, `z_min`, `z_max`, its six sides.
 
     size: (3,) [m] along x, y, z; counts: three numbers of equal cells; center: (3,) [m]; order: 1 for hex8, 2 for
-    hex27. Raises `InputError` for sizes that are not positive and counts below 1.
+    hex27; name: of the mesh. Raises `InputError` for sizes that are not positive and counts below 1.
     """
     extent = require_array(size, f"{name}: size", (3,))
     middle = require_array(center, f"{name}: center", (3,))
@@ -45,10 +45,10 @@ def grid(x: Any, y: Any, z: Any, *, filled: Any = None, order: int = 2, name: st
     """The filled cells of a rectangular grid as one body.
 
     x, y, z: increasing grid lines [m], (nx + 1,), (ny + 1,), (nz + 1,); filled: (nx, ny, nz) bool, None for all of
-    them; order: 1 for hex8, 2 for hex27. Facet sets `x_min` to `z_max` are the sides on the outermost used planes;
-    further ones are cut out by `select_plane` and `select` of the mesh. Cells that meet only in an edge or a corner
-    make a hinge; `Mesh.check()` refuses a body in several pieces. Raises `InputError` for lines that do not increase, a
-    `filled` of another shape, and a grid with no cell filled.
+    them; order: 1 for hex8, 2 for hex27; name: of the mesh. Facet sets `x_min` to `z_max` are the sides on the
+    outermost used planes; further ones are cut out by `select_plane` and `select` of the mesh. Cells that meet only in
+    an edge or a corner make a hinge; `Mesh.check()` refuses a body in several pieces. Raises `InputError` for lines
+    that do not increase, a `filled` of another shape, and a grid with no cell filled.
     """
     if order not in KINDS:
         raise InputError(f"{name}: order must be 1 (hex8) or 2 (hex27), got {order!r}")

@@ -41,12 +41,15 @@ class Matrices:
 @named_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(looks.Shown):
-    """Points (n, 3) [m], cells by kind, named facet and cell sets, rotational periodicity where there is one.
+    """A finite-element mesh: `points` (n, 3) [m, user frame], cells by kind, named facet and cell sets, rotational
+    periodicity where there is one; name: of the body in reports.
 
     `cells`: {kind: (m, k) int64}, kinds in `elements.CELL_KINDS`; cells are numbered through the blocks in the order of
-    the dict. `cell_sets`: {name: (m,) cell numbers}. `materials`: {cell set: Material} as a file gave them. `notes`:
-    what a reader left out or took differently. A body that comes as `matrices` needs no cells. Construction checks
-    shapes, finite numbers and index ranges; `check()` looks at the geometry. The arrays are read-only.
+    the dict. `facet_sets`: {name: `FacetSet`}, faces with a name. `cyclic`: how it repeats itself around an axis, None
+    where it does not. `cell_sets`: {name: (m,) cell numbers}. `materials`: {cell set: Material} as a file gave them.
+    `notes`: what a reader left out or took differently. A body that comes as `matrices` needs no cells. Construction
+    checks shapes, finite numbers and index ranges; `check()` looks at the geometry. The arrays are read-only. Raises
+    `InputError` for what does not fit together.
     """
 
     points: np.ndarray
@@ -119,7 +122,7 @@ class Mesh(looks.Shown):
         return next(iter(self.cells.items()))
 
     def by_block(self, values: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-        """Split `values` (cell_count, ...), one a cell, into (kind, values of that block)."""
+        """Split `values` (cell_count, ...), one a cell and in any unit, into (kind, values of that block)."""
         start = 0
         for kind, nodes in self.cells.items():
             yield kind, values[start : start + len(nodes)]
@@ -172,7 +175,12 @@ class Mesh(looks.Shown):
     def select_plane(
         self, name: str, *, point: Any, normal: Any, tolerance: float | None = None, from_set: str | None = None
     ) -> Mesh:
-        """A new mesh with the facet set `name` on a plane through `point` (3,) [m]; `selection.plane`."""
+        """A new mesh with the facet set `name` on a plane through `point` (3,) [m] with `normal` (3,), user frame.
+
+        tolerance [m]: the largest distance of a node, 1e-5 of the diagonal of the box around it where None. from_set:
+        the facet set to choose from; None: all outer facets. Raises `InputError` for a used name, and where nothing
+        lies there, with the distance of the nearest facet.
+        """
         return selection.plane(self, name, point=point, normal=normal, tolerance=tolerance, from_set=from_set)
 
     def select_cylinder(
@@ -185,9 +193,10 @@ class Mesh(looks.Shown):
         tolerance: float | None = None,
         from_set: str | None = None,
     ) -> Mesh:
-        """A new mesh with the facet set `name` on a cylinder, what is None fitted to `from_set`; `selection.cylinder`.
+        """A new mesh with the facet set `name` on a cylinder of `radius` [m] about the axis through axis_point (3,) [m]
+        along axis_direction (3,), user frame; what is None is fitted to the nodes of `from_set`.
 
-        Lengths in m.
+        tolerance [m], from_set and errors: as for `select_plane`.
         """
         return selection.cylinder(
             self,
@@ -202,12 +211,14 @@ class Mesh(looks.Shown):
     def select_sphere(
         self, name: str, *, center: Any, radius: float, tolerance: float | None = None, from_set: str | None = None
     ) -> Mesh:
-        """A new mesh with the facet set `name` on a sphere about `center` (3,) [m]; `selection.sphere`."""
+        """A new mesh with the facet set `name` on a sphere of `radius` [m] about `center` (3,) [m, user frame];
+        tolerance [m], from_set and errors: as for `select_plane`."""
         return selection.sphere(self, name, center=center, radius=radius, tolerance=tolerance, from_set=from_set)
 
     def select_feature(self, name: str, *, seed: Any, angle: float = 30.0, from_set: str | None = None) -> Mesh:
         """A new mesh with the facet set `name`: all one reaches from the facet nearest `seed` (3,) [m] without
-        crossing an edge of more than `angle` [degrees]; `selection.feature`."""
+        crossing an edge of more than `angle` [degrees]. from_set: the facet set to stay in; None: all outer facets.
+        Raises `InputError` for a used name, an angle outside 0 to 180 and a seed far off the surface."""
         return selection.feature(self, name, seed=seed, angle=angle, from_set=from_set)
 
     def cut(
@@ -221,7 +232,14 @@ class Mesh(looks.Shown):
         tolerance: float | None = None,
     ) -> Mesh:
         """A new mesh that is cut along faces of cells on the plane through `point` (3,) [m], with the facet sets
-        NAME_low and NAME_high: a pretension section of a bolt; `cutting.cut`. Lengths in m."""
+        NAME_low and NAME_high that face each other: a pretension section of a bolt called `name`.
+
+        normal (3,): looks to the high side, user frame. cells: a cell set, to cut between cells of it only. radius [m]:
+        to cut no further from `point`. tolerance [m]: the largest distance of nodes from the plane, 1e-5 of the
+        diagonal of the box around the body where None. Raises `InputError` for a used name, an unknown cell set, a body
+        of matrices, a plane that goes through cells or along no faces, and where the two sides are not held together
+        elsewhere.
+        """
         return cutting.cut(self, name, point=point, normal=normal, cells=cells, radius=radius, tolerance=tolerance)
 
     def find_periodicity(self) -> Cyclic | None:
@@ -231,7 +249,8 @@ class Mesh(looks.Shown):
     def with_periodicity(
         self, *, axis_point: Any = None, axis_direction: Any = None, sectors: int | None = None
     ) -> Mesh:
-        """The same body numbered sector by sector, with `cyclic` set; what is None is found. See `periodicity`.
+        """The same body numbered sector by sector, with `cyclic` set: so many `sectors` about the axis through
+        axis_point (3,) [m] along axis_direction (3,), user frame; what is None is found.
 
         Nodes move by what the file's digits left open, at most 1e-5 of the radius; the largest move is in `notes`.
         Raises `InputError` saying why where the mesh is not periodic.

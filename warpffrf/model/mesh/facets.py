@@ -13,7 +13,7 @@ from warpffrf.model.mesh.elements import cell_kind, facet_kind
 
 @dataclass(frozen=True, eq=False)
 class FacetSet:
-    """Facets by kind: {quad4, quad8, quad9, tri3 or tri6: nodes (m, k) int64}, VTK order, outward normal."""
+    """Facets by kind, `blocks` {quad4, quad8, quad9, tri3 or tri6: nodes (m, k) int64}, VTK order, outward normal."""
 
     blocks: Mapping[str, np.ndarray]
 
@@ -28,7 +28,7 @@ class FacetSet:
 
     @property
     def node_set(self) -> np.ndarray:
-        """Sorted numbers of all nodes on the set."""
+        """Sorted numbers (n,) of all nodes on the set."""
         if not self.blocks:
             return np.zeros(0, dtype=np.int64)
         return np.unique(np.concatenate([nodes.ravel() for nodes in self.blocks.values()]))
@@ -46,11 +46,12 @@ class FacetSet:
         return next(iter(self.blocks.items()))
 
     def centers(self, points: np.ndarray) -> np.ndarray:
-        """Means of the corners (m, 3) [m], blocks one after the other."""
+        """Means of the facets' corners (m, 3) [m], blocks one after the other; points (n, 3) [m]: of the mesh."""
         return np.concatenate([np.zeros((0, 3)), *(points[c].mean(axis=1) for c in self.corners.values())])
 
     def node_normals(self, points: np.ndarray) -> np.ndarray:
-        """Outward unit normals (n, 3) at the nodes of `node_set`, the mean of those of their facets' corners."""
+        """Outward unit normals (n, 3) at the nodes of `node_set`, the mean of those of their facets' corners,
+        in the axes of `points` (n, 3) [m], those of the mesh."""
         numbers = self.node_set
         total = np.zeros((len(numbers), 3))
         for kind, nodes in self.blocks.items():

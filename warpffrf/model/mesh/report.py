@@ -56,7 +56,13 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class MeshReport:
-    """Summary of a mesh; `str()` gives readable lines. Lengths m, volume m3, mass kg, inertia kg m2 about the center.
+    """Summary of a mesh; `str()` gives readable lines. Lengths m, volume m3, mass kg, inertia (3, 3) kg m2 about the
+    center, user frame.
+
+    `name` of the mesh; `node_count`, and `cells` and `sets` of facets with their sizes by name, `cell_sets` likewise;
+    `lower` and `upper` corner (3,) [m] of the box around it; `sectors` of the rotation by which it repeats itself, None
+    without; `parts`: how many pieces; worst `scaled_jacobian` and `aspect_ratio` [-] of its cells; shortest and longest
+    of `edges` [m]; `warnings` of what is doubtful, `notes` of what its reader left out.
 
     `mass`, `center` and `inertia` are None where no material is known, quality and edges None without cells.
     `center` without a material is None too.

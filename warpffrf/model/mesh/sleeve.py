@@ -47,6 +47,7 @@ def sleeve(
 
     Parameters (lengths in m)
     -------------------------
+    inner_radius, outer_radius, width: of the bore, of the outside, and along the axis.
     sectors, axial, layers: cells around, along the axis, through the wall. `sectors` cells would fill the whole turn
         also where only a part of it is fine.
     grading: growth of the layer thickness from the bore outwards. `layers` and `grading` left out: a first layer as
@@ -92,7 +93,8 @@ def ring(
     axial: equal cells across the groove; lands: cells across each land.
     tread: width of a band in the middle of the groove that has all `axial` cells; beside it they grow. It adds the
         facet set `tread`.
-    Others as for `sleeve`; `patch` is the groove, or its tread, within `fine_arc`.
+    outer_radius, sectors, layers, grading, order, fine_arc: as for `sleeve`; `patch` is the groove, or its tread,
+    within `fine_arc`.
 
     The groove's surface is the inside of a crowned cylinder of radius `bore_radius + groove_depth` and crown radius
     `groove_radius`. Raises `InputError` for impossible sizes.

@@ -25,7 +25,8 @@ LEAST, MOST = 1e-6, 1e4
 
 @dataclass(frozen=True)
 class Oil(ABC):
-    """An oil of `viscosity` [Pa s] at zero pressure, and compressible where it has a law of `density`."""
+    """An oil of `viscosity` [Pa s] at zero pressure, and compressible where it has a law of `density`. Raises
+    `InputError` for a viscosity that no oil has and a density that is no law."""
 
     viscosity: float
     _: KW_ONLY

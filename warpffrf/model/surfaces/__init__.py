@@ -57,7 +57,7 @@ SHAPES: dict[str, type[Any]] = {shape.kind: shape for shape in _KINDS}
 
 
 def from_description(description: dict[str, Any]) -> Any:
-    """The shape that `describe()` wrote. Raises `InputError` for a kind that does not exist."""
+    """The shape whose `description` `describe()` wrote. Raises `InputError` for a kind that does not exist."""
     kind = description["kind"]
     if kind not in SHAPES:
         raise unknown_name("surface", kind, SHAPES)

@@ -64,16 +64,16 @@ class Shape(ABC):
     @property
     @abstractmethod
     def e_a(self) -> np.ndarray:
-        """Unit axis direction (3,), that of z."""
+        """Unit direction (3,) of the axis, that of z; user frame."""
 
     @property
     @abstractmethod
     def e_0(self) -> np.ndarray:
-        """Unit reference direction (3,), perpendicular to the axis."""
+        """Unit direction (3,) of theta = 0, perpendicular to the axis; user frame."""
 
     @abstractmethod
     def profile(self) -> SurfaceProfile:
-        """The surface's numbers."""
+        """The surface's numbers. Raises `InputError` while something is left to fit."""
 
     @abstractmethod
     def chart(self, points: Any) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -86,15 +86,17 @@ class Shape(ABC):
 
     @abstractmethod
     def normal(self, theta: Any, z: Any) -> np.ndarray:
-        """Unit normals (..., 3) away from the material."""
+        """Unit normals (..., 3) away from the material at theta [rad, of a plane m], z [m]; user frame."""
 
     @abstractmethod
     def around(self, theta: Any) -> np.ndarray:
-        """Unit tangents e_theta (..., 3), so that e_theta x t_z is the normal."""
+        """Unit tangents e_theta (..., 3) at theta [rad, of a plane m], so that e_theta x t_z is the normal; user
+        frame."""
 
     @abstractmethod
     def curvatures(self, theta: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Principal curvatures [1/m] around and along the meridian, positive where the material is convex."""
+        """Principal curvatures [1/m] (any shape) around and along the meridian at theta [rad, of a plane m], z [m],
+        positive where the material is convex."""
 
     @abstractmethod
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Shape:
@@ -104,29 +106,30 @@ class Shape(ABC):
 
     @property
     def e_1(self) -> np.ndarray:
-        """Unit direction (3,) e_a x e_0."""
+        """Unit direction (3,) e_a x e_0, user frame."""
         return np.cross(self.e_a, self.e_0)
 
     @property
     def frame(self) -> np.ndarray:
-        """Rows e_0, e_1, e_a (3, 3)."""
+        """Unit directions e_0, e_1, e_a as rows (3, 3), user frame."""
         return np.stack([self.e_0, self.e_1, self.e_a])
 
     def along(self, theta: Any, z: Any) -> np.ndarray:
-        """Unit tangents t_z (..., 3) of the meridian: n x e_theta, towards greater z."""
+        """Unit directions t_z (..., 3) of the tangents of the meridian at theta [rad, of a plane m], z [m]: n x
+        e_theta, towards greater z; user frame."""
         n = self.normal(theta, z)
         return np.cross(n, np.broadcast_to(self.around(np.asarray(theta, float)), n.shape))
 
     def radius_at(self, z: Any) -> np.ndarray:
-        """R(z) [m]: the arc length per theta; 1 of a plane."""
+        """R(z) [m] at z [m], any shape (...): the arc length per theta; 1 of a plane."""
         return self.profile().radius_at(z)
 
     def slope_at(self, z: Any) -> np.ndarray:
-        """dR/dz [-]."""
+        """dR/dz [-] at z [m], any shape (...)."""
         return self.profile().slope_at(z)
 
     def measure_at(self, z: Any) -> np.ndarray:
-        """R sqrt(1 + R'^2) [m]: the area per dtheta dz."""
+        """R sqrt(1 + R'^2) [m] at z [m], any shape (...): the area per dtheta dz."""
         return self.profile().measure_at(z)
 
     @property

@@ -27,7 +27,7 @@ class Cone(RevolutionShape):
     """Outside of a cone; what is None is fitted to the nodes of the facet set.
 
     half_angle [rad] between axis and generatrix, positive where the radius grows along `axis_direction`; radius [m] at
-    `axis_point`, which is not the tip.
+    `axis_point`, which is not the tip. Raises `InputError` for an angle of 0 or beyond 80 degrees.
     """
 
     half_angle: float | None = None

@@ -51,7 +51,7 @@ class Plane(Shape):
 
     @property
     def radius(self) -> float:
-        """1.0: arc length is radius times theta here too."""
+        """1.0 m: arc length is radius times theta here too."""
         return 1.0
 
     def profile(self) -> SurfaceProfile:
@@ -61,7 +61,7 @@ class Plane(Shape):
 
     @property
     def axis_point(self) -> np.ndarray:
-        """The origin (3,) [m] of the chart."""
+        """The origin (3,) [m, user frame] of the chart."""
         return self._known()[0]
 
     @property
@@ -87,7 +87,7 @@ class Plane(Shape):
         return np.broadcast_to(self.e_0, (*theta.shape, 3)).copy()
 
     def radial(self, theta: Any) -> np.ndarray:
-        """The normal (..., 3): what e_r is on a surface of revolution."""
+        """The normal (..., 3), the same at all theta [m]: what e_r is on a surface of revolution."""
         return self.normal(theta, 0.0)
 
     def around(self, theta: Any) -> np.ndarray:

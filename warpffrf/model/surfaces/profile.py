@@ -37,7 +37,7 @@ FLATTEST = 0.1  # of 1 + R'^2, least derivative of F: beyond a centre of curvatu
 
 @dataclass(frozen=True, eq=False)
 class SurfaceProfile:
-    """A meridian by its numbers (module docstring), as the device holds them.
+    """A meridian by its numbers (module docstring), as the device holds them; `planar`: that of a plane.
 
     side +1 or -1; radius R_0 [m] (1.0 of a plane); tangent t [-]; crown Rc [m], signed, 0.0 for none; table: `breaks`
     (n+1,) [m] and `coefficients` (n, 4) of the drop [m] in ascending powers of z - break; empty without one.
@@ -68,25 +68,26 @@ class SurfaceProfile:
         return not len(self.breaks) and not (self.tangent and self.crown)
 
     def radius_at(self, z: Any) -> np.ndarray:
-        """R(z) [m]; beyond the ends of an arc that of the end."""
+        """R(z) [m] at z [m], any shape (...); beyond the ends of an arc that of the end."""
         z = np.asarray(z, float)
         if self.planar:
             return np.full(z.shape, self.radius)
         return self.radius + self.tangent * z - crown_drop(self._on_arc(z), self.curvature) - self._table(z, 0)
 
     def slope_at(self, z: Any) -> np.ndarray:
-        """dR/dz [-]."""
+        """dR/dz [-] at z [m], any shape (...)."""
         z = np.asarray(z, float)
         kappa = self.curvature
         return self.tangent - kappa * self._on_arc(z) / self._cosine(z) - self._table(z, 1)
 
     def bend_at(self, z: Any) -> np.ndarray:
-        """d2R/dz2 [1/m]."""
+        """d2R/dz2 [1/m] at z [m], any shape (...)."""
         z = np.asarray(z, float)
         return -self.curvature / self._cosine(z) ** 3 - self._table(z, 2)
 
     def normal_at(self, z: Any) -> tuple[np.ndarray, np.ndarray]:
-        """Radial and axial component of the unit normal that points to greater radii; finite at the end of an arc."""
+        """Radial and axial component [-] at z [m], any shape (...), of the unit normal that points to greater radii;
+        finite at the end of an arc."""
         z = np.asarray(z, float)
         if self.crown and self.closed:
             along = self.curvature * self._on_arc(z)
@@ -96,7 +97,7 @@ class SurfaceProfile:
         return 1.0 / length, -slope / length
 
     def measure_at(self, z: Any) -> np.ndarray:
-        """R sqrt(1 + R'^2) [m], the area per dtheta dz; finite at the poles of a sphere."""
+        """R sqrt(1 + R'^2) [m] at z [m], any shape (...), the area per dtheta dz; finite at the poles of a sphere."""
         z = np.asarray(z, float)
         if self.crown and self.closed:
             c = self._cosine(z)
@@ -106,7 +107,7 @@ class SurfaceProfile:
 
     def foot(self, rho: Any, z: Any) -> tuple[np.ndarray, np.ndarray]:
         """Axial position [m] of the nearest point of the meridian to radius `rho`, axial position `z` [m], and the
-        distance [m], positive at greater radii."""
+        distance [m] (any shape), positive at greater radii."""
         rho, z = np.broadcast_arrays(np.asarray(rho, float), np.asarray(z, float))
         if not self.closed:
             return self._searched_foot(rho, z)

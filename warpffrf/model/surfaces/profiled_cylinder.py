@@ -42,6 +42,7 @@ class ProfiledCylinder(RevolutionShape):
 
     table: arrays (z, drop) or (z, drop, slope) (n,) [m, m, -], z increasing and counted from `axis_point`, drop the
     distance below `radius`. Not symmetric: `axis_direction` should then be given. Other arguments as for `Cylinder`.
+    Raises `InputError` for a table that does not rise in z or is of unlike lengths.
     """
 
     table: Any = None

@@ -34,7 +34,7 @@ class Sphere(RevolutionShape):
 
     @property
     def center(self) -> np.ndarray:
-        """The centre (3,) [m]."""
+        """The centre (3,) [m, user frame]."""
         return self._known()[1]
 
     def profile(self) -> SurfaceProfile:

@@ -18,44 +18,33 @@ import numpy as np
 
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.forces import JointSpringDamper
-from warpffrf.model.gap import facing_gap, smallest_gap
-from warpffrf.model.reach import out_of_reach
+from warpffrf.model.gap import smallest_gap
 from warpffrf.model.scene import Scene
-from warpffrf.model.signals import Signal
 from warpffrf.model.slopes import leanings
 from warpffrf.online.diagnosis.border_notes import border_notes
 from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
+from warpffrf.online.diagnosis.untouched import CELLS, SHALLOW, loaded_contacts, untouched_notes
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
 
 AT_POINTS = 'give the contact gaps="points"'
-CELLS = 'or grid="patch" with bodies that were reduced with patch_grid=True'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
 GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
 TAKEN = 0.01  # the same of what the integrator takes
-UNLOADED, TINY = 1e-12, 1e-15  # of the largest contact force, N: round-off of contacts that carry nothing
 LEAST_TILT = 1e-7  # rad: less is round-off of poses
 MOMENT_LEFT = 0.01  # of the moment of a pair on the line of centres
 MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; measured against gaps at points: force 0.1 %, peak pressure 0.2 % up to there
-SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 
 
 def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ()) -> list[str]:
     """Notes on the patches of all pairs of a run; `on_axes`: names of those whose gaps are taken along the line of
     centres."""
-    notes, untouched = [], []
+    notes = []
     taken = leanings(scene.contacts)
-    largest = max((_largest(found) for found in history.contacts.values()), default=0.0)
-    for contact in scene.contacts:
-        found = history.contacts.get(contact.name)
-        if found is None or not len(found.approach):
-            continue
-        if _largest(found) <= max(UNLOADED * largest, TINY):
-            untouched.append(contact)
-            continue
+    for contact in loaded_contacts(scene, history):
+        found = history.contacts[contact.name]
         columns = _widest(found)
         if found.cells is not None:
             notes += cell_notes(contact, found, history)
@@ -64,54 +53,7 @@ def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ())
         notes += normal_notes(contact, 0.5 * columns * contact.a.surface.grid.pitch * arc_per_theta(contact), taken)
         if contact.name in on_axes:
             notes += _skewed(contact, found, history)
-    return notes + near_patches(scene, history) + _untouched(scene, history, untouched)
-
-
-def _largest(found: ContactHistory) -> float:
-    return float(np.linalg.norm(found.force, axis=1).max(initial=0.0))
-
-
-def _untouched(scene: Scene, history: History, contacts: list[Contact]) -> list[str]:
-    """Of pairs without any load in a run: those that only touch or cannot, and overlaps that the grid does not see."""
-    notes, apart = [], []
-    for contact in contacts:
-        surface = contact.a.surface
-        if np.any(history.contacts[contact.name].pressure > 0.0):
-            notes.append(
-                f"contact {contact.name!r}: the surfaces touch without a load, nothing presses them together; a spring "
-                "with a preload, a force or gravity would"
-            )
-            continue
-        apart.append(contact)
-        radius, approach = float(surface.shape.radius), float(history.contacts[contact.name].approach[0])
-        if approach > SHALLOW * radius:
-            notes.append(
-                f"contact {contact.name!r}: an overlap of {approach:.3g} m without any pressure: the modes take it up, "
-                f"or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
-                f"(half_width=), {CELLS}"
-            )
-    notes += out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
-    gaps = {c.name: -float(np.max(history.contacts[c.name].approach)) for c in apart}
-    open_ones = [
-        f"{name!r} ({gap:.2g} m apart at the least)" if np.isfinite(gap) else repr(name)
-        for name, gap in gaps.items()
-        if gap >= 0.0 and not any(note.startswith(f"contact {name!r}:") for note in notes)
-    ]
-    if open_ones:
-        what = "contact" if len(open_ones) == 1 else "contacts"
-        cure = f"check the gaps{_pulled_apart(scene)}"
-        notes.append(f"{what} without any touch in the run: {', '.join(open_ones)}; if that is not meant, {cure}")
-    return notes
-
-
-def _pulled_apart(scene: Scene) -> str:
-    """A clause on preloads of springs, whose sign is the usual reason where one is in the scene."""
-    loaded = [f for f in scene.forces if isinstance(f, JointSpringDamper) and f.preload != 0.0]
-    if not loaded:
-        return ""
-    sizes = ["a signal" if isinstance(f.preload, Signal) else f"{f.preload:+g} N" for f in loaded]
-    signs = ", ".join(f"{f.name!r} ({size})" for f, size in zip(loaded, sizes, strict=True))
-    return f" and the sign of the preload of {signs}: a positive one pushes the second body along the axis of the joint"
+    return notes + near_patches(scene, history) + untouched_notes(scene, history)
 
 
 def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[str]:

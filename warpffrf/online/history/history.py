@@ -34,17 +34,23 @@ _NOT_RECORDED = np.zeros(0)  # stands for the arrays that an older file does not
 
 @dataclass(repr=False)
 class BodyHistory(looks.Rows):
-    """Motion of one body: user-frame origin, orientation, velocities, modal coordinates."""
+    """Motion of one body at the saved steps, world axes.
 
-    position: np.ndarray  # (T, 3) m, origin of the user frame
-    rotation: np.ndarray  # (T, 4) unit quaternion (x, y, z, w), user frame -> world
-    velocity: np.ndarray  # (T, 3) m/s, of the user origin
-    angular_velocity: np.ndarray  # (T, 3) rad/s
-    modal: np.ndarray  # (T, m) global modal coordinates, kg^0.5 m
-    acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, 3) m/s2, of the user origin
-    angular_acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, 3) rad/s2
-    modal_velocity: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, m)
-    modal_acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)  # (T, m)
+    position (T, 3) [m] of the origin of its user frame, rotation (T, 4), unit quaternions (x, y, z, w) from the user
+    frame to the world; velocity (T, 3) [m/s] and acceleration (T, 3) [m/s2] of that origin, angular_velocity (T, 3)
+    [rad/s], angular_acceleration (T, 3) [rad/s2]; of its m global modes the coordinates modal (T, m) [kg^0.5 m],
+    modal_velocity [kg^0.5 m/s] and modal_acceleration [kg^0.5 m/s2]. What was not recorded is NaN.
+    """
+
+    position: np.ndarray
+    rotation: np.ndarray
+    velocity: np.ndarray
+    angular_velocity: np.ndarray
+    modal: np.ndarray
+    acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)
+    angular_acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)
+    modal_velocity: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)
+    modal_acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)
 
     def __post_init__(self) -> None:
         """What was not recorded is NaN."""
@@ -58,13 +64,18 @@ class BodyHistory(looks.Rows):
 
 @dataclass(repr=False)
 class JointHistory(looks.Rows):
-    """Reaction of one joint on its second body, and the joint coordinates where it has some: `named("rotation")`."""
+    """Reaction of one joint on its second body, and the joint coordinates where it has some: `named("rotation")`.
 
-    coordinate: np.ndarray  # (T,) rad or m, the first of `names`; NaN where the joint has none
-    force: np.ndarray  # (T, 3) N
-    torque: np.ndarray  # (T, 3) N m, about the joint point on the second body
-    second_coordinate: np.ndarray | None = None  # (T,) rad or m, the second of `names`; NaN where it has no second
-    coordinate_names: InitVar[tuple[str, ...]] = ()  # "translation", "rotation", "second_rotation", "distance"
+    force (T, 3) [N] and torque (T, 3) [N m] about the joint point on the second body, world axes. coordinate and
+    second_coordinate (T,) [rad or m], those called by the first and second of `names`, which are coordinate_names:
+    "translation", "rotation", "second_rotation", "distance"; NaN where the joint has none.
+    """
+
+    coordinate: np.ndarray
+    force: np.ndarray
+    torque: np.ndarray
+    second_coordinate: np.ndarray | None = None
+    coordinate_names: InitVar[tuple[str, ...]] = ()
 
     def __post_init__(self, coordinate_names: tuple[str, ...]) -> None:
         self.names = coordinate_names
@@ -94,23 +105,29 @@ class JointFrictionHistory(looks.Rows):
 @dataclass(repr=False)
 class ForceHistory(looks.Rows):
     """One force element: what it exerts on the body that it loads; of an element between two ports on the second one,
-    its opposite acts on the first."""
+    its opposite acts on the first.
 
-    force: np.ndarray  # (T, 3) N
-    torque: np.ndarray  # (T, 3) N m, about the (second) port, of surface and nodal loads about the user origin
-    deformation: np.ndarray  # (T, k) coordinates of its law [m, rad], as `model.forces` defines them; k = 0 for loads
-    friction: JointFrictionHistory | None = None  # of friction in a joint
+    force (T, 3) [N] and torque (T, 3) [N m] about the (second) port, of surface and nodal loads about the user origin;
+    world axes. deformation (T, k): coordinates of its law [m, rad], as `warpffrf.forces` defines them, k = 0 for loads.
+    friction: of friction in a joint its state, else None.
+    """
+
+    force: np.ndarray
+    torque: np.ndarray
+    deformation: np.ndarray
+    friction: JointFrictionHistory | None = None
 
 
 @dataclass(repr=False)
 class SensorHistory(looks.Rows):
-    """Values of one sensor, with what they are."""
+    """The `values` (T, components) [`unit`] of one sensor, with what they are: its kind, their unit, the frame, "world"
+    or "body", of their axes, and what the components are called."""
 
     kind: str
     unit: str
-    frame: str  # axes of the components, "world" or "body"
+    frame: str
     components: tuple[str, ...]
-    values: np.ndarray  # (T, components)
+    values: np.ndarray
 
 
 @dataclass(repr=False)
@@ -164,16 +181,23 @@ class ContactHistory(looks.Rows):
 @dataclass(repr=False)
 class LumpedHistory(looks.Rows):
     """One lumped contact; world axes. Where the surfaces are apart the forces are zero and the place is where they are
-    nearest."""
+    nearest.
 
-    force: np.ndarray  # (T, 3) N, on the first body, normal and friction
-    torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
-    place: np.ndarray  # (T, 3) m, where the force acts; by laminae the mean of their places, weighed by their forces
-    approach: np.ndarray  # (T,) m, of the undeformed surfaces, the largest of all laminae; negative where apart
-    normal_force: np.ndarray  # (T,) N
-    friction_force: np.ndarray  # (T, 3) N, on the first body
-    slip_velocity: np.ndarray  # (T, 3) m/s, of the first surface against the second at the place, tangential
-    lamina_force: np.ndarray  # (T, laminae) N, normal force of each; one column of a law that has none
+    On the first body: force (T, 3) [N], normal and friction, torque (T, 3) [N m] about its user origin, friction_force
+    (T, 3) [N]. place (T, 3) [m]: where the force acts, by laminae the mean of their places weighed by their forces.
+    approach (T,) [m] of the undeformed surfaces, the largest of all laminae, negative where apart. normal_force (T,)
+    [N]; slip_velocity (T, 3) [m/s] of the first surface against the second at the place, tangential; lamina_force (T,
+    laminae) [N], the normal force of each, one column of a law that has none.
+    """
+
+    force: np.ndarray
+    torque: np.ndarray
+    place: np.ndarray
+    approach: np.ndarray
+    normal_force: np.ndarray
+    friction_force: np.ndarray
+    slip_velocity: np.ndarray
+    lamina_force: np.ndarray
 
 
 @dataclass(repr=False)

@@ -5,7 +5,8 @@ With C the gradients of all rows that hold (joints, drives, springs), L those of
 pressure and of the gaps of lumped contacts that are closed, by the rigid coordinates z, a motion is free where C z = 0
 and L z = 0: a roller about its axle, whatever it is pressed on, a ball about any line, a body that slides along a
 plane. They are the right singular vectors of (C, L), lines of length one in coordinates weighed by mass, with singular
-values below FREE.
+values below FREE. Of lumped contacts alone, L has a second order as well (`bent_gaps`): a ball that climbs its groove
+is held.
 
 Load steps with friction (`rubs`) go on from a state under pressure, and what presses there resists slip, too, up to its
 bound. With T the gradients of slips of cells under pressure, of closed lumped contacts and of joints that rub, and N
@@ -34,6 +35,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.gap import facing_gap
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
+from warpffrf.online.start.bent_gaps import without_stiff
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5
@@ -47,6 +49,9 @@ TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
 MOST_NAMED = 4
 SLIDES = 0.5  # of a body's share: whether it slides or turns
 SLIDE = "slide along"
+SLIDES_FOLDED = {2: f"{SLIDE} a plane", 3: f"{SLIDE} any line"}
+TURNS_FOLDED = {2: "turn about any line of a plane", 3: "turn about any line"}
+BY_ITSELF = 1e-6  # of a body's share, what is left of it where the body moves without others
 LOOK_AHEAD = 1e-3  # of a radius: a small motion that tells whether a gap closes
 STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an axle a little off the centre of mass
 
@@ -68,18 +73,26 @@ class FreeMotions:
 
     @property
     def possible(self) -> bool:
-        """Scenes without contact have no grids that drive what is free, and their outer matrix no room for holding
+        """Scenes without contact grids have none that drive what is free, and their outer matrix no room for holding
         it."""
         return self.engine.compiled.model.pairs.count > 0 and len(self.engine.scene.bodies) > 0
+
+    @property
+    def told(self) -> bool:
+        """Whether there is something to look for: in scenes of lumped contacts alone the proximal step leaves what is
+        free where it is, as nothing acts along it, to round-off; it is named all the same."""
+        return self.possible or (len(self.engine.scene.lumped_contacts) > 0 and len(self.engine.scene.bodies) > 0)
 
     def look(self) -> None:
         """Find the free motions at the state of the last step."""
         self._drive = None
-        if not self.possible:
+        if not self.told:
             return
         for world in range(self.engine.worlds):
             weight = self._weight()
             motions = free_motions(self.engine, world, weight)
+            if not self.possible:
+                motions = without_stiff(self.engine, world, weight, motions)
             if self.rubs:
                 _, motions = parted(self.engine, world, weight, motions)
             if self.rubs and self._presses(world):
@@ -131,14 +144,12 @@ class FreeMotions:
         for world in range(self.engine.worlds):
             weight = self._weight()
             for b, body in enumerate(bodies):
-                part = self.found[world][:, 6 * b : 6 * b + 6]
-                share, directions = np.linalg.eigh(part.T @ part)
-                for value, y in zip(share, directions.T, strict=True):
-                    if value > TAKES_PART:
-                        clause = self._clause(world, b, y, weight[6 * b : 6 * b + 6])
-                        names = clauses.setdefault(clause, [])
-                        if body.name not in names:
-                            names.append(body.name)
+                own = weight[6 * b : 6 * b + 6]
+                folded, motions = _motions_of(self.found[world][:, 6 * b : 6 * b + 6])
+                for clause in [*folded, *(self._clause(world, b, y, own) for y in motions)]:
+                    names = clauses.setdefault(clause, [])
+                    if body.name not in names:
+                        names.append(body.name)
         told = []
         for clause, names in clauses.items():
             left = "it is" if len(names) == 1 else "they are"
@@ -226,6 +237,24 @@ class FreeMotions:
         held = engine.scratch.hold.numpy()[world, :count, : 6 * n]
         step = np.hstack([np.asarray(a.numpy()[world][:n]) for a in (engine.scratch.dx, engine.scratch.psi)]).ravel()
         return own + held.T @ (held @ step)
+
+
+def _motions_of(part: np.ndarray) -> tuple[list[str], list[np.ndarray]]:
+    """What a body may do, of its part (n, 6) in the free motions: clauses where it slides or turns by itself in more
+    than one direction; and directions (6,) of all else."""
+    projector = part.T @ part
+    clauses, motions = [], []
+    for at, folds in ((slice(0, 3), SLIDES_FOLDED), (slice(3, 6), TURNS_FOLDED)):
+        share, directions = np.linalg.eigh(projector[at, at])
+        alone = np.zeros((6, int(np.count_nonzero(share > 1.0 - BY_ITSELF))))
+        alone[at] = directions[:, share > 1.0 - BY_ITSELF]
+        projector = projector - alone @ alone.T
+        if alone.shape[1] in folds:
+            clauses.append(folds[alone.shape[1]])
+        else:
+            motions.extend(alone.T)
+    share, directions = np.linalg.eigh(projector)
+    return clauses, [*motions, *directions.T[share > TAKES_PART]]
 
 
 def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
@@ -357,7 +386,7 @@ def _gap_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
         if families[pair] == AT_POINTS:
             own = own + scratch.more_wrench.numpy()[world, pair][at]
         lines.append(_of_wrenches(engine, world, pair, own, size))
-    return np.vstack(lines)
+    return np.vstack([np.zeros((0, size)), *lines])
 
 
 def _of_wrenches(engine: Engine, world: int, pair: int, own: np.ndarray, size: int) -> np.ndarray:

@@ -13,6 +13,8 @@ import numpy as np
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
 
+ROUND_OFF = 1e-14  # of the largest force
+
 
 def left_over(engine: Engine, world: int) -> tuple[float, str]:
     """The largest force left over by the last proximal step, as a fraction of the largest force in play, a torque over
@@ -35,7 +37,10 @@ def left_over(engine: Engine, world: int) -> tuple[float, str]:
     return share, creeps
 
 
-def creeping_note(engine: Engine) -> str:
-    """What to say of an equilibrium in which a body goes on moving, in the world that is the worst."""
-    _, clause = max(left_over(engine, world) for world in range(engine.worlds))
-    return f"equilibrium: {clause}; taken as at rest there, a weak spring on what is free would hold it"
+def creeping_notes(engine: Engine) -> list[str]:
+    """What to say of an equilibrium in which a body goes on moving, in the world that is the worst; nothing where
+    round-off moves it."""
+    share, clause = max(left_over(engine, world) for world in range(engine.worlds))
+    if share <= ROUND_OFF:
+        return []
+    return [f"equilibrium: {clause}; taken as at rest there, a weak spring on what is free would hold it"]

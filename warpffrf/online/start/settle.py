@@ -23,7 +23,8 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import FreeMotions
-from warpffrf.online.start.rest import creeping_note, left_over
+from warpffrf.online.start.rest import ROUND_OFF as REST
+from warpffrf.online.start.rest import creeping_notes, left_over
 from warpffrf.online.start.slow_films import stretch
 
 MOST_STEPS = 150  # a snap-through takes about a hundred
@@ -112,7 +113,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
-        settled = bool(np.all(moved <= TOLERANCE * length)) and _films_steady(engine)
+        settled = bool(np.all((moved <= TOLERANCE * length) | (left <= REST))) and _films_steady(engine)
         still = tau >= FIRST * length and bool(np.all(moved <= ROUND_OFF * length))
         balanced = bool(np.all(left <= model.limits.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
@@ -146,6 +147,6 @@ def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:
     """True, with notes of what is free and what creeps; what remembers a history begins it here."""
     engine.start_notes.extend(free.notes())
     if creeping and np.isfinite(free.first):
-        engine.start_notes.append(creeping_note(engine))
+        engine.start_notes.extend(creeping_notes(engine))
     engine.commit()
     return True

@@ -16,6 +16,7 @@ import logging
 import os
 import re
 import shutil
+import threading
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -39,6 +40,7 @@ UNFINISHED = re.compile(r"wp_.*_p([0-9]+)_t[0-9]+")
 UNFINISHED_FOR = 600.0  # seconds without a change; its process may be one of another machine or container
 
 _known: set[Path] = set()  # folders that this process has seen whole, or sealed
+_in_hand = threading.local()  # names of the modules that a thread has in hand: their locks are not asked for again
 
 
 def check_place() -> None:
@@ -74,13 +76,21 @@ def sound(module: Any) -> Iterator[None]:
     Raises `InputError` for a damaged folder that cannot be removed.
     """
     root, name = Path(wp.config.kernel_cache_dir or "."), f"wp_{module.name}"
-    with _alone(root / f"{name}.lock"):
-        for folder in _folders(root, name):
-            if not _is_sealed(folder):
-                _remove(folder)
+    names: set[str] = vars(_in_hand).setdefault("names", set())
+    if name in names:
         yield
-        for folder in _folders(root, name):
-            _seal(folder)
+        return
+    with _alone(root / f"{name}.lock"):
+        names.add(name)
+        try:
+            for folder in _folders(root, name):
+                if not _is_sealed(folder):
+                    _remove(folder)
+            yield
+            for folder in _folders(root, name):
+                _seal(folder)
+        finally:
+            names.remove(name)
 
 
 def _folders(root: Path, name: str) -> list[Path]:

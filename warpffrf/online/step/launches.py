@@ -97,7 +97,7 @@ class Launch:
         if self.block:
             wp.launch_tiled(self.kernel, dim=dim, inputs=self.arguments(arrays), block_dim=BLOCK, device=device)
         else:
-            wp.launch(self.kernel, dim=dim, inputs=self.arguments(arrays), device=device)
+            wp.launch(self.kernel, dim=dim, inputs=self.arguments(arrays), block_dim=BLOCK, device=device)
 
 
 def blocks(kernel: Any, *over: str, when: str = "", **given: str | int) -> Launch:

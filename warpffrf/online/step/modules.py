@@ -47,5 +47,4 @@ def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
 
 def _load(module: Any, device: str) -> None:
     with kernel_cache.sound(module):
-        for block_dim in (BLOCK, None):  # for launches of blocks, and of threads
-            wp.force_load(device, modules=[module], block_dim=block_dim, max_workers=0)
+        wp.force_load(device, modules=[module], block_dim=BLOCK, max_workers=0)

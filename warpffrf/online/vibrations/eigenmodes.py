@@ -83,7 +83,7 @@ class SceneModes:
     linear: Linearisation
     vectors: Array  # (y, n) shapes over the coordinates of `linear`
     state: dict[str, Array]  # of the device, a checkpoint
-    device: str = "cpu"
+    device: str | None = None
     settings: Settings | None = None
     notes: list[str] = field(default_factory=list)
 
@@ -94,7 +94,7 @@ def find_modes(
     count: int = 20,
     *,
     about: History | str | None = None,
-    device: str = "cpu",
+    device: str | None = None,
     settings: Settings | None = None,
     progress: bool = False,
 ) -> SceneModes:

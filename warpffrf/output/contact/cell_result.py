@@ -169,7 +169,7 @@ class CellContactResult(PairResult):
         return np.maximum(found[1] + peak_above(*found), 0.0)
 
     def pressure_resultants(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of the cells; see `PairResult` and `pressure_wrench`."""
+        """Of the cells: (T,) [-], (T,) [rad] and (T, 3, rows) [m2, m2, m3], see `PairResult`."""
         return 2.0 * np.sin(0.5 * self.places.pitch), self.places.pitch, self.places.rings
 
     def stress_errors(self, i: int) -> dict[str, StressError]:

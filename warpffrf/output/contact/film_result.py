@@ -32,7 +32,7 @@ class FilmResult(looks.Shown):
     friction_power = Recorded("(T,) W, taken by sliding.")
     feed_flow = Recorded("(T,) m3/s, in through feeds.")
     end_flow = Recorded("(T,) m3/s, out at the ends.")
-    void_fraction = Recorded("(T,) volume of the voids over that of the gap.")
+    void_fraction = Recorded("(T,) [-] volume of the voids over that of the gap.")
     oil_volume = Recorded("(T,) m3 in the film, as of the density without pressure.")
     asperity_force = Recorded("(T,) N, normal force of the asperities.")
     largest_asperity_pressure = Recorded("(T,) Pa, of the asperities.")
@@ -62,7 +62,7 @@ class FilmResult(looks.Shown):
 
     @property
     def fill(self) -> np.ndarray:
-        """(T, columns, rows) part of the gap that oil fills, 1 where there is no void."""
+        """(T, columns, rows) [-] part of the gap that oil fills, 1 where there is no void."""
         return self.history.fill
 
     @cached_property

@@ -98,7 +98,7 @@ class FrictionResult:
 
     @cached_property
     def traction_coefficient(self) -> np.ndarray:
-        """(T,) tangential over normal load; NaN where nothing presses."""
+        """(T,) [-] tangential over normal load; NaN where nothing presses."""
         load = self.contact.normal_load
         size = np.linalg.norm(self.tangential_force, axis=1)
         return np.divide(size, load, out=np.full(len(load), np.nan), where=load > 0.0)
@@ -125,7 +125,7 @@ class FrictionResult:
 
     @cached_property
     def creepage(self) -> np.ndarray:
-        """(T, 2) longitudinal and lateral creepage, creep along (e_theta, t_z) at the centre of the patch over the
+        """(T, 2) [-] longitudinal and lateral creepage, creep along (e_theta, t_z) at the centre of the patch over the
         rolling speed; NaN where the pair does not roll or not touch."""
         creep = center_creep(self.contact, self.creep_velocity, self.spin_velocity)
         return creep / self._rolling_speed[:, None]

@@ -348,8 +348,8 @@ class PairResult(looks.Shown, ABC):
         body; raises `InputError` where that is not known."""
 
     def hertz_pressure(self, i: int, x: np.ndarray) -> np.ndarray:
-        """Hertz's pressure [Pa] at arc positions `x` [m] in the section of `mid_pressure`, about the centre found in
-        step `i`."""
+        """Hertz's pressure (n,) [Pa] at arc positions `x` (n,) [m] in the section of `mid_pressure`, about the centre
+        found in step `i`."""
         found = self.hertz(i)
         reach = found.section if isinstance(found, HertzPoint) else found.half_width
         return found.peak_pressure * np.sqrt(np.maximum(0.0, 1.0 - ((x - self.center[i]) / reach) ** 2))

@@ -186,7 +186,7 @@ class ContactResult(PairResult):
         return self.mid_pressure.max(axis=1, initial=0.0)
 
     def pressure_resultants(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of the hats; see `PairResult` and `pressure_wrench`."""
+        """Of the hats: (T,) [-], (T,) [rad] and (T, 3, rows) [m2, m2, m3], see `PairResult`."""
         h, steps = float(self.view.first.grid.pitch), np.ones(len(self.history.pressure))
         rings = np.stack(axial_integrals(self.view.first.shape, self.z))
         return 2.0 * (1.0 - np.cos(h)) / h * steps, h * steps, np.broadcast_to(rings, (len(steps), *rings.shape))

@@ -21,6 +21,8 @@ Names, energy lines, counters and notes are JSON in the file's attributes. Every
 `frame` and `dims`; `fields.py` is the table. Derived quantities (half-width, positions of the pressure) are written for
 other readers and not read back. Names of owners are percent-encoded where HDF5 needs it ("/", ".").
 
+The schema version counts up with every quantity or name that is new; files of all older ones are read (`older.py`).
+
 Behind the last byte stands a checksum of the whole file (`model/sealed_file.py`), which other readers pass over.
 """
 
@@ -85,6 +87,7 @@ from warpffrf.output.files.fields import (
     of_owner,
 )
 from warpffrf.output.files.history_check import check_history
+from warpffrf.output.files.older import Older
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.scene_view import (
     GROUND,
@@ -97,7 +100,7 @@ from warpffrf.output.geometry.scene_view import (
 )
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 2  # 2: sealed; older ones are read
+SCHEMA_VERSION = 3  # 3: asperities of films, partners of laps; 2: sealed; older ones are read
 SEALED_SINCE = 2
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
@@ -213,28 +216,34 @@ def read_history(path: str | os.PathLike[str]) -> History:
 def get_history(file: Any, scene: SceneView | None = None) -> History:
     """The `History` in an open results file; `scene`: of a file that holds the bodies, for one that does not."""
     groups = {}
+    run = {f.attribute: read(file, f.name) for f in RUN_FIELDS}
+    older = Older(int(file.attrs["schema_version"]), len(run["time"]))
+
+    def fields_of(fields: tuple[Field, ...], name: str, n: int = 0) -> dict[str, Any]:
+        return older.complete(fields, _fields_of(file, fields, name, n))
+
     for attribute, dim, fields, record in _GROUPS:
         names = json.loads(file.attrs.get(f"{dim}_names", "[]"))
-        groups[attribute] = {name: record(**_fields_of(file, fields, name, n)) for n, name in enumerate(names)}
+        groups[attribute] = {name: record(**fields_of(fields, name, n)) for n, name in enumerate(names)}
     for name, named in json.loads(file.attrs.get("joint_coordinates", "{}")).items():
         groups["joints"][name].names = tuple(named)
     for n, name in enumerate(json.loads(file.attrs.get("cell_names", "[]"))):  # older files have none
-        groups["contacts"][name].cells = CellHistory(**_fields_of(file, CELL_FIELDS, name, n))
+        groups["contacts"][name].cells = CellHistory(**fields_of(CELL_FIELDS, name, n))
     for n, name in enumerate(json.loads(file.attrs.get("friction_names", "[]"))):
-        groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
+        groups["contacts"][name].friction = FrictionHistory(**fields_of(FRICTION_FIELDS, name, n))
     for name in json.loads(file.attrs.get("film_second_names", "[]")):  # older files have none
-        vars(groups["films"][name]).update(_fields_of(file, FILM_SECOND_FIELDS, name, 0))
+        vars(groups["films"][name]).update(fields_of(FILM_SECOND_FIELDS, name))
     for n, name in enumerate(json.loads(file.attrs.get("joint_friction_names", "[]"))):
-        groups["forces"][name].friction = JointFrictionHistory(**_fields_of(file, JOINT_FRICTION_FIELDS, name, n))
+        groups["forces"][name].friction = JointFrictionHistory(**fields_of(JOINT_FRICTION_FIELDS, name, n))
     energy = read(file, "energy")
-    run = {f.attribute: read(file, f.name) for f in RUN_FIELDS}
+    view = _get_scene(file, older) if scene is None else scene
     return History(
-        scene=_get_scene(file) if scene is None else scene,
+        scene=view,
         energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
         status=str(file.attrs["status"]),
         message=str(file.attrs["message"]),
         counters={str(k): float(v) for k, v in json.loads(file.attrs["counters"]).items()},
-        notes=[str(note) for note in json.loads(file.attrs["notes"])],
+        notes=[*(str(note) for note in json.loads(file.attrs["notes"])), *older.notes()],
         options={str(k): str(v) for k, v in json.loads(file.attrs.get("options", "{}")).items()},  # older: none
         budget=[_budget_line(line) for line in json.loads(file.attrs.get("budget", "[]"))],  # older: none
         sensors=_get_sensors(file),
@@ -251,7 +260,7 @@ def _budget_line(line: dict[str, Any]) -> BudgetLine:
 
 
 def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int) -> dict[str, Any]:
-    """What the file holds of one owner; older files lack some quantities, and call others by another name."""
+    """What the file holds of one owner; older files call some quantities by another name."""
     found = {}
     for field in fields:
         stored = field if field.name in file else replace(field, name=field.before)
@@ -372,6 +381,7 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
     ]
     group.attrs["ground"] = json.dumps({name: shape for b in fixed for name, shape in _described(b).items()})
     group.attrs["anchors"] = json.dumps([anchor.describe() for anchor in view.anchors])
+    group.attrs["bearings"] = json.dumps(view.bearings)
 
 
 def _described(body: BodyView) -> dict[str, Any]:
@@ -382,7 +392,7 @@ def _shapes(described: dict[str, Any]) -> dict[str, Any]:
     return {name: from_description(data) for name, data in described.items()}
 
 
-def _get_scene(file: Any) -> SceneView:
+def _get_scene(file: Any, older: Older) -> SceneView:
     group = member(file, "scene")
     reduced: dict[str | None, Any] = {None: None}
     for digest in hdf5_parts.names(file, "reduced"):
@@ -410,7 +420,7 @@ def _get_scene(file: Any) -> SceneView:
     laps = {
         name: LapView(
             name, known[first], first_surface, known[second], second_surface, friction,
-            **{field.attribute: read(file, f"{field.name}/{_key(name)}") for field in LAP_CELLS},
+            **older.complete(LAP_CELLS, _fields_of(file, LAP_CELLS, name, 0), fixed=True),
         )
         for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs.get("laps", "[]"))
     }  # fmt: skip
@@ -418,7 +428,8 @@ def _get_scene(file: Any) -> SceneView:
         pairs[name] = replace(pairs[name], at_nodes=True)
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
     joints = tuple(json.loads(group.attrs["joints"]))
-    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps)
+    bearings = json.loads(group.attrs.get("bearings", "{}"))
+    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps, bearings)
 
 
 def _as_bytes(reduced: Any) -> np.ndarray:

@@ -135,6 +135,7 @@ class SceneView:
     lumped: dict[str, PairView] = field(default_factory=dict)
     films: dict[str, FilmView] = field(default_factory=dict)
     laps: dict[str, LapView] = field(default_factory=dict)
+    bearings: dict[str, dict[str, Any]] = field(default_factory=dict)  # as `model.bearings.Bearing.describe` says
 
 
 def scene_view(scene: Any) -> SceneView:
@@ -160,7 +161,8 @@ def scene_view(scene: Any) -> SceneView:
     }  # fmt: skip
     joints = tuple(joint.name for joint in scene.joints)
     laps = {lap.name: _lap(lap, known) for lap in scene.laps}
-    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, laps)
+    bearings = {bearing.name: bearing.describe() for bearing in scene.bearings}
+    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, laps, bearings)
 
 
 def _lap(lap: Any, known: dict[str, BodyView]) -> LapView:

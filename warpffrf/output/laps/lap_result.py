@@ -38,7 +38,7 @@ class LapResult(looks.Shown):
     traction = Recorded("(T, c, 2) Pa, on the second face along t_1, t_2.")
     gap = Recorded("(T, c) m, of the cells.")
     slip = Recorded("(T, c, 2) m, of the second face against the first so far, along t_1, t_2.")
-    state = Recorded("(T, c) 0 open, 1 stick, 2 slip.")
+    state = Recorded("(T, c) the number of the state: 0 open, 1 stick, 2 slip.")
     cell_loss = Recorded("(T, c) J, by friction so far.", "history.loss")
     points = Recorded("(c, 3) m, user frame of the first body: middles of the cells.", "view.points")
     frames = Recorded("(c, 3, 3), rows n, t_1, t_2, user axes.", "view.frames")
@@ -105,7 +105,7 @@ class LapResult(looks.Shown):
 
     @cached_property
     def counts(self) -> np.ndarray:
-        """(T, 3) cells that are open, stick and slip."""
+        """(T, states) numbers of cells that are open, stick and slip."""
         return np.stack([(self.state == state).sum(axis=1) for state in (OPEN, STICK, SLIP)], axis=1)
 
     @cached_property
@@ -130,19 +130,19 @@ class LapResult(looks.Shown):
 
     @property
     def turning(self) -> np.ndarray:
-        """(T, 3) rad, by how much it has turned, likewise."""
+        """(T, 3) rad, by how much it has turned, user frame of the first body, likewise."""
         return self._sliding[1]
 
     # --- cycles ---
 
     def loss_between(self, begin: float, end: float) -> float:
-        """Energy [J] that friction took between two times [s], straight between saved steps. Raises `InputError` for
-        times outside of the run."""
+        """Energy [J] that friction took between two times, `begin` and `end` [s], straight between saved steps. Raises
+        `InputError` for times outside of the run."""
         first, last = value_at(self.time, self.loss, np.array([begin, end]), f"lap '{self.name}'")
         return float(last - first)
 
     def loss_per_cycle(self, cycles: float | Sequence[float] | np.ndarray) -> np.ndarray:
-        """Energy [J] that friction took in each cycle, D_k = loss(t_(k+1)) - loss(t_k).
+        """Energy (cycles,) [J] that friction took in each cycle, D_k = loss(t_(k+1)) - loss(t_k).
 
         cycles: the period [s], for whole cycles from the first saved step on; or the times [s] at which cycles begin
         and end, ascending. Of a load that is repeated the first cycle differs from those that follow, as the joint
@@ -152,9 +152,9 @@ class LapResult(looks.Shown):
         return np.diff(value_at(self.time, self.loss, cycle_times(self.time, cycles, label), label))
 
     def slip_zone(self, begin: float | None = None, end: float | None = None) -> SlipZone:
-        """Cells that lost energy between two times [s]: which, their area, and how many there are across
-        (`slip_zone.py`). Without a begin what they lost before the first saved step counts, too, as in the equilibrium
-        that a run starts from. Raises `InputError` for times outside of the run."""
+        """Cells that lost energy between the times `begin` and `end` [s]: which, their area, and how many there are
+        across (`slip_zone.py`). Without a begin what they lost before the first saved step counts, too, as in the
+        equilibrium that a run starts from. Raises `InputError` for times outside of the run."""
         times = np.array([self.time[0] if begin is None else begin, self.time[-1] if end is None else end])
         first, last = value_at(self.time, self.cell_loss, times, f"lap '{self.name}'")
         rows = (self.time >= times[0]) & (self.time <= times[1])

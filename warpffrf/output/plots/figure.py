@@ -12,11 +12,14 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
-from warpffrf.output.plots.colors import largest
+from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
+from warpffrf.output.plots.depth import draw_depth, has_material
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
 from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.plots.histories import HISTORY_PLOTS, the_channel
 from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
 from warpffrf.output.plots.picture import write_drawing, write_picture
+from warpffrf.output.plots.scales import ROUND_OFF, about_zero, from_zero
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
@@ -24,7 +27,6 @@ MOST_INSIDE = 8  # curves named in a legend inside the axes; more stand to the r
 COLORS, STYLES = 10, ("-", "--", ":", "-.")  # after so many colours another line style, so that none comes twice
 LEGEND_ROWS = 16  # names above each other there
 PAGE_COLUMNS = 6  # names beside each other below a page
-HEADROOM = 1.08  # of the largest value of a plot
 SECTIONS = {"point": "Across the patch through its centre"}  # of other kinds at mid-width
 PROFILE, REFERENCE, FORCE = "#1b6ca8", "#d1495b", "#2a9d6f"
 
@@ -62,14 +64,13 @@ def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
         return None
 
 
-def _from_zero(ax: Any, *values: Any) -> None:
-    """A scale from zero to a little above the largest of the values, so that a small change looks small."""
-    top = largest([np.asarray(v, dtype=float) for v in values])
-    ax.set_ylim(0.0, HEADROOM * top if top > 0.0 else 1.0)
-
-
 def _at(result: Any, i: int) -> str:
     return f"t = {result.time[i] * 1e3:.4g} ms"
+
+
+def _marker(rows: np.ndarray) -> str:
+    """What shows a curve of one row."""
+    return "o" if len(rows) == 1 else ""
 
 
 def _legend(ax: Any, curves: int) -> None:
@@ -103,11 +104,12 @@ def force(result: Any, ax: Any) -> None:
     laps = {name: np.linalg.norm(result.lap(name).force, axis=1) for name in result.lap_names}
     forces |= {name: size for name, size in laps.items() if name not in forces}
     for n, (name, size) in enumerate(forces.items()):
-        ax.plot(result.time * 1e3, size * 1e-3, STYLES[n // COLORS % len(STYLES)], label=name)
+        style = STYLES[n // COLORS % len(STYLES)] + _marker(result.time)
+        ax.plot(result.time * 1e3, size * 1e-3, style, label=name)
     what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names) + ["lap"] * bool(laps))
     ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
-    _from_zero(ax, *(size * 1e-3 for size in forces.values()))
+    from_zero(ax, np.concatenate([size * 1e-3 for size in forces.values()]))
     _legend(ax, len(forces))
 
 
@@ -141,7 +143,7 @@ def across(result: Any, ax: Any) -> None:
         title += f"\nagainst Hertz: half-width {ratio[0]:+.2%}, peak {ratio[1]:+.2%}"
     ax.set(xlabel="arc from the line of centres [mm]", ylabel="pressure [MPa]")
     ax.set_title(title, fontsize=10)
-    _from_zero(ax, p, [line.peak_pressure * 1e-6] if line else [])
+    from_zero(ax, p, [line.peak_pressure * 1e-6] if line else [])
     ax.legend(frameon=False, fontsize=8, loc="upper right")
 
 
@@ -162,7 +164,7 @@ def along(result: Any, ax: Any) -> None:
         ax.legend(frameon=False, fontsize=8, loc="upper right")
     ax.set(xlabel="position along the axis [mm]", ylabel="pressure [MPa]")
     ax.set_title(f"Along the axis at {patch.arc[column] * 1e3:+.3f} mm of arc", fontsize=10)
-    _from_zero(ax, patch.pressure[column] * 1e-6)
+    from_zero(ax, patch.pressure[column] * 1e-6)
 
 
 def patch(result: Any, ax: Any) -> None:
@@ -186,6 +188,14 @@ def patch(result: Any, ax: Any) -> None:
     ax.set_title(f"Patch, unwrapped, {_at(result, i)}", fontsize=10)
 
 
+def stress_depth(result: Any, ax: Any) -> None:
+    """Von Mises and largest shear stress against depth below the centre of the patch, of the pressure alone, with the
+    depths at which Hertz has his largest, b the half-width of a line or the smaller semi-axis."""
+    contact = _contact(result)
+    i = _last_touching(contact)
+    draw_depth(contact, ax, i, _at(result, i))
+
+
 def energy(result: Any, ax: Any) -> None:
     """What closes the energy balance, and the grid defect, over the largest energy at hand."""
     scale = result.energy_scale
@@ -205,26 +215,28 @@ def widths(result: Any, ax: Any) -> None:
     """Half-width and peak pressure against time, beside Hertz at the load of each row."""
     contact = _contact(result)
     rows = np.flatnonzero(contact.touching)
-    ax.plot(result.time[rows] * 1e3, contact.half_width[rows] * 1e3, color=PROFILE, label="half-width")
+    time, mark = result.time[rows] * 1e3, "-" + _marker(rows)
+    ax.plot(time, contact.half_width[rows] * 1e3, mark, color=PROFILE, label="half-width")
     peak = ax.twinx()
-    peak.plot(result.time[rows] * 1e3, contact.mid_peak_pressure[rows] * 1e-6, color=REFERENCE, label="peak pressure")
+    peak.plot(time, contact.mid_peak_pressure[rows] * 1e-6, mark, color=REFERENCE, label="peak pressure")
     lines = [v for v in (hertz_of(contact, int(i)) for i in rows) if v is not None]
     lines = lines if len(lines) == len(rows) else []
     reference = [v.half_width * 1e3 for v in lines], [v.peak_pressure * 1e-6 for v in lines]
     if lines:
-        ax.plot(result.time[rows] * 1e3, reference[0], "--", color=PROFILE, lw=0.8)
-        peak.plot(result.time[rows] * 1e3, reference[1], "--", color=REFERENCE, lw=0.8)
+        dashed = {"lw": 0.8, "ls": "--", "marker": "_" if len(rows) == 1 else None, "ms": 20.0}
+        ax.plot(time, reference[0], color=PROFILE, **dashed)
+        peak.plot(time, reference[1], color=REFERENCE, **dashed)
     ax.set(xlabel="time [ms]", title="Half-width across and peak pressure (dashed: Hertz)")
     ax.set_ylabel("half-width [mm]", color=PROFILE)
     peak.set_ylabel("peak pressure [MPa]", color=REFERENCE)
-    _from_zero(ax, contact.half_width * 1e3, reference[0])
-    _from_zero(peak, contact.mid_peak_pressure * 1e-6, reference[1])
+    from_zero(ax, contact.half_width[rows] * 1e3, reference[0])
+    from_zero(peak, contact.mid_peak_pressure[rows] * 1e-6, reference[1])
     ax.title.set_fontsize(10)
 
 
 def ripple(result: Any, ax: Any) -> None:
     """Force, half-width and peak pressure of the second half of the run about their means in per cent, so that a small
-    change looks large."""
+    change looks large, but for less than 1e-3 %, which is round-off and the tolerance of iterations."""
     contact = _contact(result)
     rows = np.flatnonzero(contact.touching & (result.time >= 0.5 * (result.time[0] + result.time[-1])))
     curves = {
@@ -238,6 +250,7 @@ def ripple(result: Any, ax: Any) -> None:
         ax.plot(result.time[rows] * 1e3, about, lw=1.1, color=color, label=label)
     ax.axhline(0.0, color="0.7", lw=0.6)
     ax.margins(y=0.25)
+    about_zero(ax, 100.0 * ROUND_OFF)
     ax.set(xlabel="time [ms]", ylabel="about the mean [%]")
     ax.set_title("Ripple in the second half of the run", fontsize=10)
     ax.legend(frameon=False, fontsize=7, loc="upper left")
@@ -251,6 +264,7 @@ PLOTS: dict[str, Draw] = {
     "across": across,
     "along": along,
     "patch": patch,
+    "stress_depth": stress_depth,
     "energy": energy,
 }
 
@@ -263,19 +277,23 @@ def _film(result: Any, name: str | None) -> Any:
 
 def plot(
     result: Any, kind: str, ax: Any = None, contact: str | None = None, film: str | None = None,
-    row: int | None = None, lap: str | None = None,
+    row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
+    bearing: str | None = None,
 ) -> Any:  # fmt: skip
     """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
 
-    contact, film, lap: names of the pair, film and lap to draw, the first ones if None; row: saved step of the maps of
-    films and laps, the last one if None. Raises `InputError` for an unknown kind, pair, film, lap or row, a run without
-    rows, and plots of friction, films or laps of a run without them.
+    contact, film, lap, bearing: names of the pair, film, lap and bearing to draw, the first ones if None; row: saved
+    step of the maps of films and laps and of the loads of bearings, the last one if None; channel, speed: of plots of a
+    history its name and the body that turns. Raises `InputError` for an unknown kind, pair, film, lap, bearing or row,
+    a run without rows, plots of friction, films, laps or bearings of a run without them, and of histories without a
+    name.
     """
     if contact is not None:
         result = OfPair(result, contact)
     known = {**PLOTS, **FRICTION_PLOTS}
-    if kind != "summary" and kind not in (*known, *FILM_PLOTS, *LAP_PLOTS):
-        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join((*known, *FILM_PLOTS, *LAP_PLOTS))}, summary")
+    kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary")
+    if kind not in kinds:
+        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}")
     if len(result.time) == 0:
         raise InputError("plot: the run has no saved row")
     row = len(result.time) - 1 if row is None else row
@@ -285,10 +303,13 @@ def plot(
         return summary_figure(result, film, row, lap)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
     known |= {name: _of_lap(draw, lap, row) for name, draw in LAP_PLOTS.items()}
+    known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
+    if kind in HISTORY_PLOTS:
+        known[kind] = _of_history(HISTORY_PLOTS[kind], the_channel(kind, channel), speed)
     if ax is None:
         import matplotlib.pyplot as plt
 
-        ax = plt.subplots()[1]
+        ax = plt.subplots(subplot_kw={"projection": "polar"} if kind in POLAR else None)[1]
     known[kind](result, ax)
     return ax
 
@@ -301,9 +322,19 @@ def _of_lap(draw: Callable[[Any, Any, int], None], lap: str | None, row: int) ->
     return lambda result, ax: draw(the_lap(result, lap), ax, row)
 
 
+def _of_history(draw: Callable[[Any, Any, str, str | None], None], channel: str, speed: str | None) -> Draw:
+    return lambda result, ax: draw(result, ax, channel, speed)
+
+
+def _of_bearing(draw: Callable[[Any, Any, int], None], bearing: str | None, row: int) -> Draw:
+    return lambda result, ax: draw(the_bearing(result, bearing), ax, row)
+
+
 def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> dict[str, Draw]:
     """The kinds of plots that the run has data for, with what draws them on axes; film, row, lap: as of `plot`."""
     drawn: dict[str, Draw] = dict(PLOTS) if result.contact_names else {"energy": energy}
+    if result.contact_names and not has_material(_contact(result)):
+        del drawn["stress_depth"]
     if result.lumped_contact_names or result.film_names or result.lap_names:
         drawn = {"force": force} | drawn
     if any(result.contact(name).has_friction for name in result.contact_names):
@@ -320,7 +351,9 @@ def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | Non
 
 def about_kinds() -> dict[str, str]:
     """Every kind of plot, and in a sentence what it shows."""
-    draws: dict[str, Callable[..., None]] = {**PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS}
+    draws: dict[str, Callable[..., None]] = {
+        **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
+    }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
     return said | {"summary": "Everything that the run has data for, on one page."}
 
@@ -357,13 +390,14 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
 
 def write_plot(
     result: Any, kind: str, path: str | os.PathLike[str], *, contact: str | None = None, film: str | None = None,
-    lap: str | None = None, row: int | None = None, dpi: int = 130, overwrite: bool = False,
+    lap: str | None = None, row: int | None = None, channel: str | None = None, speed: str | None = None,
+    dpi: int = 130, overwrite: bool = False,
 ) -> Path:  # fmt: skip
     """Write `plot(result, kind, ...)` as a picture; the ending chooses the format (.png, .pdf, .svg). Raises InputError
     as `plot` does, for a path not writable, and for a file that exists where `overwrite` is not set."""
 
     def draw(ax: Any) -> None:
-        plot(result, kind, ax, contact, film, row, lap)
+        plot(result, kind, ax, contact, film, row, lap, channel, speed)
 
     if kind != "summary":
         return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)

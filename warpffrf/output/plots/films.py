@@ -10,8 +10,8 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.film_result import FilmResult
 from warpffrf.output.plots.colors import largest
+from warpffrf.output.plots.scales import from_zero
 
-HEADROOM = 1.08  # of the largest value of a plot
 FULL = 1.0 - 1e-3  # fill of the gap below which there is a cavity
 GAP, PEAK, CIRCLE = "#1b6ca8", "#d1495b", "0.55"
 CIRCLE_POINTS = 181
@@ -67,8 +67,8 @@ def thickness(film: FilmResult, ax: Any, row: int) -> None:
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("smallest film [µm]", color=GAP)
     peak.set_ylabel("largest pressure [MPa]", color=PEAK)
-    for axes, values in ((ax, film.smallest_gap * 1e6), (peak, film.largest_pressure * 1e-6)):
-        axes.set_ylim(0.0, HEADROOM * largest([values]) or 1.0)
+    from_zero(ax, film.smallest_gap * 1e6)
+    from_zero(peak, film.largest_pressure * 1e-6)
     ax.set_title(f"Film '{film.name}': smallest film, largest pressure", fontsize=10)
 
 

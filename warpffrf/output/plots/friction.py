@@ -12,9 +12,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.friction import OPEN, SLIP, STATES, STICK
 from warpffrf.output.plots.colors import STATE_COLORS, largest
+from warpffrf.output.plots.scales import HEADROOM, from_zero
 
 SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
-HEADROOM = 1.08  # of the largest value of a plot
 LEAST_SEEN = 1e-6  # of the other curves of a plot: what is smaller is round-off of a direction that nothing drives
 TRACE = 0.02  # of the tractions of one sign: less of the other shows nothing in the plot
 LEGEND_ROOM = 1.35  # of the range of tractions
@@ -232,8 +232,8 @@ def power(result: Any, ax: Any) -> None:
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("friction power [W]", color=TRACTION)
     right.set_ylabel("largest wear index [W/mm²]", color=SECOND)
-    for axes, values in ((ax, friction.power), (right, friction.wear_peak * 1e-6)):
-        axes.set_ylim(0.0, HEADROOM * float(np.nanmax(values, initial=0.0)) or 1.0)
+    from_zero(ax, friction.power)
+    from_zero(right, friction.wear_peak * 1e-6)
     ax.set_title("Friction power, and wear index: pressure times slip speed", fontsize=10)
 
 

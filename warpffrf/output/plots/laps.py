@@ -13,8 +13,8 @@ from warpffrf.output.laps.chart import lap_chart
 from warpffrf.output.laps.lap_result import LapResult
 from warpffrf.output.loops.cycles import value_at
 from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, largest
+from warpffrf.output.plots.scales import from_zero
 
-HEADROOM = 1.08  # of the largest value of a plot
 SHRINK = 0.8  # of colour bars
 ROOM = 0.03  # of a map's extent, beside it
 PAGE_TIMES = 3  # rows of maps on a page where no times are given
@@ -58,8 +58,8 @@ def history(lap: LapResult, ax: Any, row: int) -> None:
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("normal force [kN]", color=FORCE)
     area.set_ylabel("slipping area [mm²]", color=AREA)
-    for axes, values in ((ax, lap.normal_force * 1e-3), (area, lap.slip_area * 1e6)):
-        axes.set_ylim(0.0, HEADROOM * largest([values]) or 1.0)
+    from_zero(ax, lap.normal_force * 1e-3)
+    from_zero(area, lap.slip_area * 1e6)
     ax.set_title(f"Lap '{lap.name}': normal force, slipping area", fontsize=10)
 
 

@@ -92,9 +92,9 @@ def shaded(points: np.ndarray, triangles: np.ndarray, axes: np.ndarray, colors: 
     return Faces(corners, colors[triangles].mean(axis=1) * light[:, None])
 
 
-def paint(ax: Any, parts: list[Faces], axes: np.ndarray, box: np.ndarray) -> None:
-    """Paint `parts` on `ax` from the back to the front, seen along `axes` (3, 3). `box` (k, 3): points that shall lie
-    inside the picture."""
+def paint(ax: Any, parts: list[Faces], axes: np.ndarray, box: np.ndarray, *, alpha: float = 1.0) -> None:
+    """Paint `parts` on `ax` from the back to the front, seen along `axes` (3, 3); `alpha` of what is behind a face is
+    covered. `box` (k, 3): points that shall lie inside the picture."""
     from matplotlib.collections import PolyCollection
 
     corners, colors = np.concatenate([p.corners for p in parts]), np.concatenate([p.colors for p in parts])
@@ -103,8 +103,9 @@ def paint(ax: Any, parts: list[Faces], axes: np.ndarray, box: np.ndarray) -> Non
         PolyCollection(
             list(corners[order][:, :, :2]),
             facecolors=colors[order],
-            edgecolors=colors[order],  # closes the hairlines between neighbours
+            edgecolors=colors[order] if alpha == 1.0 else "none",  # closes the hairlines between neighbours
             linewidths=0.3,
+            alpha=alpha,
             rasterized=True,
         )
     )
@@ -116,7 +117,14 @@ def paint(ax: Any, parts: list[Faces], axes: np.ndarray, box: np.ndarray) -> Non
 
 
 def draw_skin(
-    ax: Any, points: np.ndarray, triangles: np.ndarray, axes: np.ndarray, colors: np.ndarray, box: np.ndarray
+    ax: Any,
+    points: np.ndarray,
+    triangles: np.ndarray,
+    axes: np.ndarray,
+    colors: np.ndarray,
+    box: np.ndarray,
+    *,
+    alpha: float = 1.0,
 ) -> None:
     """Draw one skin on `ax`, as `shaded` and `paint` do."""
-    paint(ax, [shaded(points, triangles, axes, colors)], axes, box)
+    paint(ax, [shaded(points, triangles, axes, colors)], axes, box, alpha=alpha)

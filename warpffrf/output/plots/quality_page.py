@@ -10,15 +10,15 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.output.plots.colors import ColorScale
 from warpffrf.output.plots.figure import PROFILE, REFERENCE
-from warpffrf.output.plots.mode_picture import MODE_STOPS, draw_skin, eye_axes, mode_skin
+from warpffrf.output.plots.mode_picture import mode_skin
+from warpffrf.output.plots.mode_shapes import MovedSkin, draw_shape, shapes_figure
 from warpffrf.output.plots.picture import write_picture
 
 GALLERY = (2, 4)  # rows and columns of mode pictures
 FIRST_ELASTIC = 7  # a free body's modes 1 to 6 are its rigid motions
-DRAWN_DISPLACEMENT = 0.06  # largest displacement of a mode picture, of the body's largest extent
 DPI = 100
 SIZE = (16.0, 12.0)  # inch: 1600 x 1200 pixels
 TEXT_WIDTH = 52  # characters a line of the text column
@@ -59,21 +59,34 @@ def gallery(figure: Any, place: Any, body: ReducedBody) -> None:
     if not len(skin.triangles):
         _say(figure.add_subplot(place), "this body has no skin to draw")
         return
-    axes = eye_axes(skin.points)
-    scale = ColorScale("", 1.0, 1.0, MODE_STOPS)
     cells = place.subgridspec(rows, columns, wspace=0.04, hspace=0.14) if count else place.subgridspec(1, 1)
-    reach = DRAWN_DISPLACEMENT * skin.size
-    corners = np.stack([skin.points.min(axis=0) - reach, skin.points.max(axis=0) + reach])
-    box = np.array([[corners[i, 0], corners[j, 1], corners[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     for mode in range(max(count, 1)):
         ax = figure.add_subplot(cells[divmod(mode, columns)])
         u = skin.shape(body, mode) if count else np.zeros_like(skin.points)
-        colors = scale.rgb(np.linalg.norm(u, axis=1)) / 255.0
-        draw_skin(ax, skin.points + reach * u, skin.triangles, axes, colors, box)
-        if count:
-            ax.set_title(f"{mode + FIRST_ELASTIC}: {_hertz(body.frequencies[mode])}", fontsize=10)
-        else:
-            ax.set_title("no global modes: the skin, undeformed", fontsize=10)
+        title = _mode_name(body, mode) if count else "no global modes: the skin, undeformed"
+        draw_shape(ax, [MovedSkin(skin.points, skin.triangles, u)], title)
+
+
+def modes_figure(body: ReducedBody, count: int = GALLERY[0] * GALLERY[1]) -> Any:
+    """A matplotlib Figure of the first `count` elastic modes, deformed skins in colour over the undeformed one in grey.
+    Raises `InputError` for a body without skin or without elastic modes, and a count below 1."""
+    count = min(require_count(count, "plot_modes: count", 1), len(body.frequencies))
+    skin = mode_skin(body)
+    if not len(skin.triangles):
+        raise InputError("plot_modes: this body has no skin to draw; reduce it from a mesh with cells or facets")
+    if not count:
+        raise InputError("plot_modes: this body has no elastic modes; reduce it with modes= or max_frequency=")
+    shapes = [
+        (_mode_name(body, mode), [MovedSkin(skin.points, skin.triangles, skin.shape(body, mode))])
+        for mode in range(count)
+    ]
+    return shapes_figure(
+        shapes, f"{body.provenance.get('mesh_name') or 'reduced body'}: elastic modes of the free body"
+    )
+
+
+def _mode_name(body: ReducedBody, mode: int) -> str:
+    return f"{mode + FIRST_ELASTIC}: {_hertz(body.frequencies[mode])}"
 
 
 def hat_response(surface: ContactSurface, column: int, row: int) -> np.ndarray:

@@ -7,42 +7,61 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.report.figures import FORCE, LENGTH, SHARE, without_round_off
+from warpffrf.output.geometry.scene_view import PairView
+from warpffrf.output.report.figures import FORCE, LENGTH, SHARE, largest_force, without_round_off
+from warpffrf.output.report.fold import Block, Pairs, folded
 
 STICK = 1  # state of friction
 MOST_LINES = 20  # of one kind: a report is read on one screen
 
 
-def item_lines(result: Any) -> list[str]:
+def item_lines(result: Any, pairs: Pairs = "folded") -> list[str]:
     """One line a lumped contact, oil film, joint, force element and sensor of a run with saved rows, and some of each
-    lap, at most `MOST_LINES` of a kind. Stresses are left out: they are evaluated when they are asked for."""
+    lap; alike ones as one, and at most `MOST_LINES` of a kind, unless `pairs` is "all". Stresses are left out: they are
+    evaluated when they are asked for."""
     history = result.history
-    return [
-        *_capped("lumped contacts", [_lumped(name, contact) for name, contact in history.lumped_contacts.items()]),
-        *_capped("films", [_film(name, film, history.time) for name, film in history.films.items()]),
-        *_capped("lines of laps", [line for name in result.lap_names for line in _lap(result.lap(name))]),
-        *_capped("joints", [_joint(name, joint) for name, joint in history.joints.items()]),
-        *_capped("forces", [_force(name, force) for name, force in history.forces.items()]),
-        *_capped("sensors", [_sensor(name, sensor) for name, sensor in history.sensors.items()]),
-    ]
+    beside = max(largest_force(history), *(_largest_torque(getattr(history, kind)) for kind in ("joints", "forces")))
+    kinds = {
+        "lumped contact": {
+            name: Block(name, [_lumped(name, contact)], same_surfaces(result.view.lumped[name]))
+            for name, contact in history.lumped_contacts.items()
+        },
+        "film": {name: Block(name, [_film(name, film, history.time)]) for name, film in history.films.items()},
+        "lap": {name: Block(name, _lap(result.lap(name))) for name in result.lap_names},
+        "joint": {name: Block(name, [_joint(name, joint, beside)]) for name, joint in history.joints.items()},
+        "force": {name: Block(name, [_force(name, force, beside)]) for name, force in history.forces.items()},
+        "sensor": {name: Block(name, [_sensor(name, sensor)]) for name, sensor in history.sensors.items()},
+    }
+    found: list[str] = []
+    for kind, blocks in kinds.items():
+        lines = [line for block in folded(list(blocks.values()), kind, pairs) for line in block]
+        more = 0 if pairs == "all" else max(len(lines) - MOST_LINES, 0)
+        found += lines[: len(lines) - more]
+        found += [f'... and {more} more lines of {kind}s; report(pairs="all") has them'] if more else []
+    return found
 
 
-def _capped(kind: str, lines: list[str]) -> list[str]:
-    more = len(lines) - MOST_LINES
-    return lines if more <= 0 else [*lines[:MOST_LINES], f"... and {more} more {kind}"]
+def _largest_torque(owners: dict[str, Any]) -> float:
+    """[N m] of joints or forces, as a force with an arm of 1 m."""
+    return max((float(np.max(np.abs(one.torque), initial=0.0)) for one in owners.values()), default=0.0)
 
 
-def _size(vectors: Any, unit: str, beside: Any = 0.0) -> str:
-    """The length of a vector (T, 3) at the end, and its largest; `beside` (T, 3): what it is round-off of where it is
-    SHARE of that."""
-    lengths = without_round_off(np.linalg.norm(vectors, axis=1), max(FORCE, SHARE * float(np.max(np.abs(beside)))))
+def same_surfaces(view: PairView) -> str:
+    """What pairs must have in common to be alike, whatever they are called: shapes and radii of both surfaces, friction
+    and where the pressure stands."""
+    shapes = [f"{type(surface.shape).__name__} {surface.shape.radius:.9g}" for surface in (view.first, view.second)]
+    return f"{shapes} {view.friction} {view.at_nodes}"
+
+
+def _size(vectors: Any, unit: str, beside: float = 0.0) -> str:
+    """The length of a vector (T, 3) at the end, and its largest; `beside`: what it is round-off of where it is SHARE of
+    that, a force [N] of the machine, as a torque with an arm of 1 m."""
+    lengths = without_round_off(np.linalg.norm(vectors, axis=1), max(FORCE, SHARE * beside))
     return f"{lengths[-1]:.5g} {unit} (largest {np.max(lengths):.5g})"
 
 
-def _joint(name: str, joint: Any) -> str:
-    line = (
-        f"joint '{name}': reaction {_size(joint.force, 'N', joint.torque)}, {_size(joint.torque, 'N m', joint.force)}"
-    )
+def _joint(name: str, joint: Any, beside: float) -> str:
+    line = f"joint '{name}': reaction {_size(joint.force, 'N', beside)}, {_size(joint.torque, 'N m', beside)}"
     for coordinate in joint.names:
         unit = "rad" if coordinate.endswith("rotation") else "m"
         line += f"; {coordinate.replace('_', ' ')} {joint.named(coordinate)[-1]:.6g} {unit}"
@@ -99,8 +118,8 @@ def _mean(values: Any, time: Any) -> float:
     return float(np.trapezoid(values, time) / span if span > 0.0 else np.mean(values))
 
 
-def _force(name: str, force: Any) -> str:
-    line = f"force '{name}': {_size(force.force, 'N', force.torque)}, {_size(force.torque, 'N m', force.force)}"
+def _force(name: str, force: Any, beside: float) -> str:
+    line = f"force '{name}': {_size(force.force, 'N', beside)}, {_size(force.torque, 'N m', beside)}"
     if force.friction is None:
         return line
     ends = "sticks" if force.friction.state[-1] == STICK else "slips"

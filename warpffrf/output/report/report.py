@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 
@@ -10,8 +10,10 @@ from warpffrf.model.errors import InputError
 from warpffrf.output.budget.budget import budget_text
 from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf.output.contact.hertz_patch import HertzPoint
+from warpffrf.output.report.counters import counter_lines
 from warpffrf.output.report.figures import LENGTH, SHARE, idle_energy, without_round_off
-from warpffrf.output.report.items import item_lines
+from warpffrf.output.report.fold import Block, Pairs, folded, folded_notes
+from warpffrf.output.report.items import item_lines, same_surfaces
 
 KINDS = {
     "line": "a line across the width",
@@ -20,26 +22,28 @@ KINDS = {
     "flat": "flat faces",
 }
 
+CARRIERS = {"hats": "nodes of the contact grid", "cells": "cells of the contact grid"}
 
-def report_text(result: Any, progress: bool = False) -> str:
+
+def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") -> str:
     """Status, counters, contacts at the last saved step beside Hertz, joints, forces, sensors, energy balance, notes:
-    plain text, one fact a line. progress: that of the error budget, which may be made here."""
+    plain text, one fact a line. progress: that of the error budget, which may be made here. pairs: alike things
+    "folded" into one, or "all" (`fold`)."""
+    if pairs not in get_args(Pairs):
+        raise InputError(f"report: pairs is {pairs!r}; known: {', '.join(map(repr, get_args(Pairs)))}")
     history = result.history
     lines = [f"status            {result.status}" + (f": {result.message}" if result.message else "")]
     if len(result.time) == 0:
-        return "\n".join([*lines, "no step was saved", *_notes(history)])
+        return "\n".join([*lines, "no step was saved", *_notes(history, pairs)])
     lines.append(f"time              {result.time[0]:.6g} to {result.time[-1]:.6g} s, {len(result.time)} rows saved")
-    if len(history.iterations) > 1:
-        every_step = history.counters.get("steps", 0) <= len(history.iterations) - 1  # else rows sum over steps
-        lines.append(
-            f"newton            mean {history.iterations[1:].mean():.2f}, "
-            f"largest {int(history.iterations[1:].max())} iterations a {'step' if every_step else 'saved row'}"
-        )
-    lines += [f"{name.replace('_', ' '):<17} {value:.6g}" for name, value in history.counters.items()]
+    lines += counter_lines(history)
     lines += [f"{file.what:<17} {file}" for file in result.written]
-    for name in result.contact_names:
-        lines += _contact_lines(result.contact(name))
-    lines += item_lines(result)
+    contacts = [
+        Block(name, _contact_lines(result.contact(name)), same_surfaces(result.view.pairs[name]))
+        for name in result.contact_names
+    ]
+    lines += [line for block in folded(contacts, "contact", pairs) for line in block]
+    lines += item_lines(result, pairs)
     lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy at hand")
     residual, idle = result.energy_residual, idle_energy(result)
     if result.energy_scale <= idle:
@@ -60,9 +64,10 @@ def report_text(result: Any, progress: bool = False) -> str:
         lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
     if result.contact_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
         lines.append(
-            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale moved by the grid defect"
+            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, moved because patches "
+            "travel over nodes of finite spacing"
         )
-    return "\n".join([*lines, *_budget_lines(result, progress), *_notes(history)])
+    return "\n".join([*lines, *_budget_lines(result, progress), *_notes(history, pairs)])
 
 
 def _budget_lines(result: Any, progress: bool) -> list[str]:
@@ -88,7 +93,7 @@ def _contact_lines(contact: Any) -> list[str]:
         f"  peak pressure   {contact.mid_peak_pressure[-1] / 1e6:.5g} MPa {_section(contact)}, "
         f"{contact.peak_pressure[-1] / 1e6:.5g} MPa anywhere",
         f"  approach        {without_round_off(contact.approach[-1], LENGTH) * 1e6:.5g} um",
-        f"  {'active ' + contact.loaded:<15} {int(contact.active_hats[-1])}",
+        f"  loaded          {int(contact.active_hats[-1])} {CARRIERS[contact.loaded]}",
     ]
     try:
         found = contact.hertz(-1)
@@ -157,5 +162,5 @@ def _friction_lines(contact: Any) -> list[str]:
     return lines if warning is None else [*lines, f"  warning         {warning}"]
 
 
-def _notes(history: Any) -> list[str]:
-    return ["notes"] + [f"  - {note}" for note in history.notes] if history.notes else []
+def _notes(history: Any, pairs: Pairs) -> list[str]:
+    return ["notes"] + [f"  - {note}" for note in folded_notes(history.notes, pairs)] if history.notes else []

@@ -33,7 +33,8 @@ def stability(
 
     folder: where rows are kept, so that a suite that was stopped goes on, and where stability.md, .csv and .png are
     written; None: nothing is kept. cases: names of `warpffrf.study.hard_cases.cases.CASES`; None: all but the slow
-    ones. quick: some of the cases, at two steps each. overwrite: begin anew. Rows are taken from the folder as long as
+    ones. quick: some of the cases, at two steps each. overwrite: begin anew. progress: what is being done, on
+    stderr. Rows are taken from the folder as long as
     case, setting and version are the same: begin anew after a change of the program. Rows that it holds of other cases
     stay in the report. Raises `InputError` for unknown names, and for a folder of something else.
     """

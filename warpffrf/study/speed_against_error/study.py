@@ -59,7 +59,10 @@ def speed_error(
     scene: a Scene, a function `build(**parameters)` that returns one, or a scene file with `settings` as of `--set`.
     duration, step [s], start: as of `simulate`, of a file those of its [simulate]. choices {name: values}, from coarse
     to fine; None: see `choices`. reference: other values for the reference. points {body: (n, 3)} [m, user frame]:
-    where displacement is compared. saved_every [s]: the common times. out: a folder, in which an interrupted study
+    where displacement is compared. saved_every [s]: the common times. measures: which quantities are compared, None for
+    all.
+    progress: what is being done, on stderr. overwrite, resume: of an earlier study in the folder, to replace it or to
+    go on. out: a folder, in which an interrupted study
     goes on. Raises `InputError`.
     """
     source = source_of(scene, settings)

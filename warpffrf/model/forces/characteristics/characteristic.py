@@ -77,6 +77,7 @@ class Characteristic:
 
     @property
     def ends(self) -> tuple[float, float]:
+        """The least and the largest argument [m, rad, m/s or rad/s] at which it is given."""
         return (-np.inf, np.inf)
 
     @cached_property
@@ -97,7 +98,8 @@ class Characteristic:
         return polynomial + p.power[i] * np.sign(xi) * np.abs(xi) ** p.exponent[i]
 
     def slope(self, x: Any) -> np.ndarray:
-        """dF/dx at the arguments x, any shape; where it jumps, that of the side of larger x."""
+        """dF/dx [N/m, N m/rad; of a rate N s/m, N m s/rad] at the arguments x, any shape; where it jumps, that of the
+        side of larger x."""
         return self._slope(*self.pieces.place(x))
 
     def _slope(self, i: np.ndarray, xi: np.ndarray) -> np.ndarray:
@@ -111,14 +113,15 @@ class Characteristic:
         return self.pieces.constant[i] + self.pieces._primitive(i, np.asarray(x, dtype=np.float64))
 
     def has_kink(self, x: float, within: float) -> bool:
-        """Whether the slope jumps at a distance of at most `within` from x."""
+        """Whether the slope jumps at a distance of at most `within` from x [m, rad; of a rate m/s, rad/s]."""
         breaks, after = self.pieces.breaks, np.arange(1, len(self.pieces.origin))
         slopes = np.array([self._slope(i, breaks - self.pieces.origin[i]) for i in (after - 1, after)])
         jumps = np.abs(slopes[1] - slopes[0]) > JUMP * np.abs(slopes).max(initial=0.0)
         return bool(np.any(jumps & (np.abs(breaks - x) <= within)))
 
     def sign_changes(self) -> np.ndarray:
-        """Arguments (n,), rising, between which the signs of F and of x do not change, nor beyond the outermost."""
+        """Arguments (n,) [m, rad; of a rate m/s, rad/s], rising, between which the signs of F and of x do not change,
+        nor beyond the outermost."""
         p = self.pieces
         marks = [0.0, *p.breaks, *p.origin]
         for coefficient, origin, power in zip(p.coefficient, p.origin, p.power, strict=True):

@@ -91,7 +91,8 @@ class LumpedLaw(ABC):
 
     @abstractmethod
     def approach(self, meeting: Meeting) -> Approach:
-        """The law between two surfaces that meet like this. Raises `InputError` where it does not hold for them."""
+        """The law between two surfaces that meet as `meeting` says. Raises `InputError` where it does not hold for
+        them."""
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""

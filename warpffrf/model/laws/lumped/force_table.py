@@ -16,11 +16,11 @@ from warpffrf.model.named_arguments import named_arguments
 @named_arguments
 @dataclass(frozen=True)
 class ForceTable(LumpedLaw):
-    """Forces (n,) [N] at the approaches (n,) [m], both rising strictly, the first force zero; below the first approach,
-    which may be negative, there is none. For surfaces that touch in a point.
+    """`forces` (n,) [N] at the approaches (n,) [m], both rising strictly, the first force zero; below the first
+    approach, which may be negative, there is none. For surfaces that touch in a point.
 
-    shear: tangential stiffness over the normal one, of friction that sticks. damping, restitution and impact_speed as
-    in `LumpedLaw`. Raises `InputError` for a table that folds over itself.
+    shear [-]: tangential stiffness over the normal one, of friction that sticks. damping, restitution and impact_speed
+    as in `LumpedLaw`. Raises `InputError` for a table that folds over itself.
     """
 
     approaches: tuple[float, ...]

@@ -27,7 +27,7 @@ ROLES = ("stiffness", "mass")
 
 @named_arguments
 def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiffness") -> FileMatrix:
-    """The matrix in a file; see the module's table of formats.
+    """The matrix in the file `path`; see the module's table of formats.
 
     `name`: which matrix, for files of several (Nastran); without it the usual names of the `role`, "stiffness" or
     "mass", are looked for. One triangle of a symmetric matrix is completed. Raises `InputError` for a file that is

@@ -1,7 +1,7 @@
-"""Make tet_roller.msh: a hollow roller of second-order tetrahedra whose axis is tilted and off-centre.
+"""Makes roller.msh, a warpffrf example: a hollow roller of second-order tetrahedra, its axis tilted and off-centre.
 
-Needs the gmsh Python package (pip install warpffrf[gmsh]); the tests read only the file. Lengths in mm.
-Run: python tests/data/make_tet_roller.py
+Needs the gmsh Python package (pip install "warpffrf[gmsh]"); to read the file nothing is needed. Lengths in mm.
+Run: python make_roller.py
 """
 
 from __future__ import annotations
@@ -13,7 +13,8 @@ OUTER_RADIUS, BORE_RADIUS, WIDTH = 50.0, 15.0, 20.0  # mm
 CENTER = (12.0, -7.0, 31.0)  # mm, middle of the roller
 AXIS = (0.2, 0.9, -0.35)  # along the roller, not normalised
 RIM_SIZE, BORE_SIZE = 7.0, 8.0  # mm, element size: keeps the file below 1 MB
-FILE = Path(__file__).with_name("tet_roller.msh")
+FILE = Path(__file__).with_name("roller.msh")
+ABOUT = "A hollow roller of quadratic tetrahedra, tilted and off-centre, lengths in mm; a warpffrf example."
 
 
 def main() -> None:
@@ -25,7 +26,7 @@ def main() -> None:
     dx, dy, dz = (WIDTH * a for a in e_a)
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.model.add("tet_roller")
+    gmsh.model.add("roller")
     outer = gmsh.model.occ.addCylinder(x, y, z, dx, dy, dz, OUTER_RADIUS)
     inner = gmsh.model.occ.addCylinder(x, y, z, dx, dy, dz, BORE_RADIUS)
     volumes, _ = gmsh.model.occ.cut([(3, outer)], [(3, inner)])
@@ -57,6 +58,7 @@ def main() -> None:
     gmsh.option.setNumber("Mesh.Binary", 1)
     gmsh.write(str(FILE))
     gmsh.finalize()
+    FILE.write_bytes(f"$Comments\n{ABOUT}\n$EndComments\n".encode() + FILE.read_bytes())
 
 
 if __name__ == "__main__":

@@ -1,0 +1,130 @@
+"""Builders of whole bearings: what they make, by which names, and what they refuse."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.model.bearings import Bearing, Pockets, Spaced
+from warpffrf.model.errors import InputError
+from warpffrf.model.joints import LineInPlane, PointInPlane
+from warpffrf.model.scene import Scene
+
+BALLS: dict[str, Any] = {"elements": 8, "ball_diameter": 0.01, "pitch_diameter": 0.05}
+ROLLERS: dict[str, Any] = {"elements": 12, "roller_diameter": 0.01, "roller_length": 0.012, "pitch_diameter": 0.06}
+SKEW = np.array([1.0, 2.0, 2.0]) / 3.0
+
+
+def ball(scene: Scene | None = None, **options: Any) -> Bearing:
+    return (scene or Scene()).add_ball_bearing("b", **{**BALLS, **options})
+
+
+def roller(scene: Scene | None = None, **options: Any) -> Bearing:
+    return (scene or Scene()).add_roller_bearing("r", **{**ROLLERS, **options})
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, -0.4])
+def test_balls_just_touch_both_rings_anywhere(angle: float) -> None:
+    """At any place, axis and contact angle; the contact angle is that of the normals."""
+    scene = Scene()
+    shaft = scene.add_rigid_body(
+        1.0, (1e-3,) * 3, name="shaft", position=(0.3, -0.1, 0.2), rotation={"axis": (0, 0, 1), "angle": 0.7}
+    )
+    bearing = ball(scene, contact_angle=angle, position=(0.1, 0.2, 0.3), axis=SKEW, inner=shaft)
+    assert bearing.inner is shaft and bearing.outer.name == "b outer ring" and shaft.surfaces
+    out = bearing.place.outward(bearing.raceways.angles[2])
+    for side, sign in (("inner", 1.0), ("outer", -1.0)):
+        at = bearing.contacts_of(side)[2].nearest()  # pyright: ignore[reportAttributeAccessIssue]
+        assert abs(at.gap) < 1e-12
+        np.testing.assert_allclose(at.normal, sign * (np.cos(angle) * out + np.sin(angle) * SKEW), atol=1e-7)
+        across, along = bearing.raceways.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
+        np.testing.assert_allclose(at.curvatures, (across, along), rtol=1e-7)
+
+
+def test_clearance_is_the_play_across() -> None:
+    """Half of it on every side, a quarter at each contact, of balls and rollers."""
+    for bearing in (ball(clearance=40e-6), roller(clearance=40e-6)):
+        for side in ("inner", "outer"):
+            for contact in bearing.contacts_of(side)[:2]:
+                assert contact.nearest().gap == pytest.approx(10e-6, rel=1e-6)  # pyright: ignore[reportAttributeAccessIssue]
+
+
+def test_parts_have_names_and_may_be_changed() -> None:
+    scene = Scene()
+    bearing = ball(scene, outer=scene.ground)
+    assert scene.bearing("b") is bearing and scene.bearings == [bearing]
+    assert [body.name for body in scene.bodies] == ["b inner ring", *(f"b ball {i}" for i in range(1, 9)), "b cage"]
+    assert scene.lumped_contact("b outer 3") is bearing.contacts["outer_3"]
+    assert scene.joint("b pocket 3") is bearing.joints["pocket_3"]
+    assert isinstance(bearing.joints["pocket_1"], PointInPlane) and isinstance(roller().joints["pocket_1"], LineInPlane)
+    bearing.contacts["outer_3"].law = wf.laws.PowerForce(1e9)  # pyright: ignore[reportAttributeAccessIssue]
+    assert bearing.drive is not None and bearing.drive in scene.drives
+    assert "8 balls" in repr(bearing)
+    mass = 7850.0 * np.pi * 0.01**3 / 6.0
+    assert bearing.elements[0].mass == pytest.approx(mass)
+    assert bearing.elements[0].inertia[0, 0] == pytest.approx(0.1 * mass * 0.01**2)
+    assert bearing.cage is not None and bearing.cage.mass == pytest.approx(0.2 * 8 * mass)
+
+
+def test_orbit_speed_is_that_of_rolling() -> None:
+    """Points of ball and ring that touch have one velocity: w r_i + (w_c - w)(...) leads to (1 - gamma)/2."""
+    bearing = ball(contact_angle=0.5)
+    gamma = 0.01 * np.cos(0.5) / 0.05
+    assert bearing.orbit_speed(100.0) == pytest.approx(50.0 * (1.0 - gamma))
+    assert bearing.orbit_speed(100.0, 100.0) == pytest.approx(100.0)
+    assert roller().orbit_speed(0.0, 100.0) == pytest.approx(50.0 * (1.0 + 0.01 / 0.06))
+
+
+def test_pockets_surround_elements() -> None:
+    bearing = ball(cage=Pockets(0.2e-3, friction=0.1))
+    for i in (1, 5):
+        assert bearing.contacts[f"pocket_{i}"].nearest().gap == pytest.approx(0.1e-3)  # pyright: ignore[reportAttributeAccessIssue]
+    bearing = roller(cage=Pockets(0.2e-3))
+    for name in ("front", "back"):
+        contact: Any = bearing.contacts[f"pocket_3_{name}"]
+        assert contact.gap() == pytest.approx(0.1e-3, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("make", "said"),
+    [
+        (lambda: ball(elements=20), r"20 elements .* overlap .* take 15 elements at most, .*0\.06392 m or more"),
+        (lambda: ball(pitch_diameter=0.015), "leave no inner ring on a pitch circle"),
+        (lambda: ball(osculation=0.5), "osculation of the inner ring.* must be above 0.5"),
+        (lambda: ball(osculation=(0.52, 0.49)), "osculation of the outer ring.* must be above 0.5"),
+        (lambda: ball(contact_angle=40.0), "angles are in radians"),
+        (lambda: ball(contact_angle=0.3, clearance=1e-5), "not both; a clearance of 3.57e-05 m"),
+        (lambda: ball(clearance=0.9e-3), r"beyond the geometry.* 0\.0008 m"),
+        (lambda: roller(clearance=0.02), "beyond the geometry"),
+        (lambda: ball(cage=Pockets(-1e-4)), "pockets of 0.0099 m are smaller than the elements"),
+        (lambda: roller(cage=Pockets(6e-3)), "pockets of 0.016 m overlap"),
+        (lambda: roller(cage=Pockets(1e-4, guided=False)), "leave guided=True"),
+        (lambda: ball(cage="spaced"), "bearings.Spaced"),
+        (lambda: ball(first=(0, 1, 0)), "perpendicular to the axis"),
+        (lambda: ball(inner=3), "scene.ground, a contact surface of a flexible body"),
+        (lambda: ball(bore=0.045), "bore 0.045 m leaves no ring under the raceway, which lies above 0.04 m"),
+        (lambda: ball(law=3), "laws.HertzPoint"),
+        (lambda: ball(shoulders=-1.0), "shoulders"),
+    ],
+)
+def test_what_does_not_fit_is_refused(make: Any, said: str) -> None:
+    with pytest.raises(InputError, match=said):
+        make()
+
+
+def test_names_are_taken_once() -> None:
+    scene = Scene()
+    ball(scene)
+    with pytest.raises(InputError, match="name 'b' of a bearing is taken"):
+        ball(scene)
+    with pytest.raises(InputError, match="'b'"):
+        scene.bearing("c")
+    with pytest.raises(InputError, match="inner and outer are both 'ground'"):
+        ball(inner=(ground := Scene()).ground, outer=ground.ground)
+
+
+def test_a_frame_holds_without_a_clearance() -> None:
+    assert Spaced().speed == 0.0 and Spaced(speed=3.0).mass is None

@@ -1,0 +1,113 @@
+"""Runs all that README.md and docs/*.md print for their readers, as printed, with an installed wheel in another folder.
+
+Every page has a folder of its own, in which its blocks of Python and its commands run in the order of the page; all
+share one cache of kernels, cold at first. Modules and commands that pages name within a line are looked up, not run.
+Run: python tests/wheel_blocks.py VENV FOLDER
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from printed import Printed, printed
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md")))
+# Run in another way than printed, in a way that the page documents too: for its time.
+INSTEAD = {"warpffrf demo two-rollers": "warpffrf demo two-rollers --quick"}
+# What pages print and this does not run.
+LEFT_OUT = {
+    "make ...": "for a checkout, not for a wheel; `make test`, `make demo` and `make bench` are run there",
+    "python -m warpffrf. ...": "studies of minutes to an hour, which write pages of the repository: only looked up",
+    "rerun FILE.rrd": "opens a window",
+}
+MODULE = re.compile(r"python\s+-m\s+(warpffrf[\w.]+)")
+INLINE = re.compile(r"`warpffrf ([a-z][a-z-]*(?: [a-z][a-z-]+)?)[^`]*`")
+LONGEST = 300  # s, of one block
+SHOWN = 3000  # characters of what a block that failed has said
+
+
+def environment(venv: Path, folder: Path) -> dict[str, str]:
+    """That of a user who has installed the wheel and nothing of the checkout; caches are in `folder`."""
+    kept = {name: os.environ[name] for name in ("HOME", "LANG", "OPENBLAS_NUM_THREADS") if name in os.environ}
+    path = os.pathsep.join([str(venv / "bin"), os.environ.get("PATH", "")])
+    caches = {"WARP_CACHE_PATH": str(folder / "kernels"), "XDG_CACHE_HOME": str(folder / "cache")}
+    return {**kept, **caches, "PATH": path, "MPLBACKEND": "agg", "COLUMNS": "120"}
+
+
+def arguments(item: Printed, venv: Path, folder: Path) -> list[str]:
+    """How the item is run in `folder`."""
+    if item.is_python:
+        script = folder / f"block_{item.line}.py"
+        script.write_text(item.text, encoding="utf-8")
+        return [str(venv / "bin" / "python"), script.name]
+    text = INSTEAD.get(item.text, item.text)
+    return [str(venv / "bin" / "warpffrf"), *Printed(False, text, item.line).words[1:]]
+
+
+def run_page(page: Path, venv: Path, folder: Path) -> list[str]:
+    """Run what the page prints; returns what failed."""
+    here, failed = folder / page.relative_to(ROOT).with_suffix(""), []
+    for item in printed(page.read_text(encoding="utf-8")):
+        here.mkdir(parents=True, exist_ok=True)
+        words, begun = arguments(item, venv, here), time.perf_counter()
+        done = subprocess.run(
+            words, cwd=here, env=environment(venv, folder), capture_output=True, text=True, timeout=LONGEST
+        )
+        label = "python" if item.is_python else item.text if item.text not in INSTEAD else f"{INSTEAD[item.text]} (*)"
+        place = f"{page.relative_to(ROOT)}:{item.line}"
+        print(f"{time.perf_counter() - begun:6.1f} s  {done.returncode}  {place:24} {label[:80]}", flush=True)
+        if done.returncode:
+            failed.append(f"{place}: exit code {done.returncode}\n{(done.stdout + done.stderr)[-SHOWN:]}")
+    return failed
+
+
+def look_up(venv: Path, folder: Path) -> list[str]:
+    """Modules and commands that pages name within a line and the wheel does not have."""
+    text = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
+    modules, names = sorted(set(MODULE.findall(text))), sorted(set(INLINE.findall(text)))
+    code = f"""
+import sys
+from importlib.util import find_spec
+import typer
+from warpffrf.cli import app
+missing = [f"python -m {{m}}" for m in {modules!r} if find_spec(m) is None]
+group = typer.main.get_command(app)
+for name in {names!r}:
+    known, (first, *rest) = group.commands, name.split()
+    if first not in known or (rest and hasattr(known[first], "commands") and rest[0] not in known[first].commands):
+        missing.append(f"warpffrf {{name}}")
+print("\\n".join(missing), end="")
+"""
+    done = subprocess.run(
+        [str(venv / "bin" / "python"), "-c", code],
+        cwd=folder,
+        env=environment(venv, folder),
+        capture_output=True,
+        text=True,
+    )
+    if done.returncode:
+        return [done.stderr[-SHOWN:]]
+    print(f"looked up: {len(modules)} modules, {len(names)} commands")
+    return [f"the pages name `{line}`, which the wheel does not have" for line in done.stdout.splitlines()]
+
+
+def main() -> int:
+    venv, folder = (Path(word).resolve() for word in sys.argv[1:3])
+    folder.mkdir(parents=True, exist_ok=True)
+    begun, failed = time.perf_counter(), look_up(venv, folder)
+    for page in PAGES:
+        failed += run_page(page, venv, folder)
+    print(f"{time.perf_counter() - begun:.0f} s in all; (*) the quick form that the page documents. Not run:")
+    print("\n".join(f"  {what}: {why}" for what, why in LEFT_OUT.items()))
+    print("\n".join(failed))
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,23 @@
+"""Whole rolling bearings: builders of rings, elements, contacts and cage, and what such a bearing is.
+
+    geometry.py   pitch circle, grooves, clearance, contact angle; what does not fit
+    parts.py      place, masses, rings, contacts            cage.py              Spaced, Pockets
+    bearing.py    Bearing: its parts by name                rating.py            ISO 281 and ISO/TS 16281 lives
+    build.py      what both builders do                     ball.py, roller.py   the builders
+
+A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` takes the contact that its
+surfaces ask for: a new kind of bearing is a geometry and a builder.
+"""
+
+from __future__ import annotations
+
+from warpffrf.model.bearings.ball import add_ball_bearing
+from warpffrf.model.bearings.bearing import Bearing
+from warpffrf.model.bearings.cage import Cage, Pockets, Spaced
+from warpffrf.model.bearings.roller import add_roller_bearing
+
+__all__ = ["Bearing", "Cage", "Pockets", "Spaced", "add_ball_bearing", "add_roller_bearing"]
+
+
+def __dir__() -> list[str]:
+    return __all__

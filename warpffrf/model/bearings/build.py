@@ -1,0 +1,104 @@
+"""What the builders of ball and roller bearings have in common: rings, elements, contacts, cage, in this order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from warpffrf.model.bearings.bearing import Bearing
+from warpffrf.model.bearings.cage import Cage
+from warpffrf.model.bearings.parts import SIDES, RingSize, contact_of, ring_surface
+from warpffrf.model.bodies import Body, Ground
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.friction import FrictionLike
+from warpffrf.model.laws.lumped import LumpedLaw, as_lumped_law
+from warpffrf.model.material import Material
+
+if TYPE_CHECKING:
+    from warpffrf.model.scene import Scene
+
+
+def checked_materials(label: str, material: Any, element_material: Any) -> tuple[Material, Material]:
+    """Of the elements and of the rings. Raises `InputError`."""
+    element = material if element_material is None else element_material
+    for name, value in (("material", material), ("element_material", element)):
+        if not isinstance(value, Material):
+            raise InputError(f"{label}: {name} must be a Material, got {value!r}")
+    return element, material
+
+
+def checked_laws(label: str, law: Any, default: LumpedLaw) -> tuple[LumpedLaw, LumpedLaw]:
+    """On the inner and on the outer ring. Raises `InputError`."""
+    pair = (default, default) if law is None else law if isinstance(law, (tuple, list)) else (law, law)
+    if len(pair) != 2:
+        raise InputError(f"{label}: law is one of warpffrf.laws, or two, (inner, outer), got {len(pair)}")
+    first, second = (as_lumped_law(one, label) for one in pair)
+    return first, second
+
+
+def checked_shoulders(label: str, shoulders: Any) -> tuple[float | None, float | None]:
+    """Heights [m] of the inner and outer ring's. Raises `InputError`."""
+    if shoulders is None:
+        return None, None
+    pair = shoulders if isinstance(shoulders, (tuple, list)) else (shoulders, shoulders)
+    if len(pair) != 2:
+        raise InputError(f"{label}: shoulders is one height [m], or two, (inner, outer), got {len(pair)}")
+    first, second = (require_number(h, f"{label}: shoulders [m]", positive=True) for h in pair)
+    return first, second
+
+
+def refuse_name(scene: Scene, name: Any) -> None:
+    """Raises `InputError` for a name that is no text, or that another bearing has."""
+    if not isinstance(name, str) or not name or "/" in name:
+        raise InputError(f"scene: the name of a bearing must be a non-empty text without '/', got {name!r}")
+    if name in [bearing.name for bearing in scene.bearings]:
+        raise InputError(f"scene: the name {name!r} of a bearing is taken, choose another")
+
+
+def assemble(
+    scene: Scene,
+    bearing: Bearing,
+    *,
+    rings: dict[str, Any],
+    raceway_of: Callable[[str, Body | Ground], Any],
+    size: RingSize,
+    element_of: Callable[[], tuple[float, Any, Any]],
+    laws: tuple[LumpedLaw, LumpedLaw],
+    friction: FrictionLike,
+    cage: Cage | None,
+) -> Bearing:
+    """Add the parts of `bearing` to the scene and return it.
+
+    raceway_of: shape of the raceway of a side in user axes of the ring's body; element_of: mass, inertia and shape of
+    an element about its centre, world axes.
+    """
+    if cage is not None and not isinstance(cage, Cage):
+        raise InputError(
+            f"bearing {bearing.name!r}: cage must be bearings.Spaced(...), bearings.Pockets(...) or None, got {cage!r}"
+        )
+    place, raceways = bearing.place, bearing.raceways
+    ports = {}
+    for side in SIDES:
+        body, ports[side] = ring_surface(
+            scene, bearing.name, side, rings[side], lambda body, side=side: raceway_of(side, body), size, place,
+            bearing.materials[1],
+        )  # fmt: skip
+        setattr(bearing, side, body)
+    if bearing.inner is bearing.outer:
+        raise InputError(f"bearing {bearing.name!r}: inner and outer are both {bearing.inner.name!r}; name two bodies")
+    for i, angle in enumerate(raceways.angles, start=1):
+        mass, inertia, shape = element_of()
+        element = scene.add_rigid_body(
+            mass, inertia, name=f"{bearing.name} {bearing.kind} {i}",
+            position=place.center + 0.5 * raceways.pitch_diameter * place.outward(angle),
+            surfaces={bearing.element_surface: shape},
+        )  # fmt: skip
+        bearing.elements.append(element)
+        for side, law in zip(SIDES, laws, strict=True):
+            name = f"{bearing.name} {side} {i}"
+            contact = contact_of(element[bearing.element_surface], ports[side], law, friction, name)
+            bearing.contacts[f"{side}_{i}"] = scene.add(contact)
+    if cage is not None:
+        cage.hold(scene, bearing)
+    scene.bearings.append(bearing)
+    return bearing

@@ -1,0 +1,172 @@
+"""Parts of a rigid bearing: where it stands, masses of its rings and elements, and a contact between two of them.
+
+Masses are those of solid balls and rollers, and of rings that are hollow cylinders of steel: with the pitch diameter
+d_pw, the diameter D of an element and the width b, what is not given is
+
+    bore d_pw - 1.6 D,    outside diameter d_pw + 1.6 D,    shoulders at d_pw -+ 0.4 D,    width 1.5 D,
+
+the proportions of a deep-groove bearing of the medium series; of rollers the width is their length and 0.4 D.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warpffrf.model.bodies import Body, Ground, SurfacePort
+from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError, require_array, require_direction, require_number
+from warpffrf.model.friction import FrictionLike
+from warpffrf.model.laws.lumped import LumpedLaw
+from warpffrf.model.lumped_contact import LumpedContact
+from warpffrf.model.material import Material
+from warpffrf.model.surface_fit import reference_direction
+from warpffrf.model.surfaces import Shape
+
+if TYPE_CHECKING:
+    from warpffrf.model.scene import Scene
+
+SIDES = ("inner", "outer")
+STEEL = Material(210e9, 0.3, 7850.0, name="steel")
+DEEP, SHOULDER, BALL_WIDTH, ROLLER_OVERHANG = 1.6, 0.4, 1.5, 0.4  # of the diameter of an element
+PERPENDICULAR = 1e-6  # cosine of `first` and the axis: six digits typed
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a bearing stands in the world at the initial pose: `center` (3,) [m] and the rows of `axes` (3, 3): the
+    direction of the first element, the one a quarter turn on, and the axis."""
+
+    center: np.ndarray
+    axes: np.ndarray
+
+    @classmethod
+    def of(cls, label: str, center: Any, axis: Any, first: Any) -> Place:
+        """A checked one; first: None for +x made perpendicular to the axis. Raises `InputError`."""
+        at = require_array(center, f"{label}: position", (3,))
+        along = require_direction(axis, f"{label}: axis")
+        towards = reference_direction(along) if first is None else require_direction(first, f"{label}: first")
+        cosine = float(towards @ along)
+        if abs(cosine) > PERPENDICULAR:
+            raise InputError(
+                f"{label}: first, the direction of the first element from the axis, must be perpendicular to the axis"
+            )
+        towards = require_direction(towards - cosine * along, f"{label}: first")
+        return cls(at, np.stack([towards, np.cross(along, towards), along]))
+
+    @property
+    def axis(self) -> np.ndarray:
+        return self.axes[2]
+
+    def outward(self, angle: float) -> np.ndarray:
+        """Unit vector (3,) away from the axis at an angle [rad] from the first element."""
+        return np.cos(angle) * self.axes[0] + np.sin(angle) * self.axes[1]
+
+    def around(self, angle: float) -> np.ndarray:
+        """Unit vector (3,) of increasing angle."""
+        return np.cos(angle) * self.axes[1] - np.sin(angle) * self.axes[0]
+
+    def in_user(self, body: Body | Ground, z: float = 0.0) -> dict[str, Any]:
+        """axis_point and axis_direction of a surface about the bearing's axis, user frame of `body`, `z` [m] along the
+        axis from the centre."""
+        at = self.center + z * self.axis
+        return {"axis_point": body.to_user(at), "axis_direction": body.to_user(at + self.axis) - body.to_user(at)}
+
+
+def solid_ball(diameter: float, material: Material) -> tuple[float, np.ndarray]:
+    """Mass [kg] and inertia (3, 3) [kg m2]."""
+    mass = material.density * np.pi * diameter**3 / 6.0
+    return mass, 0.1 * mass * diameter**2 * np.eye(3)
+
+
+def hollow_cylinder(
+    inner: float, outer: float, length: float, material: Material, axis: np.ndarray
+) -> tuple[float, np.ndarray]:
+    """Mass [kg] and inertia (3, 3) [kg m2] about the centre, of diameters `inner` and `outer` [m]."""
+    mass = material.density * 0.25 * np.pi * (outer**2 - inner**2) * length
+    about = 0.125 * mass * (inner**2 + outer**2)
+    across = 0.5 * about + mass * length**2 / 12.0
+    return mass, across * np.eye(3) + (about - across) * np.outer(axis, axis)
+
+
+@dataclass(frozen=True)
+class RingSize:
+    """Bore, outside diameter and width [m] of a bearing's rings, where these are generated; None as the module says."""
+
+    label: str
+    pitch: float
+    diameter: float
+    bore: float | None
+    outside: float | None
+    width: float
+
+    def mass(self, side: str, material: Material, axis: np.ndarray) -> tuple[float, np.ndarray]:
+        """Of the ring of a side. Raises `InputError` for a bore or an outside diameter beyond the shoulders."""
+        shoulder = self.pitch + (SHOULDER if side == "outer" else -SHOULDER) * self.diameter
+        given, name = (self.bore, "bore") if side == "inner" else (self.outside, "outside_diameter")
+        sign = -1.0 if side == "inner" else 1.0
+        edge = self.pitch + sign * DEEP * self.diameter
+        if given is not None:
+            edge = require_number(given, f"{self.label}: {name} [m]", positive=True)
+            if sign * (edge - self.pitch) <= self.diameter:
+                raise InputError(
+                    f"{self.label}: {name} {edge:g} m leaves no ring under the raceway, which lies "
+                    f"{'above' if side == 'inner' else 'below'} {self.pitch + sign * self.diameter:.4g} m"
+                )
+        edge = max(edge, 0.0)
+        return hollow_cylinder(min(edge, shoulder), max(edge, shoulder), self.width, material, axis)
+
+
+def ring_surface(
+    scene: Scene, name: str, side: str, given: Any, shape_of: Any, size: RingSize, place: Place, material: Material
+) -> tuple[Body | Ground, SurfacePort]:
+    """The body of a ring and its raceway.
+
+    given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceway, or a contact
+    surface that there is, `body["rim"]`, of a flexible ring. shape_of: the shape of the raceway from its axis in user
+    axes. Raises `InputError`.
+    """
+    label = f"bearing {name!r}: {side}"
+    if isinstance(given, SurfacePort):
+        _refuse_other_raceway(label, given, shape_of(given.body))
+        return given.body, given
+    if given is None:
+        mass, inertia = size.mass(side, material, place.axis)
+        given = scene.add_rigid_body(mass, inertia, name=f"{name} {side} ring", position=place.center)
+    if not isinstance(given, (Body, Ground)):
+        raise InputError(
+            f"{label} must be a rigid body of the scene, scene.ground, a contact surface of a flexible body, "
+            f"body['raceway'], or None for a rigid ring that is made here, got {given!r}"
+        )
+    if given.reduced is not None:
+        surfaces = ", ".join(f"body[{surface!r}]" for surface in given.reduced.contact_surfaces) or "none"
+        raise InputError(
+            f"{label}: body {given.name!r} is flexible, and its raceway one of its contact surfaces: name it "
+            f"instead of the body, of {surfaces}"
+        )
+    return given, given.surface(shape_of(given), name=f"{name} {side} raceway")
+
+
+def contact_of(
+    element: SurfacePort, ring: SurfacePort, law: LumpedLaw, friction: FrictionLike, name: str
+) -> LumpedContact | Contact:
+    """Between an element and a raceway: lumped where both are rigid, else distributed, the flexible one first."""
+    if element.rigid and ring.rigid:
+        return LumpedContact(element, ring, law=law, friction=friction, name=name)
+    first, second = (element, ring) if ring.rigid else (ring, element)
+    return Contact(first, second, friction=friction, name=name)
+
+
+def _refuse_other_raceway(label: str, port: SurfacePort, wanted: Shape) -> None:
+    """Raises `InputError` where a contact surface that is given is no raceway of this bearing."""
+    shape: Any = port.surface.shape
+    kinds = (wanted.kind, "profiled_cylinder", "crowned_cylinder") if wanted.side > 0.0 else (wanted.kind,)
+    radius = float(getattr(wanted, "radius", 0.0))
+    if shape.kind not in kinds or abs(shape.radius - radius) > 1e-2 * radius:
+        raise InputError(
+            f"{label}: {port.label}, a {shape.kind} of radius {shape.radius:.6g} m, is no raceway of this bearing, "
+            f"which is a {wanted.kind} of radius {radius:.6g} m; reduce the ring with that surface, or change the "
+            "geometry"
+        )

@@ -1,0 +1,294 @@
+"""One bearing of a run: a column for each rolling element, and what follows for the whole."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from warpffrf.model import looks
+from warpffrf.model import rotation as rot
+from warpffrf.model.bearings.geometry import BallRaceways, from_description
+from warpffrf.model.bearings.parts import SIDES
+from warpffrf.model.bearings.rating import BasicLife, ReferenceLife, basic_life, reference_life
+from warpffrf.model.errors import InputError
+from warpffrf.online.history.history import BodyHistory, History
+from warpffrf.output.bearings.patches import Patches, ball_patches, cut_off, roller_patches
+
+LOADED = 1e-9  # of the largest load: an element below carries nothing that has a direction
+GROUND = "ground"
+MM, UM, MPA = 1e3, 1e6, 1e-6
+ROUND_OFF = 1e-9  # of the largest figure of a column: smaller ones are shown as 0
+NO_TILT = 1e-9  # rad
+
+
+class BearingResult(looks.Shown):
+    """A bearing as `result.bearing(name)` gives it; SI units, arrays (T, Z): a row for each saved step, a column for
+    each element.
+
+    Directions are those of the bearing's frame, that of the outer ring: towards where the first element began, a
+    quarter turn on, and along the axis. Of contact with flexible rings there are loads and contact angles, the patches
+    are in `result.contact(name)`.
+    """
+
+    _hidden = frozenset({"history", "description"})
+
+    def __init__(self, history: History, description: Mapping[str, Any]) -> None:
+        self.history, self.description = history, description
+        self.name, self.kind = str(description["name"]), str(description["kind"])
+        self.raceways = from_description(description["raceways"])
+        self.time = history.time  # (T,) s
+        self.elements = list(description["elements"])
+
+    def _facts(self) -> dict[str, Any]:
+        return {"name": self.name, "elements": f"{len(self.elements)} {self.kind}s", "rows": len(self.time)}
+
+    # --- frame
+
+    @cached_property
+    def axes(self) -> np.ndarray:
+        """(T, 3, 3): rows are the directions of the bearing's frame, world axes."""
+        first = np.asarray(self.description["axes"])
+        return np.einsum("tij,kj->tki", self._turned(self.description["outer"]), first)
+
+    @cached_property
+    def center(self) -> np.ndarray:
+        """(T, 3) m: the centre, fixed to the outer ring, world axes."""
+        return self._carried(self.description["outer"])
+
+    @cached_property
+    def angle(self) -> np.ndarray:
+        """(T, Z) rad: where the elements stand about the axis, from where the first one began, between -pi and pi."""
+        d = self._directions
+        return np.arctan2(d[..., 1], d[..., 0])
+
+    @cached_property
+    def _directions(self) -> np.ndarray:
+        """(T, Z, 3): unit vectors from the axis to the elements, bearing's frame."""
+        place = np.stack([self.history.bodies[name].position for name in self.elements], axis=1)
+        local = np.einsum("tki,tzi->tzk", self.axes, place - self.center[:, None])
+        local[..., 2] = 0.0
+        return local / np.linalg.norm(local, axis=-1, keepdims=True)
+
+    # --- elements
+
+    @cached_property
+    def inner_load(self) -> np.ndarray:
+        """(T, Z) N, normal force between element and inner ring."""
+        return self._loads("inner")
+
+    @cached_property
+    def outer_load(self) -> np.ndarray:
+        """(T, Z) N, normal force between element and outer ring."""
+        return self._loads("outer")
+
+    @cached_property
+    def inner_angle(self) -> np.ndarray:
+        """(T, Z) rad, contact angle on the inner ring, positive where that ring is pushed back against the axis; nan
+        without a load."""
+        return self._angles("inner")
+
+    @cached_property
+    def outer_angle(self) -> np.ndarray:
+        """(T, Z) rad, contact angle on the outer ring, counted alike."""
+        return self._angles("outer")
+
+    @cached_property
+    def inner_patches(self) -> Patches:
+        """Hertz's half-axes and peak pressures (T, Z) on the inner ring; lumped contact only."""
+        return self._patches("inner")
+
+    @cached_property
+    def outer_patches(self) -> Patches:
+        """Hertz's half-axes and peak pressures (T, Z) on the outer ring; lumped contact only."""
+        return self._patches("outer")
+
+    @cached_property
+    def slip_speed(self) -> dict[str, np.ndarray]:
+        """ "inner" and "outer" -> (T, Z) m/s, of the element's surface against the raceway where the force acts."""
+        return {side: self._of_lumped(side, "slip_velocity", norm=True) for side in SIDES}
+
+    @cached_property
+    def cage_force(self) -> np.ndarray:
+        """(T, Z) N, of the cage on the elements around the axis, positive where it drives them forward; 0 without."""
+        found = np.zeros((len(self.time), len(self.elements)))
+        around = np.stack([-self._directions[..., 1], self._directions[..., 0], 0.0 * self._directions[..., 0]], -1)
+        for i in range(len(self.elements)):
+            total = np.zeros((len(self.time), 3))
+            key = f"pocket_{i + 1}"
+            for name, joint in self.description["joints"].items():
+                if name == key:
+                    total += self.history.joints[joint].force
+            for name, contact in self.description["contacts"].items():
+                if name == key or name.startswith(f"{key}_"):
+                    total += self.history.lumped_contacts[contact].force
+            found[:, i] = np.einsum("tk,tki,ti->t", around[:, i], self.axes, total)
+        return found
+
+    @cached_property
+    def cut_off(self) -> dict[str, np.ndarray]:
+        """ "inner" and "outer" -> (T, Z) -, share of the ellipse beyond the ring's shoulder, where that is known."""
+        found = {}
+        for side, height in zip(SIDES, self.description["shoulders"], strict=True):
+            if height is not None and isinstance(self.raceways, BallRaceways):
+                angle = np.nan_to_num(self._angles(side))
+                found[side] = cut_off(self.raceways, side, self._patches(side), angle, height)
+        return found
+
+    # --- rings
+
+    @cached_property
+    def displacement(self) -> np.ndarray:
+        """(T, 3) m, of the inner ring's centre against the outer ring since the initial pose, bearing's frame."""
+        moved = self._carried(self.description["inner"]) - self.center
+        return np.einsum("tki,ti->tk", self.axes, moved)
+
+    @cached_property
+    def tilt(self) -> np.ndarray:
+        """(T, 3) rad, rotation vector of the inner ring against the outer one since the initial pose, bearing's frame;
+        the third is its turn about the axis."""
+        inner, outer = (self._turned(self.description[side]) for side in SIDES)
+        relative = np.einsum("tji,tjk->tik", outer, inner)
+        return Rotation.from_matrix(relative).as_rotvec() @ np.asarray(self.description["axes"]).T
+
+    @cached_property
+    def force(self) -> np.ndarray:
+        """(T, 3) N, of the elements on the inner ring, bearing's frame."""
+        total = -sum(self._forces("inner"), np.zeros((len(self.time), 3)))
+        return np.einsum("tki,ti->tk", self.axes, total)
+
+    # --- the whole
+
+    def basic_life(self, capacity: float, row: int = -1, *, X: float = 1.0, Y: float = 0.0) -> BasicLife:
+        """ISO 281's life at the load of a saved step: capacity [N], factors X and Y of the catalogue.
+
+        Raises `InputError` where the equivalent load is zero.
+        """
+        F = self.force[row]
+        return basic_life(self.kind, capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
+
+    def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
+        """ISO/TS 16281's reference life from the loads of the balls at a saved step (`model.bearings.rating`); capacity
+        [N], turning: the ring that turns against the load. Raises `InputError` for roller bearings."""
+        return reference_life(self.raceways, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
+
+    def table(self, row: int = -1) -> dict[str, np.ndarray]:
+        """Of every element at a saved step: name of a column with its unit -> (Z,)."""
+        columns = {
+            "angle [deg]": np.degrees(self.angle[row]),
+            "inner load [N]": self.inner_load[row], "outer load [N]": self.outer_load[row],
+            "inner angle [deg]": np.degrees(self.inner_angle[row]),
+            "outer angle [deg]": np.degrees(self.outer_angle[row]),
+        }  # fmt: skip
+        if self._lumped:
+            for side in SIDES:
+                patches = self._patches(side)
+                columns[f"{side} peak [MPa]"] = MPA * patches.peak_pressure[row]
+                columns[f"{side} a [mm]"] = MM * patches.half_axis_across[row]
+                columns[f"{side} b [mm]"] = MM * patches.half_axis_around[row]
+                columns[f"{side} slip [m/s]"] = self.slip_speed[side][row]
+        columns["cage force [N]"] = self.cage_force[row]
+        columns |= {f"{side} cut off [%]": 100.0 * share[row] for side, share in self.cut_off.items()}
+        return columns
+
+    def report(self, row: int = -1) -> str:
+        """The table in words, and how the inner ring has moved."""
+        table = self.table(row).items()
+        shown = {name: _rounded(values, NO_TILT if "deg" in name else 0.0) for name, values in table}
+        shown = {name: values for name, values in shown.items() if np.any(np.nan_to_num(values))}
+        moved = UM * _rounded(self.displacement[row])
+        tilt = 1e3 * _rounded(self.tilt[row][:2], NO_TILT)
+        loaded = int(np.count_nonzero(_rounded(self.outer_load[row])))
+        lines = [
+            f"bearing {self.name!r} at {self.time[row]:.6g} s: {loaded} of {len(self.elements)} {self.kind}s loaded",
+            f"inner ring moved by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
+            f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
+            "  ".join([f"{'':>3}", *(f"{name:>17}" for name in shown)]),
+        ]
+        for i in range(len(self.elements)):
+            numbers = (values[i] for values in shown.values())
+            lines.append(
+                "  ".join([f"{i + 1:>3}", *("-".rjust(17) if np.isnan(x) else f"{x:>17.5g}" for x in numbers)])
+            )
+        return "\n".join(lines)
+
+    # --- from the histories
+
+    @property
+    def _lumped(self) -> bool:
+        names = self.description["contacts"].values()
+        return all(name in self.history.lumped_contacts for name in names)
+
+    def _names(self, side: str) -> list[str]:
+        return [self.description["contacts"][f"{side}_{i + 1}"] for i in range(len(self.elements))]
+
+    def _forces(self, side: str) -> list[np.ndarray]:
+        """(T, 3) N each, on the elements, world axes."""
+        found = []
+        for name in self._names(side):
+            if name in self.history.lumped_contacts:
+                found.append(self.history.lumped_contacts[name].force)
+            else:  # a flexible ring is the first body
+                found.append(-self.history.contacts[name].force)
+        return found
+
+    def _loads(self, side: str) -> np.ndarray:
+        lumped, pairs = self.history.lumped_contacts, self.history.contacts
+        loads = [
+            lumped[name].normal_force if name in lumped else np.linalg.norm(pairs[name].force, axis=1)
+            for name in self._names(side)
+        ]
+        return np.stack(loads, axis=1)
+
+    def _angles(self, side: str) -> np.ndarray:
+        sign = 1.0 if side == "inner" else -1.0
+        F = np.einsum("tki,tzi->tzk", self.axes, np.stack(self._forces(side), axis=1))
+        load = self._loads(side)
+        outward = np.einsum("tzk,tzk->tz", F, self._directions)
+        angle = np.arctan2(sign * F[..., 2], sign * outward)
+        return np.where(load > LOADED * load.max(initial=0.0), angle, np.nan)
+
+    def _patches(self, side: str) -> Patches:
+        if not self._lumped:
+            raise InputError(
+                f"bearing {self.name!r}: patches of distributed contact are those of the pairs, result.contact(name)"
+            )
+        modulus = 1.0 / sum(1.0 / E for E in self.description["moduli"])
+        if isinstance(self.raceways, BallRaceways):
+            load = np.where(np.isnan(self._angles(side)), 0.0, self._loads(side))
+            return ball_patches(self.raceways, side, load, np.nan_to_num(self._angles(side)), modulus)
+        laminae = [self.history.lumped_contacts[name].lamina_force for name in self._names(side)]
+        return roller_patches(self.raceways, side, np.stack(laminae, axis=1), modulus)
+
+    def _of_lumped(self, side: str, what: str, *, norm: bool = False) -> np.ndarray:
+        found = np.stack([getattr(self.history.lumped_contacts[name], what) for name in self._names(side)], axis=1)
+        return np.linalg.norm(found, axis=-1) if norm else found
+
+    def _body(self, name: str) -> BodyHistory | None:
+        return None if name == GROUND else self.history.bodies[name]
+
+    def _turned(self, name: str) -> np.ndarray:
+        """(T, 3, 3): rotation of a ring's body since the initial pose."""
+        body = self._body(name)
+        if body is None:
+            return np.broadcast_to(np.eye(3), (len(self.time), 3, 3))
+        begin = rot.matrix(np.asarray(self.description["poses"][name]["rotation"]))
+        return np.array([rot.matrix(q) @ begin.T for q in body.rotation]).reshape(-1, 3, 3)
+
+    def _carried(self, name: str) -> np.ndarray:
+        """(T, 3) m: the centre of the bearing as a ring's body carries it."""
+        center = np.asarray(self.description["center"])
+        body = self._body(name)
+        if body is None:
+            return np.broadcast_to(center, (len(self.time), 3))
+        lever = center - np.asarray(self.description["poses"][name]["position"])
+        return body.position + np.einsum("tij,j->ti", self._turned(name), lever)
+
+
+def _rounded(values: np.ndarray, least: float = 0.0) -> np.ndarray:
+    """`values` with zeros for what is round-off of the largest, or below `least`."""
+    size = np.abs(values)
+    return np.where(size <= max(ROUND_OFF * np.nan_to_num(size).max(initial=0.0), least), 0.0, values)

@@ -1,0 +1,129 @@
+r"""Stiffness of a bearing about a state: how the force and torque on the inner ring change with its pose.
+
+The rings and the cage are held where the state has them, the outer one for good and the inner one displaced by +-h in
+each of six ways, three translations and three turns about the bearing's centre as that ring carries it; every element
+finds its equilibrium anew. With the reaction R(x) of what holds the inner ring,
+
+    K_ij = -(R_i(+h_j) - R_i(-h_j))/(2 h_j),
+
+central differences of equilibria, of second order in h. Torques are about the centre that moves with the ring. K is
+symmetric, as forces have a potential, but for the turns, which do not commute: a torque M at hand leaves entries of its
+size there. `asymmetry` says how far K is from that, which is a check of what was found. Contact laws stay those of the
+machine: Hertz's stiffness is not taken anew from the displaced pose.
+"""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from warpffrf.model.bodies import GROUND_INDEX
+from warpffrf.model.errors import InputError
+from warpffrf.model.joints import Fixed
+from warpffrf.model.laws.lumped import HertzPoint, PowerForce
+from warpffrf.model.lumped_contact import LumpedContact
+from warpffrf.model.scene import Scene
+from warpffrf.online import History, find_equilibrium
+
+MOVE = 1e-3  # of the largest approach under load: far above what an equilibrium leaves, squares of it 1e-6 of K
+LEAST = 1e-9  # m
+SOFTEST = 0.1  # of the largest of its kind, root of a stiffness that entries are scaled by: none about the axis
+SIDES = ("inner", "outer")
+
+
+@dataclass(frozen=True)
+class BearingStiffness:
+    """`matrix` (6, 6) N/m, N/rad, N m/m, N m/rad: change of the force and of the torque about the bearing's centre that
+    displace the inner ring, by its displacement and rotation against the outer ring, in the bearing's frame; symmetric
+    part. `asymmetry`: largest difference of a pair of entries, scaled by the roots of the diagonal."""
+
+    matrix: np.ndarray
+    asymmetry: float
+
+
+def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) -> BearingStiffness:
+    """Of the bearing called `name` of a scene about a saved step. Raises `InputError` for contacts with friction or
+    flexible parts, and where an equilibrium is not found."""
+    bearing = scene.bearing(name)
+    for key, contact in bearing.contacts.items():
+        if not isinstance(contact, LumpedContact):
+            raise InputError(
+                f"bearing {name!r}: the stiffness is that of rigid parts in lumped contact, {key} is distributed"
+            )
+    approach = max(float(history.lumped_contacts[contact.name].approach[row]) for contact in bearing.contacts.values())
+    if approach <= 0.0:
+        raise InputError(f"bearing {name!r}: no element is loaded, and there is no stiffness; load the bearing first")
+    h = max(MOVE * approach, LEAST)
+    arm = 0.5 * bearing.raceways.pitch_diameter
+    steps = np.array([h] * 3 + [h / arm] * 3)
+    columns = []
+    for j, step in enumerate(steps):
+        both = [_reaction(scene, name, history, row, sign * step * np.eye(6)[j]) for sign in (1.0, -1.0)]
+        columns.append((both[0] - both[1]) / (2.0 * step))
+    K = np.stack(columns, axis=1)
+    size = np.sqrt(np.abs(np.diag(K)))
+    size = np.maximum(size, SOFTEST * np.repeat([size[:3].max(), size[3:].max()], 3))
+    asymmetry = float(np.abs((K - K.T) / np.outer(size, size)).max())
+    return BearingStiffness(0.5 * (K + K.T), asymmetry)
+
+
+def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndarray) -> np.ndarray:
+    """Force and torque about the bearing's centre (6,) that hold the inner ring displaced by `move` (6,), bearing's
+    frame."""
+    alone = _alone(scene, name, history, row)
+    bearing = alone.bearing(name)
+    rest = scene.bearing(name).describe()["poses"]
+    frame = _turned(bearing.outer, rest).apply(bearing.place.axes)
+    lever = bearing.place.center - np.asarray(rest[bearing.inner.name]["position"])
+    pivot = bearing.inner.position + _turned(bearing.inner, rest).apply(lever)
+    turn = Rotation.from_rotvec(frame.T @ move[3:])
+    moved, still = bearing.inner, bearing.outer
+    if moved.index == GROUND_INDEX:
+        moved, still, turn, move = still, moved, turn.inv(), -move
+    shift = frame.T @ move[:3]
+    moved.position = pivot + turn.apply(moved.position - pivot) + shift
+    moved.rotation = (turn * Rotation.from_quat(moved.rotation)).as_quat()
+    for body in (moved, still, bearing.cage):
+        if body is not None and body.index != GROUND_INDEX:
+            at = body.position
+            alone.add(Fixed(alone.ground.at(at), body.at((0.0, 0.0, 0.0)), name=f"hold {body.name}"))
+    found = find_equilibrium(alone)
+    if found.status != "completed":
+        raise InputError(f"bearing {name!r}: stiffness: {found.message}")
+    joint = found.joints[f"hold {moved.name}"]
+    F = joint.force[-1]
+    inner = moved is bearing.inner
+    M = joint.torque[-1] + np.cross(moved.position - pivot - (shift if inner else 0.0), F)
+    sign = 1.0 if inner else -1.0
+    return sign * np.concatenate([frame @ F, frame @ M])
+
+
+def _turned(body: Any, rest: dict[str, Any]) -> Rotation:
+    """Rotation of a ring's body, at the pose of the saved step, since the initial one."""
+    return Rotation.from_quat(body.rotation) * Rotation.from_quat(rest[body.name]["rotation"]).inv()
+
+
+def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
+    """The bearing by itself, parts at the poses of the saved step, laws as they are in the machine."""
+    laws = {c.name: c.approach() for c in scene.bearing(name).contacts.values() if isinstance(c, LumpedContact)}
+    alone = copy.deepcopy(scene)
+    bearing = alone.bearing(name)
+    parts = [b for b in (bearing.inner, bearing.outer, bearing.cage, *bearing.elements) if b is not None]
+    alone.gravity = np.zeros(3)
+    alone.bodies = [body for body in alone.bodies if any(body is part for part in parts)]
+    for i, body in enumerate(alone.bodies):
+        body.index = i
+        body.position, body.rotation = history.bodies[body.name].position[row], history.bodies[body.name].rotation[row]
+        body.velocity, body.angular_velocity = np.zeros(3), np.zeros(3)
+    alone.joints = [joint for key, joint in bearing.joints.items() if key != "cage_axle"]
+    alone.drives, alone.forces, alone.contacts, alone.films, alone.laps, alone.sensors = [], [], [], [], [], []
+    alone.lumped_contacts = [c for c in bearing.contacts.values() if isinstance(c, LumpedContact)]
+    for contact in alone.lumped_contacts:
+        if isinstance(contact.law, HertzPoint):
+            law = laws[contact.name]
+            contact.law = PowerForce(law.stiffness, law.exponent, shear=law.shear)
+    return alone

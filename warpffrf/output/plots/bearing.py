@@ -1,0 +1,54 @@
+"""Plots of bearings: the load of each element where it stands, on polar axes, and over time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.output.bearings.bearing_result import BearingResult
+
+INNER, OUTER = "#d1495b", "#1b6ca8"
+HEADROOM = 1.08  # of the largest value of a plot
+MOST_NAMED = 12  # curves in a legend
+
+
+def load_zone(bearing: BearingResult, ax: Any, row: int) -> None:
+    """Loads on the inner and the outer ring at the places of the elements, the first element's at the bottom."""
+    if not hasattr(ax, "set_theta_zero_location"):
+        raise InputError("plot: 'load_zone' is drawn on polar axes; leave ax out, or make it with projection='polar'")
+    angle = bearing.angle[row]
+    around = np.append(angle, angle[0])
+    for side, load, color in (("inner", bearing.inner_load[row], INNER), ("outer", bearing.outer_load[row], OUTER)):
+        ax.plot(around, np.append(load, load[0]) * 1e-3, "o-", color=color, label=f"{side} ring", markersize=4)
+    ax.set_theta_zero_location("S")
+    ax.set_xticks(np.sort(np.mod(np.round(angle, 9), 2.0 * np.pi)))
+    ax.set_ylim(
+        0.0, HEADROOM * max(float(bearing.outer_load[row].max()), float(bearing.inner_load[row].max())) * 1e-3 or 1
+    )
+    ax.legend(loc="upper right", bbox_to_anchor=(1.2, 1.1), fontsize=8)
+    ax.set_title(f"Bearing '{bearing.name}': loads [kN], {bearing.time[row]:.4g} s", fontsize=10)
+
+
+def element_loads(bearing: BearingResult, ax: Any, row: int) -> None:
+    """Load of every element on the outer ring against time."""
+    for i, load in enumerate(bearing.outer_load.T, start=1):
+        ax.plot(bearing.time * 1e3, load * 1e-3, label=f"{bearing.kind} {i}" if i <= MOST_NAMED else None)
+    ax.set(xlabel="time [ms]", ylabel="load on the outer ring [kN]", title=f"Bearing '{bearing.name}'")
+    ax.legend(fontsize=7, ncol=2)
+
+
+BEARING_PLOTS: dict[str, Callable[[BearingResult, Any, int], None]] = {
+    "load_zone": load_zone,
+    "element_loads": element_loads,
+}
+POLAR = frozenset({"load_zone"})
+
+
+def the_bearing(result: Any, name: str | None) -> BearingResult:
+    """The bearing called `name`, the first one if None; raises `InputError` where there is none."""
+    if name is None and not result.bearing_names:
+        raise InputError("plot: the scene has no bearing; make one with scene.add_ball_bearing(...), and run again")
+    return result.bearing(result.bearing_names[0] if name is None else name)
