@@ -211,32 +211,9 @@ def test_options_of_a_reduction_reach_it(tmp_path: Path, capsys: pytest.CaptureF
     assert terms.stiffening is not None and list(terms.stiffening.interfaces) == ["bore"]
 
 
-ROTOR = """\
-[parameters]
-speed = 1.0
-
-[bodies.rotor]
-mass = 2.0
-inertia_tensor = [0.02, 0.02, 0.03]
-angular_velocity = [0, 0, "= speed"]
-
-[joints.foot]
-kind = "spherical"
-a = "ground"
-b = { body = "rotor", point = [0, 0, 0] }
-
-[forces.holder]
-kind = "bushing"
-a = "ground"
-b = { body = "rotor", point = [0, 0, 0] }
-stiffness = [0, 0, 0, 800, 800, 0]
-"""
-
-
 def test_campbell_diagram_of_a_scene_file(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     """J w^2 -+ J_p W w = k: forward and backward tilting of a rotor held by a spring about its middle."""
-    file, picture = tmp_path / "rotor.toml", tmp_path / "campbell.png"
-    file.write_text(ROTOR, encoding="utf-8")
+    file, picture = wf.examples.path("rotor") / "rotor.toml", tmp_path / "campbell.png"
     given = ["campbell", str(file), "speed", "100", "--steps", "2", "--count", "4", "--out", str(picture)]
     assert cli.main(given) == 0 and picture.stat().st_size > 10_000
     said = capsys.readouterr().out

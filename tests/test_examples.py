@@ -89,6 +89,13 @@ def check_roller(said: dict[str, str]) -> None:
     assert body.mass == pytest.approx(7850 * np.pi * (R**2 - r**2) * b, rel=5e-3)  # quadratic facets follow the circle
 
 
+def check_rotor(said: dict[str, str]) -> None:
+    """J w^2 -+ J_p W w = k at the highest speed: tilting backward and forward."""
+    for sign in (1.0, -1.0):
+        w = abs(np.roots([0.02, -sign * 0.03 * 600.0, -800.0]).max())
+        assert f"{w / (2.0 * np.pi):.5g}" in said["campbell"]
+
+
 def check_two_rollers(said: dict[str, str]) -> None:
     assert wf.Result.load("out/two_rollers/two_rollers.h5").status == "completed"
 
@@ -99,6 +106,7 @@ CHECKS = {
     "pendulum": check_pendulum,
     "press": check_press,
     "roller": check_roller,
+    "rotor": check_rotor,
     "two-rollers": check_two_rollers,
 }
 
@@ -153,7 +161,8 @@ def test_files_that_a_page_reads_are_copied_before(page: Path) -> None:
         if not item.is_python and item.words[1:3] == ["example", "copy"]:
             there |= set(wf.examples.get(item.words[3]).files)
             continue
-        words = re.findall(r'"([^"]*)"', item.text) if item.is_python else item.words
+        own = re.sub(r'wf\.examples\.path\("[^"]*"\) / "[^"]*"', "", item.text)  # read where it ships
+        words = re.findall(r'"([^"]*)"', own) if item.is_python else item.words
         named = {word for word in words if Path(word).suffix in INPUTS}
         assert named <= there, f"{page.name}:{item.line} reads {sorted(named - there)}, which no line before copies"
 

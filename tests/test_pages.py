@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from pathlib import Path
 from typing import Any
 
@@ -21,9 +20,8 @@ LONGEST = 15  # lines of a block that one still reads at a glance
 
 @pytest.fixture(scope="module")
 def ran(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
-    """Names after all blocks, in a folder with a mesh of that name."""
+    """Names after all blocks."""
     folder = tmp_path_factory.mktemp("pages")
-    shutil.copy(ROOT / "tests" / "data" / "gmsh_hex8.msh", folder / "part.msh")
     names: dict[str, Any] = {}
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)

@@ -87,6 +87,12 @@ _EXAMPLES = (
         ),
     ),
     Example(
+        "rotor",
+        "A rigid rotor on a spring that tilts: its frequencies against the speed of rotation.",
+        ("rotor.toml",),
+        ("warpffrf campbell rotor.toml speed 600 --out campbell.png",),
+    ),
+    Example(
         "two-rollers",
         "The demo of that name as a scene file; the command has a coarser mesh and a shorter time.",
         ("two_rollers.toml",),
