@@ -9,7 +9,8 @@ import re
 import shlex
 from dataclasses import dataclass
 
-FENCE = re.compile(r"^```(?:python|py)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+LANGUAGE = ("python", "py")
 COMMAND = re.compile(r"^    (warpffrf (?:.*\\\n)*.*)$", re.MULTILINE)
 
 
@@ -29,13 +30,14 @@ class Printed:
 
 def printed(page: str) -> list[Printed]:
     """All that the text of a page prints to be run, in its order."""
-    blocks = [(match, True) for match in FENCE.finditer(page)]
-    commands = [(match, False) for match in COMMAND.finditer(page)]
-    found = sorted(blocks + commands, key=lambda pair: pair[0].start())
-    return [
-        Printed(is_python, match[1] if is_python else _command(match[1]), page.count("\n", 0, match.start()) + 1)
-        for match, is_python in found
+    fences = list(FENCE.finditer(page))
+    blocks = [(match.start(), True, match[2]) for match in fences if match[1] in LANGUAGE]
+    lines = [
+        (match.start(), False, _command(match[1]))
+        for match in COMMAND.finditer(page)
+        if not any(fence.start() < match.start() < fence.end() for fence in fences)
     ]
+    return [Printed(is_python, text, page.count("\n", 0, at) + 1) for at, is_python, text in sorted(blocks + lines)]
 
 
 def python_blocks(page: str) -> list[str]:

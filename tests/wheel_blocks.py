@@ -1,7 +1,8 @@
 """Runs all that README.md and docs/*.md print for their readers, as printed, with an installed wheel in another folder.
 
-Every page has a folder of its own, in which its blocks of Python and its commands run in the order of the page; all
-share one cache of kernels, cold at first. Modules and commands that pages name within a line are looked up, not run.
+Every section of a page has a folder of its own, in which its blocks of Python and its commands run in the order of the
+page. All share one cache of kernels, cold at first: the first section runs alone, for it compiles what most need, the
+others two at a time. Modules and commands that pages name within a line are looked up, not run.
 Run: python tests/wheel_blocks.py VENV FOLDER
 """
 
@@ -9,9 +10,12 @@ from __future__ import annotations
 
 import os
 import re
+import resource
 import subprocess
 import sys
 import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from pathlib import Path
 
 from printed import Printed, printed
@@ -25,10 +29,13 @@ LEFT_OUT = {
     "make ...": "for a checkout, not for a wheel; `make test`, `make demo` and `make bench` are run there",
     "python -m warpffrf. ...": "studies of minutes to an hour, which write pages of the repository: only looked up",
     "rerun FILE.rrd": "opens a window",
+    "docs/two_rollers.md": "its one command is that of README.md",
 }
+ELSEWHERE = {("two_rollers.md", "warpffrf demo two-rollers")}
 MODULE = re.compile(r"python\s+-m\s+(warpffrf[\w.]+)")
 INLINE = re.compile(r"`warpffrf ([a-z][a-z-]*(?: [a-z][a-z-]+)?)[^`]*`")
-LONGEST = 300  # s, of one block
+WORKERS = 2
+LONGEST = 1800  # s, of one block: none takes two minutes on a quiet machine, all may stand in line on a busy one
 SHOWN = 3000  # characters of what a block that failed has said
 
 
@@ -50,20 +57,47 @@ def arguments(item: Printed, venv: Path, folder: Path) -> list[str]:
     return [str(venv / "bin" / "warpffrf"), *Printed(False, text, item.line).words[1:]]
 
 
-def run_page(page: Path, venv: Path, folder: Path) -> list[str]:
-    """Run what the page prints; returns what failed."""
-    here, failed = folder / page.relative_to(ROOT).with_suffix(""), []
-    for item in printed(page.read_text(encoding="utf-8")):
-        here.mkdir(parents=True, exist_ok=True)
+@dataclass(frozen=True)
+class Section:
+    """What a section of a page prints."""
+
+    page: Path
+    heading: str
+    items: list[Printed]
+
+
+def sections() -> list[Section]:
+    """All sections that print something to be run."""
+    found: dict[tuple[Path, str], list[Printed]] = {}
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for item in printed(text):
+            before = re.findall(r"^## (.*)$", "\n".join(text.splitlines()[: item.line]), re.MULTILINE)
+            if (page.name, item.text) not in ELSEWHERE:
+                found.setdefault((page, before[-1] if before else ""), []).append(item)
+    return [Section(*where, items) for where, items in found.items()]
+
+
+def run_section(section: Section, venv: Path, folder: Path) -> list[str]:
+    """Run what a section prints, in a folder of its own; returns what failed."""
+    page, failed = section.page, []
+    here = folder / page.stem / re.sub(r"\W+", "_", section.heading or "top").lower()
+    here.mkdir(parents=True, exist_ok=True)
+    for item in section.items:
         words, begun = arguments(item, venv, here), time.perf_counter()
-        done = subprocess.run(
-            words, cwd=here, env=environment(venv, folder), capture_output=True, text=True, timeout=LONGEST
+        process = subprocess.Popen(
+            words, cwd=here, env=environment(venv, folder), text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
         )
+        try:
+            said, _ = process.communicate(timeout=LONGEST)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            said = f"{process.communicate()[0]}\nnot ready after {LONGEST} s"
         label = "python" if item.is_python else item.text if item.text not in INSTEAD else f"{INSTEAD[item.text]} (*)"
         place = f"{page.relative_to(ROOT)}:{item.line}"
-        print(f"{time.perf_counter() - begun:6.1f} s  {done.returncode}  {place:24} {label[:80]}", flush=True)
-        if done.returncode:
-            failed.append(f"{place}: exit code {done.returncode}\n{(done.stdout + done.stderr)[-SHOWN:]}")
+        print(f"{time.perf_counter() - begun:6.1f} s  {process.returncode}  {place:24} {label[:80]}", flush=True)
+        if process.returncode:
+            failed.append(f"{place}: exit code {process.returncode}\n{said[-SHOWN:]}")
     return failed
 
 
@@ -101,9 +135,17 @@ def main() -> int:
     venv, folder = (Path(word).resolve() for word in sys.argv[1:3])
     folder.mkdir(parents=True, exist_ok=True)
     begun, failed = time.perf_counter(), look_up(venv, folder)
-    for page in PAGES:
-        failed += run_page(page, venv, folder)
-    print(f"{time.perf_counter() - begun:.0f} s in all; (*) the quick form that the page documents. Not run:")
+    first, *rest = sections()
+    failed += run_section(first, venv, folder)
+    with ThreadPoolExecutor(WORKERS) as pool:
+        for found in pool.map(lambda section: run_section(section, venv, folder), rest):
+            failed += found
+    spent = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(
+        f"{time.perf_counter() - begun:.0f} s in all, {spent.ru_utime + spent.ru_stime:.0f} s of the processors;",
+        end=" ",
+    )
+    print("(*) the quick form that the page documents. Not run:")
     print("\n".join(f"  {what}: {why}" for what, why in LEFT_OUT.items()))
     print("\n".join(failed))
     return 1 if failed else 0

@@ -142,10 +142,11 @@ class Modes(looks.Shown):
         for name, share in self.found.shares.items():
             ax.barh(np.arange(len(self)), 100.0 * share, left=left, label=name, height=0.75)
             left += 100.0 * share
-        labels = [f"{f:.5g} Hz, {100.0 * z:.3g} %" for f, z in zip(self.frequencies, self.damping_ratios, strict=True)]
+        ratios = np.where(np.abs(self.damping_ratios) > UNDAMPED, self.damping_ratios, 0.0)
+        labels = [f"{f:.5g} Hz, {100.0 * z:.3g} %" for f, z in zip(self.frequencies, ratios, strict=True)]
         ax.set_yticks(np.arange(len(self)), labels)
         ax.invert_yaxis()
-        ax.set(xlabel="share of the kinetic energy, %", title=f"Modes about the {self.about}")
+        ax.set(xlabel="share of the kinetic energy [%]", title=f"Modes about the {self.about}")
         ax.set_xlim(0.0, 100.0)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, frameon=False)
         return ax

@@ -85,3 +85,14 @@ class Bearing(looks.Shown):
 
 def _pose(body: Body | Ground) -> dict[str, Any]:
     return {"position": body.position.tolist(), "rotation": body.rotation.tolist()}
+
+
+def without_cage(bearings: list[Bearing]) -> str:
+    """What to do about bearings whose elements nothing keeps apart, "" where there are none."""
+    loose = [repr(bearing.name) for bearing in bearings if bearing.cage is None]
+    if not loose:
+        return ""
+    return (
+        f"bearing {', '.join(loose)} has no cage, and loads squeeze its elements out of their zone; give it "
+        "cage=bearings.Spaced(), or hold the elements by joints"
+    )
