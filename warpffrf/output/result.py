@@ -392,7 +392,8 @@ class Result(looks.Shown):
     @overload
     def plot(
         self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
-        film: str | None = None, row: int | None = None, lap: str | None = None, bearing: str | None = None,
+        film: str | None = None, row: int | None = None, lap: str | None = None, channel: str | None = None,
+        speed: str | None = None, bearing: str | None = None,
     ) -> Figure: ...  # fmt: skip
 
     @overload
