@@ -89,15 +89,14 @@ def check_roller(said: dict[str, str]) -> None:
     assert body.mass == pytest.approx(7850 * np.pi * (R**2 - r**2) * b, rel=5e-3)  # quadratic facets follow the circle
 
 
-def check_rotor(said: dict[str, str]) -> None:
-    """J w^2 -+ J_p W w = k at the highest speed: tilting backward and forward."""
-    for sign in (1.0, -1.0):
-        w = abs(np.roots([0.02, -sign * 0.03 * 600.0, -800.0]).max())
-        assert f"{w / (2.0 * np.pi):.5g}" in said["campbell"]
-
-
 def check_two_rollers(said: dict[str, str]) -> None:
     assert wf.Result.load("out/two_rollers/two_rollers.h5").status == "completed"
+
+
+def check_rotor(said: dict[str, str]) -> None:
+    """J w^2 - J_p W w = k: the fastest tilting goes with J_p/J of the speed in the end."""
+    w = np.roots([0.02, -0.03 * 600.0, -800.0]).max()
+    assert f"{w / (2.0 * np.pi):.5g}" in said["campbell"] and Path("campbell.png").stat().st_size > 10_000
 
 
 CHECKS = {

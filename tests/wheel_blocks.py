@@ -29,6 +29,7 @@ LEFT_OUT = {
     "make ...": "for a checkout, not for a wheel; `make test`, `make demo` and `make bench` are run there",
     "python -m warpffrf. ...": "studies of minutes to an hour, which write pages of the repository: only looked up",
     "rerun FILE.rrd": "opens a window",
+    "warpffrf view ...": "opens a window, or serves a page until it is stopped",
     "docs/two_rollers.md": "its one command is that of README.md",
 }
 ELSEWHERE = {("two_rollers.md", "warpffrf demo two-rollers")}
@@ -73,7 +74,8 @@ def sections() -> list[Section]:
         text = page.read_text(encoding="utf-8")
         for item in printed(text):
             before = re.findall(r"^## (.*)$", "\n".join(text.splitlines()[: item.line]), re.MULTILINE)
-            if (page.name, item.text) not in ELSEWHERE:
+            opens = not item.is_python and item.words[1] == "view"
+            if not opens and (page.name, item.text) not in ELSEWHERE:
                 found.setdefault((page, before[-1] if before else ""), []).append(item)
     return [Section(*where, items) for where, items in found.items()]
 

@@ -216,7 +216,7 @@ def modes_of_scene_file(
 
 @app.command("campbell")
 def campbell_of_scene_file(
-    scene_file: Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file, .toml; see docs/scene_file.md.")],
+    scene_file: Annotated[Path, SCENE],
     speed: Annotated[
         str, typer.Argument(metavar="NAME", help="The key that the speed [rad/s] is put into, as --set of run has it.")
     ],

@@ -88,7 +88,7 @@ _EXAMPLES = (
     ),
     Example(
         "rotor",
-        "A rigid rotor on a spring that tilts: its frequencies against the speed of rotation.",
+        "A rigid rotor held by a spring against tilting; its frequencies part with its speed: a Campbell diagram.",
         ("rotor.toml",),
         ("warpffrf campbell rotor.toml speed 600 --out campbell.png",),
     ),
