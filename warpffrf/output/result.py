@@ -277,7 +277,7 @@ class Result(looks.Shown):
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
         points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        rows: the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a point and step:
+        rows: numbers (r,) of the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a point and step:
         of many points name the rows. Raises InputError for a body without stress points of that name, the message
         lists those there are, and for rows that the run does not have.
         """
@@ -402,8 +402,8 @@ class Result(looks.Shown):
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
         deformation_factor: float | None = None, overwrite: bool = False,
     ) -> Path:  # fmt: skip
-        """Draw the bodies at the saved step next to `time` [s], the last one if None, into a picture (.png, .pdf,
-        .svg); needs neither screen nor viewer.
+        """Draw the bodies at the saved step next to `time` [s], the last one if None, into the picture `path` (.png,
+        .pdf, .svg); needs neither screen nor viewer.
 
         field: what skins are coloured by: "displacement", "pressure", with friction "traction", "slip", "state" and
         "wear", and "von_mises" of bodies reduced with `stress={"skin": "skin"}`. deformation_factor: magnification of
@@ -419,12 +419,12 @@ class Result(looks.Shown):
         self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
         deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
     ) -> Path:  # fmt: skip
-        """Draw the bodies over the run into a .gif, or with the program ffmpeg an .mp4, as `picture` draws them; eye
-        and colours hold for all frames.
+        """Draw the bodies over the run into `path`, a .gif, or with the program ffmpeg an .mp4; eye and colours hold for
+        all frames.
 
-        every: a frame for every so many saved steps, at most 100 frames if None; fps: frames a second; progress: how
-        far it is, on stderr. What is interrupted leaves no file. Raises InputError as `picture`, for another ending,
-        and for an .mp4 without ffmpeg.
+        field, deformation_factor, overwrite: as of `picture`. every: a frame for every so many saved steps, at most
+        100 frames if None; fps [1/s]: frames a second; progress: how far it is, on stderr. What is interrupted leaves
+        no file. Raises InputError as `picture`, for another ending, and for an .mp4 without ffmpeg.
         """
         from warpffrf.output.plots.animation import write_animation
 
