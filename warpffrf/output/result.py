@@ -294,9 +294,9 @@ class Result(looks.Shown):
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
         points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        rows: numbers of the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a point
-        and step: of many points name the rows. Raises InputError for a body without stress points of that name, the
-        message lists those there are, and for rows that the run does not have.
+        rows: numbers (r,) of the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a
+        point and step: of many points name the rows. Raises InputError for a body without stress points of that name,
+        the message lists those there are, and for rows that the run does not have.
         """
         from warpffrf.output.bodies.stress import stress_result
 
@@ -446,12 +446,12 @@ class Result(looks.Shown):
         self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
         deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
     ) -> Path:  # fmt: skip
-        """Draw the bodies over the run into a .gif, or with the program ffmpeg an .mp4, as `picture` draws them, with
-        its path, field, deformation_factor [-] and overwrite; eye and colours hold for all frames.
+        """Draw the bodies over the run into `path`, a .gif, or with the program ffmpeg an .mp4; eye and colours hold
+        for all frames.
 
-        every: a frame for every so many saved steps, at most 100 frames if None; fps [1/s]: frames a second; progress:
-        how far it is, on stderr. What is interrupted leaves no file. Raises InputError as `picture`, for another
-        ending, and for an .mp4 without ffmpeg.
+        field, deformation_factor, overwrite: as of `picture`. every: a frame for every so many saved steps, at most
+        100 frames if None; fps [1/s]: frames a second; progress: how far it is, on stderr. What is interrupted leaves
+        no file. Raises InputError as `picture`, for another ending, and for an .mp4 without ffmpeg.
         """
         from warpffrf.output.plots.animation import write_animation
 
