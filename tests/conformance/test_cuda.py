@@ -22,15 +22,21 @@ MODULES = [
     for path in sorted(FOLDER.rglob("*.py"))
     if "@wp.kernel" in path.read_text()
 ]
+# what takes the compiler 8 to 70 s each, two thirds of the time of all; their functions are largely those of others
+LONG = {
+    "films.sampling", "films.system", "friction.stick_slip_solve", "impulsive.impulsive_means", "laps.outer",
+    "laps.solve", "kinematics.closest_point", "layers.weak_layer", "lumped.forces", "patch.fields", "patch.place",
+    "rolling.fields",
+}  # fmt: skip
 LANES = 1e-12  # relative: the lanes add in another order
 
 
 def test_kernel_modules_are_found() -> None:
     some = {"bodies.motion", "constraints.rows", "linear.outer", "kinematics.line_of_centres", "step.commit"}
-    assert some <= set(MODULES)
+    assert some | LONG <= set(MODULES)
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in LONG)) for n in MODULES])
 def test_module_compiles_for_sm_90(name: str, tmp_path: Path) -> None:
     """NVRTC compiles to PTX; no device is needed."""
     module = importlib.import_module(f"warpffrf_kernels.{name}")
@@ -65,13 +71,13 @@ lanes = wp.zeros(1, dtype=int, device="cpu")
 wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu")
 made = dict(layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, patch_grid=False, cache=False)
 first, second = roller_body(90, **made), roller_body(84, outer_radius=0.0497, **made)  # at equal speeds: 0.6 % of creep
-scene = guided_pair(first, second, load=200e3, speed=50.0, ramp=0.002, friction=0.3)
+scene = guided_pair(first, second, load=200e3, speed=50.0, ramp=0.002, friction=FRICTION)
 history = run(scene, 0.004, step=1e-4, start="equilibrium", progress=False)
 c = history.contacts[PAIR]
+made = {"traction": c.friction.traction, "state": c.friction.state} if FRICTION else {}
 np.savez(sys.argv[2], force=c.force, pressure=c.pressure, torque_second=c.torque_second,
-         modal=history.bodies["upper"].modal, traction=c.friction.traction, state=c.friction.state,
-         rotation=history.bodies["lower"].rotation, kinetic=history.energy["kinetic"], status=history.status,
-         lanes=lanes.numpy()[0])
+         modal=history.bodies["upper"].modal, rotation=history.bodies["lower"].rotation,
+         kinetic=history.energy["kinetic"], status=history.status, lanes=lanes.numpy()[0], **made)
 """
 
 
@@ -168,12 +174,13 @@ def test_one_lane_and_64_lanes_agree_on_several_pairs(tmp_path: Path) -> None:
     compare(one, blocks)
 
 
-def test_one_lane_and_64_lanes_agree(tmp_path: Path) -> None:
-    one, blocks = both(RUN, tmp_path)
+@pytest.mark.parametrize("friction", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])
+def test_one_lane_and_64_lanes_agree(friction: float, tmp_path: Path) -> None:
+    one, blocks = both(RUN.replace("FRICTION", str(friction)), tmp_path)
     assert (int(one["lanes"]), int(blocks["lanes"])) == (1, BLOCK)
     assert str(one["status"]) == "completed" and len(one["force"]) == 41
     assert one["force"][-1, 2] < -1e5  # the lower one is pressed down
-    assert {1, 2} <= set(np.unique(one["state"]))  # some cells stick, some slide
+    assert friction == 0.0 or {1, 2} <= set(np.unique(one["state"]))  # some cells stick, some slide
     compare(one, blocks)
 
 

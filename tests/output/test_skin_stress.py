@@ -18,6 +18,7 @@ from warpffrf.model.mesh import box
 from warpffrf.model.scene import Scene
 from warpffrf.model.stress_field import to_tensor
 from warpffrf.offline import reduce
+from warpffrf.output.bodies import stress
 from warpffrf.output.bodies.skin_stress import same_places
 from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.plots.colors import UNKNOWN, field_scale
@@ -72,8 +73,8 @@ def test_a_bar_that_is_pulled_and_bent_in_vtk_files(bent, tmp_path: Path) -> Non
     skin = bent.skins()["bar"]
     expected = PULL / AREA + MOMENT * skin.points[:, 2] / INERTIA
     axis = rotate(np.array(TURN), np.eye(3)[:1])[0]
-    stress = to_tensor(np.asarray(block["stress"]))
-    assert np.abs(stress - expected[:, None, None] * np.outer(axis, axis)).max() < EXACT * LARGEST
+    tensor = to_tensor(np.asarray(block["stress"]))
+    assert np.abs(tensor - expected[:, None, None] * np.outer(axis, axis)).max() < EXACT * LARGEST
     assert np.abs(np.asarray(block["von_mises"]) - np.abs(expected)).max() < EXACT * LARGEST
     assert np.abs(skin.field("von_mises", -1) - np.abs(expected)).max() < EXACT * LARGEST
     assert skin.fields == ("von_mises",) and not skin.stress.note
@@ -120,6 +121,12 @@ def test_nodes_that_share_a_place_are_told_apart_by_their_order() -> None:
     points = nodes[[3, 1, 2, 4]]  # one of the two at the end: nobody knows whose
     assert same_places(nodes, points).tolist() == [-1, 1, 2, 0, -1, -1]
     assert same_places(nodes, nodes).tolist() == [0, 1, 2, 3, 4, 5]
+
+
+def test_a_stress_that_takes_much_memory_says_so(bent, caplog, monkeypatch) -> None:
+    monkeypatch.setattr(stress, "MUCH", 8.0)
+    bent.stress("bar", "root")
+    assert "'root' of 'bar' takes " in caplog.text and "rows=" in caplog.text
 
 
 def test_stress_of_some_rows(bent) -> None:

@@ -157,3 +157,22 @@ def test_209_roller_bearing() -> None:
     exact = palmgren_loads(14, clearance, 4450.0, both)
     assert np.abs(found - exact).max() < EXACT * exact.max()
     assert np.count_nonzero(found) == 3
+
+
+def test_loads_that_nothing_carries_are_named() -> None:
+    """Thrust on a bearing of straight rollers, and balls without a cage, which the load squeezes out of its zone."""
+    scene = Scene()
+    bearing = scene.add_roller_bearing(
+        "r", elements=8, roller_diameter=8 * MM, roller_length=8 * MM, pitch_diameter=40 * MM, outer=scene.ground,
+        law=laws.PalmgrenLine(8 * MM, 3),
+    )  # fmt: skip
+    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 100.0, 0.0), name="thrust"))
+    history = find_equilibrium(scene)
+    assert history.status == "no_equilibrium"
+    assert "body 'r inner ring' is free to slide along (0, 1, 0), and 100 N drive it there" in history.message
+    scene = Scene()
+    bearing = scene.add_ball_bearing("b", **P7, outer=scene.ground, cage=None)
+    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (1e3, 0.0, 300.0), name="load"))
+    history = find_equilibrium(scene)
+    assert history.status == "no_equilibrium"
+    assert "bearing 'b' has no cage, and loads squeeze its elements out of their zone; give it" in history.message

@@ -48,6 +48,13 @@ class Contact(looks.Item):
     None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None
     for a small part of their radius. name: default "<first body>-<second body>". Raises `InputError` for surfaces, laws
     and options that do not go together.
+
+    Of `lower` and `upper`, bodies as in `Scene.add_body`:
+
+    >>> contact = scene.add(wf.Contact(lower["rim"], upper["rim"]))
+    >>> contact.name
+    'lower-upper'
+    >>> closed_by = scene.close_gap(contact)  # m, that the upper one was moved down
     """
 
     scene_list = "contacts"

@@ -22,6 +22,10 @@ class Material:
 
     Raises `InputError` for E <= 0, density <= 0, an unknown formulation and nu outside its range: at nu = 0.5 the
     material is incompressible, and its bulk modulus E / (3 (1 - 2 nu)) infinite; 0.49999 can hardly be told from it.
+
+    >>> steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
+    >>> steel.density  # kg/m3
+    7850.0
     """
 
     youngs_modulus: float

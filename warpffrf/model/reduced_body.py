@@ -60,7 +60,11 @@ class ReducedBody(looks.Shown, ReducedBodyData):
         return content_hash(self)
 
     def info(self) -> str:
-        """Readable summary with the quality report."""
+        """Readable summary with the quality report.
+
+        >>> print(roller.info())  # doctest: +ELLIPSIS
+        reduced body...
+        """
         return summary(self)
 
     def mesh_error(

@@ -47,6 +47,13 @@ class Scene(looks.Shown):
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
     `sensors` are lists in the order of adding; `bearings` are whole ones, whose parts are in the other lists too;
     `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
+
+    >>> scene = wf.Scene(gravity=(0, 0, -9.81))  # m/s2
+    >>> arm = scene.add_rigid_body(1.0, (0.01, 0.01, 0.01), name="arm", position=(0.1, 0, 0))  # kg, kg m2, m
+    >>> pin = scene.add(wf.joints.Revolute(scene.ground, arm.at((-0.1, 0, 0)), axis=(0, 1, 0), name="pin"))
+    >>> result = wf.simulate(scene, 0.1, step=1e-3, progress=False)
+    >>> round(float(result.joint("pin").coordinate[-1]), 2)  # rad
+    0.24
     """
 
     def __init__(self, *, gravity: Vector = (0.0, 0.0, 0.0)) -> None:
@@ -99,6 +106,14 @@ class Scene(looks.Shown):
         least of them by an estimate that the result's report states. stiffening: first-order geometric stiffening by
         centrifugal load and by the forces at interfaces, of a body that was reduced with `stiffening=True`.
         Raises `InputError` for a name that there is and arguments that do not fit the body.
+
+        With `roller` as in `reduce`:
+
+        >>> scene = wf.Scene(gravity=(0, 0, 0))
+        >>> lower = scene.add_body(roller, name="lower")
+        >>> upper = scene.add_body(roller, name="upper", position=(0, 0, 0.04))  # m
+        >>> upper.mass == roller.mass
+        True
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         if not hasattr(body, "contact_surfaces") or not hasattr(body, "frequencies"):
@@ -140,6 +155,13 @@ class Scene(looks.Shown):
         center_of_mass (3,) [m, user frame]; position, rotation, velocity and angular_velocity as in `add_body`.
         surfaces: contact surfaces by name, shapes of `warpffrf.surfaces` in the user frame with everything given,
         `{"tread": Cylinder(...)}`.
+
+        >>> scene = wf.Scene()
+        >>> tread = wf.surfaces.Cylinder(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+        >>> shaft = scene.add_rigid_body(0.5, (1e-4, 5e-5, 1e-4), name="shaft", surfaces={"tread": tread})  # kg, kg m2
+        >>> tilted = scene.add_rigid_body(
+        ...     0.5, (1e-4, 5e-5, 1e-4), name="tilted", position=(0, 0, 0.1), rotation={"axis": (1, 0, 0), "angle": 0.3}
+        ... )
         """
         self._check_new_name(name, [b.name for b in self.bodies], "body")
         handle = Body(

@@ -70,7 +70,10 @@ class _PortSensor(Sensor):
 
 @named_arguments
 class Position(_PortSensor):
-    """Place of a port in the world (T, 3) [m]."""
+    """Place of a port in the world (T, 3) [m].
+
+    >>> place = scene.add(wf.sensors.Position(upper["bore"], name="place"))
+    """
 
     kind = "position"
     unit = "m"

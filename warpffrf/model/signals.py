@@ -177,14 +177,19 @@ class _Transition(Signal):
 
 
 class Ramp(_Transition):
-    """Linear from `start_value` to `end_value` within `duration` after `delay` [s], constant before and after."""
+    """Linear from `start_value` to `end_value` [unit of what it drives] within `duration` after `delay` [s], constant
+    before and after."""
 
     shape = (1.0,)
 
 
 class SmoothStep(_Transition):
-    """Quintic 6 x^5 - 15 x^4 + 10 x^3 from `start_value` to `end_value`, x = (t - delay)/duration; twice
-    differentiable."""
+    """Quintic 6 x^5 - 15 x^4 + 10 x^3 from `start_value` to `end_value` [unit of what it drives], x = (t -
+    delay)/duration with duration and delay [s]; twice differentiable.
+
+    >>> round(float(wf.signals.SmoothStep(0.0, 100.0, duration=0.02)(0.01)), 3)  # half-way at half of the time
+    50.0
+    """
 
     shape = (0.0, 0.0, 10.0, -15.0, 6.0)
 
@@ -196,6 +201,10 @@ class Table(Signal):
     A run that goes beyond the times is refused unless `hold` says that the end values are meant to hold there.
     The spline has zero slope at both ends, so that it meets the held values without a kink. Raises `InputError` for NaN
     or infinite entries, naming the first.
+
+    >>> load = wf.signals.Table([0.0, 0.1, 0.3], [0.0, 500.0, 500.0])  # s, N
+    >>> float(load(0.05))
+    250.0
     """
 
     def __init__(self, times: Vector, values: Vector, *, cubic: bool = False, hold: bool = False) -> None:

@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 TURN = 2.0 * np.pi
+RIGID = 6  # motions of a body
 ALIKE = 0.2  # MAC below which two modes are not one
 SENSE = 0.1  # of the whirl: below it a mode goes neither forward nor backward
 SAME_SPEED = 1e-3  # of the speed: a body that turns so much otherwise is said
@@ -182,14 +183,13 @@ def campbell(
     *,
     progress: bool = False,
 ) -> Campbell:
-    """Natural frequencies of a machine against the speed of its rotation: the `count` lowest modes at each of `speeds`
-    (s,) [rad/s].
+    """Natural frequencies of a machine against the speed of its rotation: of the `count` lowest modes that have some,
+    at each of `speeds` (s,) [rad/s].
 
     build(speed) makes the machine turning at the speed: a Scene, whose initial positions and velocities are meant, or
-    the Result of a run or of `equilibrium`, whose last state is, for flexible bodies that the rotation stretches. Modes
-    without stiffness are left out. progress: what takes long, on stderr. Raises InputError for speeds that do not rise
-    or are negative, what is neither Scene nor Result, scenes of different bodies, and as `eigenmodes`. How it is done:
-    `warpffrf.output.campbell`.
+    the Result of a run or of `equilibrium`, whose last state is, for flexible bodies that the rotation stretches.
+    progress: what takes long, on stderr. Raises InputError for speeds that do not rise or are negative, what is neither
+    Scene nor Result, scenes of different bodies, and as `eigenmodes`. How it is done: `warpffrf.output.campbell`.
     """
     count = require_count(count, "campbell: count", 1)
     rates = require_array(speeds, "campbell: speeds", (None,))
@@ -200,16 +200,14 @@ def campbell(
     modes = []
     for speed in rates:
         made = build(float(speed))
-        if isinstance(made, Result):
-            found = eigenmodes(made.scene, count, about=made, progress=progress)
-        elif isinstance(made, Scene):
-            found = eigenmodes(made, count, about="initial", progress=progress)
-        else:
+        if not isinstance(made, Scene | Result):
             raise InputError(f"campbell: build({speed:g}) must make a Scene or a Result, got {made!r}")
-        modes.append(found)
+        scene, about = (made, "initial") if isinstance(made, Scene) else (made.scene, made)
+        still = RIGID * len(scene.bodies)  # motions without stiffness at the most, which come first
+        modes.append(eigenmodes(scene, count + still, about=about, progress=progress))
     if len({len(m.found.linear.M) for m in modes}) > 1:
         raise InputError("campbell: build must make the same bodies at every speed")
-    return _linked(rates, modes, _doubts(rates, modes))
+    return _linked(rates, modes, count, _doubts(rates, modes))
 
 
 def _doubts(speeds: Array, modes: list[Modes]) -> list[str]:
@@ -258,9 +256,9 @@ def whirl_of(modes: Modes, i: int) -> float:
     return about / size if size > 0.0 else 0.0
 
 
-def _linked(speeds: Array, modes: list[Modes], notes: list[str]) -> Campbell:
-    """Modes put into curves."""
-    kept = [np.flatnonzero(m.frequencies > 0.0) for m in modes]
+def _linked(speeds: Array, modes: list[Modes], count: int, notes: list[str]) -> Campbell:
+    """The first `count` modes with a frequency at each speed put into curves."""
+    kept = [np.flatnonzero(m.frequencies > 0.0)[:count] for m in modes]
     curves = [{0: int(i)} for i in kept[0]]  # number of the speed -> mode, of every curve
     for s in range(1, len(modes)):
         open_ones = [c for c in curves if s - 1 in c]

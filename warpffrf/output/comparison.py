@@ -199,7 +199,10 @@ def compare(a: Result | str | os.PathLike[str], b: Result | str | os.PathLike[st
     the relative L2 and largest difference on A's times; `.save_figure(path)` draws both. Raises InputError for files
     that cannot be read and for runs that share neither a history nor a time.
 
-    >>> print(wf.compare("fine.h5", "coarse.h5").report())  # doctest: +SKIP
+    >>> finer = wf.simulate(scene, 2e-3, step=1e-4, start="equilibrium", results="finer.h5", progress=False)
+    >>> found = wf.compare("finer.h5", "press.h5")
+    >>> found.settings["step"]
+    ('0.0001', '0.0002')
     """
     runs = [run if isinstance(run, Result) else Result.load(run) for run in (a, b)]
     return Comparison(runs[0], runs[1], _names(a, b))

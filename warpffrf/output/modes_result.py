@@ -142,10 +142,11 @@ class Modes(looks.Shown):
         for name, share in self.found.shares.items():
             ax.barh(np.arange(len(self)), 100.0 * share, left=left, label=name, height=0.75)
             left += 100.0 * share
-        labels = [f"{f:.5g} Hz, {100.0 * z:.3g} %" for f, z in zip(self.frequencies, self.damping_ratios, strict=True)]
+        ratios = np.where(np.abs(self.damping_ratios) > UNDAMPED, self.damping_ratios, 0.0)
+        labels = [f"{f:.5g} Hz, {100.0 * z:.3g} %" for f, z in zip(self.frequencies, ratios, strict=True)]
         ax.set_yticks(np.arange(len(self)), labels)
         ax.invert_yaxis()
-        ax.set(xlabel="share of the kinetic energy, %", title=f"Modes about the {self.about}")
+        ax.set(xlabel="share of the kinetic energy [%]", title=f"Modes about the {self.about}")
         ax.set_xlim(0.0, 100.0)
         ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.14), ncols=4, frameon=False)
         return ax
@@ -153,7 +154,8 @@ class Modes(looks.Shown):
     def plot_shape(self, i: int, ax: Axes | None = None, *, scale: float = 0.06) -> Axes:
         """Draw mode i on the matplotlib axes `ax` (new ones when None) and return them: deformed skins in colour, red
         where the mode moves most, over the undeformed ones in grey, at the moment at which they are farthest; rigid
-        bodies as boxes of their mass and inertia. scale: largest displacement drawn, of the extent of the bodies.
+        bodies as boxes of their mass and inertia. scale [-]: largest displacement drawn, as a fraction of the extent of
+        the bodies.
 
         Raises InputError for an unknown mode, a scale that is not positive.
         """
@@ -162,8 +164,8 @@ class Modes(looks.Shown):
         return drawn_on
 
     def plot_shapes(self, count: int = 8, *, scale: float = 0.06) -> Figure:
-        """A matplotlib Figure of the first `count` modes, drawn as by `plot_shape`. Raises InputError for a count below
-        1, no modes, and as `plot_shape`."""
+        """A matplotlib Figure of the first `count` modes, drawn as by `plot_shape` with its scale [-]. Raises
+        InputError for a count below 1, no modes, and as `plot_shape`."""
         count = min(require_count(count, "plot_shapes: count", 1), len(self))
         if not count:
             raise InputError("plot_shapes: there are no modes; nothing in the scene can move")

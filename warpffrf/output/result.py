@@ -100,7 +100,11 @@ class Result(looks.Shown):
         return list(self.history.contacts)
 
     def body(self, name: str) -> BodyHistory:
-        """Motion of the body called `name`; raises InputError when there is none."""
+        """Motion of the body called `name`; raises InputError when there is none.
+
+        >>> result.body("upper").position.shape  # (T, 3) m
+        (11, 3)
+        """
         return _named(self.history.bodies, "body", name)
 
     def joint(self, name: str) -> JointHistory:
@@ -108,7 +112,11 @@ class Result(looks.Shown):
         return _named(self.history.joints, "joint", name)
 
     def force(self, name: str) -> ForceHistory:
-        """Force, torque and deformation of the force element called `name`; raises InputError when there is none."""
+        """Force, torque and deformation of the force element called `name`; raises InputError when there is none.
+
+        >>> result.force("press").deformation.shape  # (T, 1) m, of the guide
+        (11, 1)
+        """
         return _named(self.history.forces, "force", name)
 
     @property
@@ -161,9 +169,9 @@ class Result(looks.Shown):
         return BearingResult(self.history, _named(self.view.bearings, "bearing", name))
 
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
-        """Stiffness (6, 6) of the bearing called `name` about a saved step, by central differences of twelve
-        equilibria (`warpffrf.output.bearings.stiffness`); raises InputError for flexible parts, for a bearing without
-        load, and for a result that was read from a file."""
+        """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central
+        differences of twelve equilibria (`warpffrf.output.bearings.stiffness`); raises InputError for flexible parts,
+        for a bearing without load, and for a result that was read from a file."""
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)
@@ -235,7 +243,11 @@ class Result(looks.Shown):
 
     def sensor(self, name: str) -> SensorHistory:
         """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
-        none. A stress is evaluated when it is first asked for."""
+        none. A stress is evaluated when it is first asked for.
+
+        >>> result.sensor("place").unit
+        'm'
+        """
         from warpffrf.model.stress_field import von_mises
         from warpffrf.output.bodies.stress import stress_at_point
 
@@ -253,7 +265,12 @@ class Result(looks.Shown):
         return {s.name: s for s in sensors if s.name not in self.history.sensors and s.kind == "stress"}
 
     def contact(self, name: str) -> PairResult:
-        """The contact pair called `name`; raises InputError when there is none."""
+        """The contact pair called `name`; raises InputError when there is none.
+
+        >>> pair = result.contact("lower-upper")
+        >>> bool(pair.force[-1, 2] < 0.0 and pair.half_width[-1] > pair.half_width[0])  # on the lower roller; m
+        True
+        """
         return _named(self._contacts, "contact", name)
 
     @cached_property
@@ -277,9 +294,9 @@ class Result(looks.Shown):
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
         points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        rows: the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a point and step:
-        of many points name the rows. Raises InputError for a body without stress points of that name, the message
-        lists those there are, and for rows that the run does not have.
+        rows: numbers (r,) of the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a
+        point and step: of many points name the rows. Raises InputError for a body without stress points of that name,
+        the message lists those there are, and for rows that the run does not have.
         """
         from warpffrf.output.bodies.stress import stress_result
 
@@ -353,7 +370,13 @@ class Result(looks.Shown):
         neglected or capped. progress: how far the error budget is, on stderr, where it is made and takes long. pairs:
         four and more contacts, joints, forces or notes that differ in figures and in numbers within names alone are
         "folded" into one, with the least and the largest of each figure and whose they are; "all" tells each by
-        itself. Raises InputError for another word."""
+        itself. Raises InputError for another word.
+
+        >>> print(result.report(progress=False))  # doctest: +ELLIPSIS
+        status            completed
+        time              0 to 0.002 s, 11 rows saved
+        ...
+        """
         from warpffrf.output.report.report import report_text
 
         return report_text(self, progress, pairs)
@@ -369,7 +392,8 @@ class Result(looks.Shown):
     @overload
     def plot(
         self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
-        film: str | None = None, row: int | None = None, lap: str | None = None, bearing: str | None = None,
+        film: str | None = None, row: int | None = None, lap: str | None = None, channel: str | None = None,
+        speed: str | None = None, bearing: str | None = None,
     ) -> Figure: ...  # fmt: skip
 
     @overload
@@ -393,6 +417,9 @@ class Result(looks.Shown):
         whose rotation it is drawn, by orders or speed, over frequency or time if None. Kinds: docs/plots.md,
         `warpffrf plot --list`. Raises InputError for an unknown kind, pair, film, lap, bearing, history or body, and
         what a run has not.
+
+        >>> result.plot().savefig("summary.png")
+        >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
@@ -402,14 +429,14 @@ class Result(looks.Shown):
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
         deformation_factor: float | None = None, overwrite: bool = False,
     ) -> Path:  # fmt: skip
-        """Draw the bodies at the saved step next to `time` [s], the last one if None, into a picture (.png, .pdf,
-        .svg); needs neither screen nor viewer.
+        """Draw the bodies at the saved step next to `time` [s], the last one if None, into the picture `path` (.png,
+        .pdf, .svg); needs neither screen nor viewer.
 
         field: what skins are coloured by: "displacement", "pressure", with friction "traction", "slip", "state" and
-        "wear", and "von_mises" of bodies reduced with `stress={"skin": "skin"}`. deformation_factor: magnification of
-        the elastic displacement, chosen from 1, 2, 5, 10, ... if None. Raises InputError for a field that no body has,
-        a time outside of the run, a factor that is not positive, and a file that exists, unless `overwrite` is set and
-        warpffrf wrote it.
+        "wear", and "von_mises" of bodies reduced with `stress={"skin": "skin"}`. deformation_factor [-]: magnification
+        of the elastic displacement, chosen from 1, 2, 5, 10, ... if None. Raises InputError for a field that no body
+        has, a time outside of the run, a factor that is not positive, and a file that exists, unless `overwrite` is set
+        and warpffrf wrote it.
         """
         from warpffrf.output.plots.animation import write_still
 
@@ -419,12 +446,12 @@ class Result(looks.Shown):
         self, path: str | os.PathLike[str], field: str = "displacement", *, every: int | None = None, fps: float = 15.0,
         deformation_factor: float | None = None, overwrite: bool = False, progress: bool = True,
     ) -> Path:  # fmt: skip
-        """Draw the bodies over the run into a .gif, or with the program ffmpeg an .mp4, as `picture` draws them; eye
-        and colours hold for all frames.
+        """Draw the bodies over the run into `path`, a .gif, or with the program ffmpeg an .mp4; eye and colours hold
+        for all frames.
 
-        every: a frame for every so many saved steps, at most 100 frames if None; fps: frames a second; progress: how
-        far it is, on stderr. What is interrupted leaves no file. Raises InputError as `picture`, for another ending,
-        and for an .mp4 without ffmpeg.
+        field, deformation_factor, overwrite: as of `picture`. every: a frame for every so many saved steps, at most
+        100 frames if None; fps [1/s]: frames a second; progress: how far it is, on stderr. What is interrupted leaves
+        no file. Raises InputError as `picture`, for another ending, and for an .mp4 without ffmpeg.
         """
         from warpffrf.output.plots.animation import write_animation
 
@@ -452,7 +479,11 @@ class Result(looks.Shown):
     def to_dataframe(self) -> Any:
         """A `pandas.DataFrame` of every history, a row for each saved step: index `time` [s], columns as
         `contact_force_z[roller on plate]`, their units in `.attrs["units"]`; fields over the patch and modal
-        coordinates are left to `to_xarray`. Needs the optional package pandas, without which it raises ImportError."""
+        coordinates are left to `to_xarray`. Needs the optional package pandas, without which it raises ImportError.
+
+        >>> bool(result.to_dataframe()["contact_force_z[lower-upper]"].iloc[0] < 0.0)  # N
+        True
+        """
         from warpffrf.output.files.table import to_dataframe
 
         return to_dataframe(self)

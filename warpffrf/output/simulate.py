@@ -124,6 +124,10 @@ def simulate(
     device: where kernels run, "cpu" or "cuda:0". kind: "dynamic", or "static" for equilibria at the end of every step,
     under the forces and prescribed motions of that time, friction with its history (`warpffrf.online.load_steps`); of
     stages each has its own.
+
+    >>> result = wf.simulate(scene, 2e-3, step=2e-4, start="equilibrium", results="press.h5", progress=False)
+    >>> result.status
+    'completed'
     """
     _known_scene(scene, "simulate")
     _known_method(method)
@@ -359,6 +363,10 @@ def equilibrium(
     Not converging is a status, not an exception; wrong input raises InputError. results, record: files to write (.h5,
     .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on stderr.
     overwrite: replace files of an earlier call.
+
+    >>> rest = wf.equilibrium(scene, progress=False)
+    >>> round(float(rest.contact("lower-upper").force_magnitude[0]))  # N, of the spring and the push
+    150
     """
     _known_scene(scene, "equilibrium")
     outputs = Outputs(overwrite)

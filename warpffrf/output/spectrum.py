@@ -69,7 +69,8 @@ class Spectrum:
     def draw(self, ax: Any, *, logarithmic: bool = True) -> None:
         """Draw on the matplotlib axes `ax`, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear
         one."""
-        ax.plot(self.place, self.amplitude, lw=1.0, color=LINE)
+        first = 1 if logarithmic else 0  # without the mean there is nothing at 0
+        ax.plot(self.place[first:], self.amplitude[first:], lw=1.0, color=LINE)
         most = float(self.amplitude.max())
         if logarithmic and most > 0.0:
             ax.set_yscale("log")

@@ -25,6 +25,7 @@ OVERLAP = 4  # windows that share a row
 STEADY = 1e-3  # of the largest speed: a range below it is one speed
 FLOOR = 1e-3  # of the largest amplitude: where the colours of a plot end
 SEEN, BEYOND = 0.02, 1.3  # of the largest amplitude, and of the highest frequency that has it: where a plot ends
+NARROW = 0.05  # of the axis: lines of orders nearer to its begin have their names on the right
 ORDERS = (1, 2, 3)  # drawn unless others are given
 ORDER = "#6fe3ff"
 
@@ -84,7 +85,9 @@ class Waterfall:
         for order in orders if self.speed is not None else ():
             end = min(high, highest / order) if order > 0.0 else high
             ax.plot([order * low, order * end], [low, end], color=ORDER, lw=0.9, ls=(0, (6, 4)))
-            place: dict[str, Any] = {"xytext": (-3, -3), "textcoords": "offset points", "ha": "right", "va": "top"}
+            inside = order * end > NARROW * highest  # left of the line there is room
+            place: dict[str, Any] = {"textcoords": "offset points", "va": "top", "ha": "right" if inside else "left"}
+            place["xytext"] = (-3, -3) if inside else (3, -3)
             place["bbox"] = {"facecolor": "black", "alpha": 0.6, "pad": 1.0, "linewidth": 0.0}
             ax.annotate(f"{order:g}", (order * end, end), color=ORDER, fontsize=9, **place)
         ax.set(xlim=(0.0, highest), ylim=(low, high), xlabel="frequency [Hz]", ylabel=label)

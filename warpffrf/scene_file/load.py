@@ -91,6 +91,12 @@ def run_scene(
     settings: "name=value" as of `--set`. progress: what is being done, on stderr. overwrite: replace the files of an
     earlier run; resume: go on where it was stopped, or read it if it ended, see
     `simulate`.
+
+    With the file pendulum.toml of docs/scene_file.md:
+
+    >>> runs = wf.run_scene("pendulum.toml", out="pendulum", progress=False)
+    >>> runs["simulate"].status
+    'completed'
     """
     from warpffrf.output.simulate import equilibrium, simulate
 

@@ -26,9 +26,10 @@ class Bearing(looks.Shown):
 
     kind: "ball" or "roller". elements: rigid bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
-    "pocket_1", "cage_axle". cage: its body, drive: of its speed, None without. raceways: the geometry; place: where it
-    stands; materials: of the elements and of the rings; shoulders: heights [m] of the inner and the outer ring's
-    shoulders over the bottom of the raceway, None where they are not known.
+    "pocket_1", "cage_axle". name: as given; element_surface: what the surface of each element is called. cage: its
+    body, drive: of its speed, None without. raceways: the geometry; place: where it stands; materials: of the elements
+    and of the rings; shoulders: heights [m] of the inner and the outer ring's shoulders over the bottom of the raceway,
+    None where they are not known.
     """
 
     name: str
@@ -84,3 +85,14 @@ class Bearing(looks.Shown):
 
 def _pose(body: Body | Ground) -> dict[str, Any]:
     return {"position": body.position.tolist(), "rotation": body.rotation.tolist()}
+
+
+def without_cage(bearings: list[Bearing]) -> str:
+    """What to do about bearings whose elements nothing keeps apart, "" where there are none."""
+    loose = [repr(bearing.name) for bearing in bearings if bearing.cage is None]
+    if not loose:
+        return ""
+    return (
+        f"bearing {', '.join(loose)} has no cage, and loads squeeze its elements out of their zone; give it "
+        "cage=bearings.Spaced(), or hold the elements by joints"
+    )

@@ -47,7 +47,7 @@ class Cage:
     kind: ClassVar[str] = ""
 
     def hold(self, scene: Scene, bearing: Bearing) -> None:
-        """Add the cage to the scene and to `bearing`."""
+        """Add the cage to the scene and to `bearing`. Raises `InputError` for what does not fit."""
         raise NotImplementedError
 
     def _body(self, scene: Scene, bearing: Bearing) -> Body:

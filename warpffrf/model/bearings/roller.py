@@ -54,8 +54,10 @@ def add_roller_bearing(
     negative for an interference. profile: of the rollers beside what the law says: the crown radius [m], a table (z,
     drop), two arrays (n,) [m] from the middle, as of `surfaces.ProfiledCylinder`, or None for straight ones. law: of
     the contacts, or (inner, outer), None for laws.IsoLamina(roller_length), which has the profile of ISO/TS 16281
-    unless one is given here. Rollers are free along their axes, as there are no flanges. Other arguments as of
-    `add_ball_bearing`. Raises `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
+    unless one is given here. Rollers are free along their axes, as there are no flanges.
+    As of `add_ball_bearing`: scene, name, position [m], axis and first (3,), directions in the world, inner, outer,
+    cage, friction, material, element_material, and width, bore and outside_diameter [m]. Raises `InputError` for what
+    does not fit together (`warpffrf.model.bearings.geometry`).
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)

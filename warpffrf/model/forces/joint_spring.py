@@ -39,6 +39,11 @@ class JointSpringDamper(looks.Item):
     A characteristic (`characteristics`) in the place of stiffness or damping is the force over s - reference, or over
     ds/dt. Between interfaces under head and nut, a joint that leaves their axis free and a negative preload make a bolt
     of it, whose tension is -preload where nothing has yielded yet. Raises `InputError`.
+
+    Softly pressed, with `guide` as in `joints.Prismatic`:
+
+    >>> load = wf.signals.SmoothStep(-100.0, -1000.0, duration=1e-3)  # N
+    >>> press = scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e5, damping=100.0, preload=load, name="press"))
     """
 
     scene_list = "forces"

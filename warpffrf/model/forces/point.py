@@ -62,6 +62,8 @@ class PointForce(_Concentrated):
 
     force: three numbers or signals [N], or (signal, direction (3,)). frame: the axes of its components, "world" or
     "body" (turning with the body's frame). `components` are its three signals.
+
+    >>> push = scene.add(wf.forces.PointForce(upper["bore"], (0, 0, -50.0), name="push"))  # N, world axes
     """
 
     kind = "point_force"

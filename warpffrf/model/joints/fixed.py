@@ -10,7 +10,10 @@ from warpffrf.model.named_arguments import named_arguments
 
 @named_arguments
 class Fixed(Joint):
-    """Holds b to a: no relative motion. `axis` only names the marker's z axis."""
+    """Holds b to a: no relative motion. `axis` only names the marker's z axis.
+
+    >>> hold = scene.add(wf.joints.Fixed(scene.ground, lower["bore"], axis=(0, 1, 0), name="hold"))
+    """
 
     kind = "fixed"
     rows = (*POINT, *PARALLEL, *NO_SPIN)

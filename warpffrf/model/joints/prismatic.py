@@ -13,6 +13,8 @@ class Prismatic(Joint):
     """Lets b slide against a along the axis; coordinate "translation", the displacement [m].
 
     Its ports may lie apart at the initial pose: the joint then sits at b's.
+
+    >>> guide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1), name="guide"))
     """
 
     kind = "prismatic"

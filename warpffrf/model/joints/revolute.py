@@ -8,7 +8,12 @@ from warpffrf.model.named_arguments import named_arguments
 
 @named_arguments
 class Revolute(Joint):
-    """Lets b turn against a about the axis; coordinate "rotation", the angle [rad], which counts turns."""
+    """Lets b turn against a about the axis; coordinate "rotation", the angle [rad], which counts turns.
+
+    >>> machine = wf.Scene(gravity=(0, 0, 0))
+    >>> wheel = machine.add_rigid_body(1.0, (0.01, 0.02, 0.01), name="wheel")
+    >>> axle = machine.add(wf.joints.Revolute(machine.ground, wheel.at((0, 0, 0)), axis=(0, 1, 0), name="axle"))
+    """
 
     kind = "revolute"
     rows = (*POINT, *PARALLEL)

@@ -27,6 +27,10 @@ def box(size: Any, counts: Any, *, center: Any = (0.0, 0.0, 0.0), order: int = 2
 
     size: (3,) [m] along x, y, z; counts: three numbers of equal cells; center: (3,) [m]; order: 1 for hex8, 2 for
     hex27; name: of the mesh. Raises `InputError` for sizes that are not positive and counts below 1.
+
+    >>> bar = wf.mesh.box((0.1, 0.02, 0.01), (10, 2, 1), order=1)  # m
+    >>> bar.cell_count
+    20
     """
     extent = require_array(size, f"{name}: size", (3,))
     middle = require_array(center, f"{name}: center", (3,))

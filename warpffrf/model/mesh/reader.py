@@ -32,6 +32,11 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
     with several: the number of a connected part (0 is the one of the first cell) or the name of a volume group, in an
     .inp deck of an instance. What was left out or taken differently is in `Mesh.notes`. Raises `InputError` when the
     file is missing or unreadable, has no (supported) volume cells, an inverted cell or more than one connected part.
+
+    >>> plate = wf.mesh.read("plate.vtu", length_unit="mm")  # doctest: +ELLIPSIS
+    Traceback (most recent call last):
+    ...
+    warpffrf.model.errors.InputError: mesh file 'plate.vtu' does not exist...
     """
     if not isinstance(path, str | Path):
         raise InputError(f"mesh.read: a path is needed, got {path!r}")

@@ -57,6 +57,10 @@ def sleeve(
     order: 1 for hex8, 2 for curved hex27.
 
     Raises `InputError` for impossible sizes.
+
+    >>> tube = wf.mesh.sleeve(0.02, 0.03, 0.01, sectors=48, axial=2, order=1)  # m
+    >>> sorted(tube.facet_sets)
+    ['bore', 'ends', 'outside']
     """
     label = "sleeve"
     inside, outside = _radii(label, inner_radius, outer_radius)

@@ -103,6 +103,12 @@ def roller(
     the rim with the axial index fastest; a sector of hex27 holds a corner plane, then a mid plane. A solid roller is
     not periodic (`cyclic` None): `reduce` takes the general path.
     Raises `InputError` for impossible sizes and for counts left out without `half_width`.
+
+    >>> mesh = wf.mesh.roller(0.02, 0.01, 0.01, sectors=96, layers=4, axial=2, order=1)  # m
+    >>> sorted(mesh.facet_sets)
+    ['bore', 'ends', 'rim']
+    >>> round(mesh.volume() * 1e6, 2)  # cm3
+    9.42
     """
     R = require_number(outer_radius, "roller: outer_radius", positive=True)
     r_i = require_number(inner_radius, "roller: inner_radius", non_negative=True)

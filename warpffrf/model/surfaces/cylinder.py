@@ -15,6 +15,10 @@ class Cylinder(RevolutionShape):
 
     radius [m], axis_point (3,) [m], axis_direction (3,), user frame of the body; fit_tolerance [m] is the largest
     distance of a node that is accepted, 1e-5 of the radius where None.
+
+    >>> wf.surfaces.Cylinder().missing  # of a mesh: fitted to the nodes of its facet set
+    ('radius', 'axis_point', 'axis_direction')
+    >>> tread = wf.surfaces.Cylinder(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))  # of a rigid body
     """
 
     kind = "cylinder"

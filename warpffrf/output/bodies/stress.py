@@ -22,6 +22,7 @@ its sum a few of them below.
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -32,6 +33,7 @@ import numpy as np
 from warpffrf.model import looks
 from warpffrf.model.errors import InputError
 from warpffrf.model.membrane import membrane_amplitudes, membrane_forms
+from warpffrf.model.output_paths import size_text
 from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.lap_loads import LapLoads
@@ -39,6 +41,10 @@ from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, film_loa
 from warpffrf.output.bodies.patch_on_skin import tangential_forces
 from warpffrf.output.bodies.patch_stress import PatchStress
 from warpffrf.output.geometry.scene_view import SceneView
+
+MUCH = 2e9  # byte, of a result whose size is said before it is made
+
+log = logging.getLogger("warpffrf")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -142,7 +148,11 @@ def stress_result(result: Any, body: str, points: str, rows: Sequence[int] | np.
     """Stress of `body` at the `points` named when it was reduced, at the saved steps `rows` (r,), all if None."""
     source, count = BodyStress(result.history, result.view, body, points), len(result.time)
     shown = np.arange(count) if rows is None else saved_rows(rows, count, "stress: rows")
-    tensor = np.empty((len(shown), len(source.field.points), 6))
+    shape = len(shown), len(source.field.points), 6
+    size = 8 * int(np.prod(shape))
+    if size > MUCH:
+        log.warning("stress: '%s' of '%s' takes %s; name the saved steps wanted, rows=", points, body, size_text(size))
+    tensor = np.empty(shape)
     for n, i in enumerate(shown):
         tensor[n] = source.tensor(int(i))
     return StressResult(result.time[shown], source.field.points, tensor)

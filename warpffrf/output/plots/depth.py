@@ -12,8 +12,8 @@ from warpffrf.output.contact.hertz_stress import largest_below, largest_of
 
 MISES, SHEAR, REFERENCE = "#1b6ca8", "#2a9d6f", "#d1495b"
 STYLES = ("-", "--")  # of the two bodies where Poisson's ratios differ
-HEADROOM = 1.12  # of the largest stress
-NOTE_WIDTH = 52  # characters a line
+HEADROOM = 1.35  # of the largest stress: room for the legend beside the curves, which go back below
+NOTE_WIDTH = 36  # characters a line
 
 
 def has_material(contact: Any) -> bool:
@@ -43,7 +43,7 @@ def draw_depth(contact: Any, ax: Any, i: int, at: str) -> None:
         if hertz is not None:
             size = hertz.half_width if isinstance(hertz, HertzLine) else hertz.semi_axes[1]
             for name, largest in zip(("von Mises", "shear"), largest_below(hertz, below.poisson_ratio), strict=True):
-                label = f"Hertz, {name}: {largest.stress / hertz.peak_pressure:.3f} p0 at {largest.depth / size:.3f} b"
+                label = f"Hertz: {largest.stress / hertz.peak_pressure:.3f} p0 at {largest.depth / size:.3f} b"
                 ax.plot(
                     largest.stress * 1e-6, largest.depth * 1e3, "o" if name == "von Mises" else "s", ms=7.0,
                     mfc="none", color=REFERENCE, label=label + whose,
@@ -57,7 +57,7 @@ def draw_depth(contact: Any, ax: Any, i: int, at: str) -> None:
     ax.set_title(title + (", without tractions" if contact.has_friction else ""), fontsize=10)
     if why:
         ax.annotate(
-            textwrap.fill(f"no marks: {why}", NOTE_WIDTH), (0.98, 0.28), xycoords="axes fraction", ha="right", va="top",
+            textwrap.fill(f"no marks: {why}", NOTE_WIDTH), (0.98, 0.32), xycoords="axes fraction", ha="right", va="top",
             fontsize=7, color="0.35",
         )  # fmt: skip
     ax.legend(frameon=False, fontsize=7, loc="lower right")

@@ -199,9 +199,9 @@ def stress_depth(result: Any, ax: Any) -> None:
 def energy(result: Any, ax: Any) -> None:
     """What closes the energy balance, and the grid defect, over the largest energy at hand."""
     scale = result.energy_scale
-    ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)")
+    ax.plot(result.time * 1e3, result.energy_residual, color=PROFILE, label="energy residual (numerical)", zorder=3)
     defect = result.energy.get("contact_grid")
-    if defect is not None and scale > 0.0:
+    if defect is not None and np.any(defect) and scale > 0.0:
         ax.plot(
             result.time * 1e3, np.asarray(defect) / scale, color=REFERENCE, lw=1.0, label="grid defect of the contact"
         )
@@ -236,7 +236,10 @@ def widths(result: Any, ax: Any) -> None:
 
 def ripple(result: Any, ax: Any) -> None:
     """Force, half-width and peak pressure of the second half of the run about their means in per cent, so that a small
-    change looks large, but for less than 1e-3 %, which is round-off and the tolerance of iterations."""
+    change looks large, down to 1e-3 %.
+
+    Less is round-off and the tolerance of iterations.
+    """
     contact = _contact(result)
     rows = np.flatnonzero(contact.touching & (result.time >= 0.5 * (result.time[0] + result.time[-1])))
     curves = {

@@ -18,6 +18,7 @@ SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
 LEAST_SEEN = 1e-6  # of the other curves of a plot: what is smaller is round-off of a direction that nothing drives
 TRACE = 0.02  # of the tractions of one sign: less of the other shows nothing in the plot
 LEGEND_ROOM = 1.35  # of the range of tractions
+NO_ARROWS = 1e-3  # of the largest bound: tractions below it are no arrows, which would look as long as any
 MOST_ARROWS = 24  # tractions drawn in a map in either direction: more are not told apart in a panel
 PRESSURE, BOUND, TRACTION, ACROSS, SECOND = "#8a94a3", "#d1495b", "#1b6ca8", "#2a9d6f", "#b57f00"
 
@@ -92,7 +93,8 @@ def traction(result: Any, ax: Any) -> None:
     drawn = [v[np.isfinite(v)] for v in (*bounds, tau, profile["across"] * 1e-6)]
     low, high = (float(f(np.concatenate(drawn), initial=0.0)) for f in (np.min, np.max))
     room = (LEGEND_ROOM - 1.0) * (high - low)  # for the legend, on the side of the larger tractions
-    low, high = HEADROOM * low, HEADROOM * high
+    least = (HEADROOM - 1.0) * (high - low)  # so that a curve at zero does not lie on the frame
+    low, high = min(HEADROOM * low, -least), max(HEADROOM * high, least)
     ax.set_ylim(low - room * (sign < 0.0), (high + room * (sign > 0.0)) or 1.0)
     _around(ax, contact, i)
     ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="traction [MPa]")
@@ -133,7 +135,8 @@ def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
     shown = np.zeros(state.shape, dtype=bool)
     every = [max(1, -(-int(np.any(state != OPEN, axis=axis).sum()) // MOST_ARROWS)) for axis in (1, 0)]
     shown[every[0] // 2 :: every[0], every[1] // 2 :: every[1]] = True
-    j, k = np.nonzero(shown & np.any(tau != 0.0, axis=0))
+    bound = (_coefficient(contact) or 1.0) * float(contact.peak_pressure[i])
+    j, k = np.nonzero(shown & np.any(tau != 0.0, axis=0) & (np.abs(tau).max(initial=0.0) > NO_ARROWS * bound))
     if len(j):
         ax.quiver(x[j], z[k], tau[0, j, k], tau[1, j, k], angles="uv", pivot="middle", width=0.004, color="0.1")
     _around(ax, contact, i)
@@ -146,8 +149,8 @@ def stick_slip(result: Any, ax: Any, row: int | None = None) -> None:
     share = shares[0] / sum(shares) if sum(shares) > 0.0 else np.nan
     ax.set_title(f"Stick and slip, {_at(result, i)}, area of adhesion {share:.0%}", fontsize=10)
     ax.legend(
-        handles=[Patch(color=c, label=n) for n, c in zip(STATES, STATE_COLORS, strict=True)], fontsize=7, ncols=3,
-        loc="upper right",
+        handles=[Patch(color=c, label=n) for n, c in zip(STATES, STATE_COLORS, strict=True)], fontsize=8, ncols=3,
+        loc="upper center", bbox_to_anchor=(0.5, -0.14), frameon=False,
     )  # fmt: skip
 
 
@@ -177,13 +180,14 @@ def creepage(result: Any, ax: Any) -> None:
     right.plot(time, friction.traction_coefficient, color=BOUND)
     if _coefficient(contact) is not None:
         right.axhline(_coefficient(contact), color=BOUND, lw=0.8, ls="--")
-    right.set_ylim(0.0, HEADROOM * max(float(np.nanmax(friction.traction_coefficient, initial=0.0)),
-                                       _coefficient(contact) or 0.0) or 1.0)  # fmt: skip
+    most = max(float(np.nanmax(friction.traction_coefficient, initial=0.0)), _coefficient(contact) or 0.0)
+    right.set_ylim(0.0, LEGEND_ROOM * most or 1.0)
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("creepage [-]", color=TRACTION)
     right.set_ylabel("tangential over normal load [-]", color=BOUND)
     ax.set_title("Creepage and traction coefficient (dashed: coefficient of friction)", fontsize=10)
-    ax.legend(frameon=False, fontsize=8)
+    ax.margins(y=0.25)
+    ax.legend(frameon=False, fontsize=8, loc="upper right")
 
 
 def spin(result: Any, ax: Any) -> None:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.progress import Progress
 from warpffrf.output.bodies.shown_skin import DISPLACEMENT, ShownSkin
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
@@ -28,18 +29,23 @@ class BodyFrames:
     values: np.ndarray | None = None  # (F, n) float32, another field in SI units, where one was asked for
 
 
-def body_frames(skins: dict[str, Skin], rows: np.ndarray, max_points: int, field: str) -> dict[str, BodyFrames]:
-    """The `skins` of all flexible bodies at the given rows, with a `field` of `Skin.fields`."""
+def body_frames(
+    skins: dict[str, Skin], rows: np.ndarray, max_points: int, field: str, progress: bool = False
+) -> dict[str, BodyFrames]:
+    """The `skins` of all flexible bodies at the given rows with a `field` of `Skin.fields`; progress: how far it is."""
     frames = {}
-    for name, skin in skins.items():
+    bar = Progress("skins of the recording", len(skins) * len(rows), enabled=progress, unit="skin")
+    for done, (name, skin) in enumerate(skins.items()):
         shown = ShownSkin(skin, max_points)
         displacement = np.empty((len(rows), len(shown.points), 3), dtype=np.float32)
         values = None if field == DISPLACEMENT else np.empty((len(rows), len(shown.points)), dtype=np.float32)
         for f, i in enumerate(rows):
+            bar.update(done * len(rows) + f)
             displacement[f] = shown.displacement(i)
             if values is not None:
                 values[f] = shown.values(field, i)
         frames[name] = BodyFrames(shown.points, shown.triangles, displacement, shown.size, values)
+    bar.close()
     return frames
 
 

@@ -130,7 +130,7 @@ def record(
     saved = len(result.time)
     rows, stride = frame_rows(saved, max_frames) if every is None else (rows_every(saved, every), every)
     with np.errstate(invalid="ignore"):
-        bodies = fr.body_frames(skins, rows, max_points, color)
+        bodies = fr.body_frames(skins, rows, max_points, color, progress)
     good = np.array([_row_is_finite(result, bodies, f, int(i)) for f, i in enumerate(rows)])
     skipped = [int(i) for i in rows[~good]]
     with written_whole(target) as partial:
@@ -186,7 +186,8 @@ class _Recorder:
             stride,
         )
         self.contacts = [result.contact(name) for name in result.contact_names]
-        shown = [np.linalg.norm(b.displacement[good], axis=-1) for b in bodies.values()]
+        drawn = np.flatnonzero(good)  # one by one: a copy of all rows would be as large as they are
+        shown = [np.linalg.norm(b.displacement[f], axis=-1) for b in bodies.values() for f in drawn]
         top = largest(shown)
         view = result.view
         # where bodies touch the view is that of the flexible ones: invented inertias of carriages would rule it

@@ -22,7 +22,7 @@ KINDS = {
     "flat": "flat faces",
 }
 
-CARRIERS = {"hats": "nodes of the contact grid", "cells": "cells of the contact grid"}
+CARRIERS = {"hats": "nodes of the contact grid", "cells": "cells of the patch"}
 
 
 def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") -> str:

@@ -1,0 +1,56 @@
+"""The smallest runs that have something to draw: rollers that begin to turn with friction, an oiled shaft, a lap that
+is pushed to and fro."""
+
+from __future__ import annotations
+
+import lap_runs
+import numpy as np
+
+import warpffrf as wf
+from warpffrf.model import films, forces, joints, oils, surfaces
+from warpffrf.model.mesh import sleeve
+from warpffrf.output.result import Result
+from warpffrf.verification.scenes.rollers import STEEL, guided_pair, roller_body
+
+STEPS, STEP, SPEED = 24, 1e-4, 200.0  # -, s, rad/s reached at the end
+RADIUS, CLEARANCE = 0.025, 25e-6  # m, of the bore, and of the shaft in it
+
+
+def rolling() -> Result:
+    """Two rollers on cells that travel, finer than the mesh, pressed and turned from rest against each other."""
+    body = roller_body(
+        48, layers=2, axial=2, grading=2.0, order=1, modes=2, max_frequency=None, tangential=True, patch_grid=True,
+        cache=False,
+    )  # fmt: skip
+    scene = guided_pair(body, body, load=2e4, speed=SPEED, ramp=STEPS * STEP, friction=0.2)
+    return wf.simulate(scene, STEPS * STEP, step=STEP, start="equilibrium", progress=False)
+
+
+def oiled() -> Result:
+    """A rigid shaft that turns in a steel sleeve under a load, from near the middle on."""
+    mesh = sleeve(RADIUS, 1.5 * RADIUS, RADIUS, sectors=24, order=1, axial=4)
+    body = wf.reduce(
+        mesh, STEEL, interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=2, cache=False,
+        progress=False,
+    )  # fmt: skip
+    scene = wf.Scene()
+    held = scene.add_body(body, name="sleeve")
+    scene.add(joints.Fixed(scene.ground, held["outside"]))
+    journal = surfaces.Cylinder(radius=RADIUS - CLEARANCE, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    shaft = scene.add_rigid_body(
+        1.0, (3e-4,) * 3, name="shaft", position=(0.3 * CLEARANCE, 0.0, 0.0), angular_velocity=(0.0, 300.0, 0.0),
+        surfaces={"rim": journal},
+    )  # fmt: skip
+    middle = shaft.at((0, 0, 0))
+    plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
+    scene.add(joints.Drive(plane, 300.0, quantity="velocity"))
+    scene.add(forces.PointForce(middle, (0.0, 0.0, -2e3)))
+    groove = films.Groove(np.pi, 1e-4, 0.0)
+    scene.add(wf.Film(held["bore"], shaft["rim"], oil=oils.Newtonian(0.01), feeds=[groove], name="film"))
+    return wf.simulate(scene, 2e-3, step=2e-4, progress=False)
+
+
+def rubbing_lap() -> Result:
+    """The lap of `lap_runs` through half a cycle of its push."""
+    step = lap_runs.PERIOD / 10.0
+    return wf.simulate(lap_runs.scene(), 0.5 * lap_runs.PERIOD, step=step, kind="static", progress=False)
