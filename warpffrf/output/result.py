@@ -161,7 +161,7 @@ class Result(looks.Shown):
         return BearingResult(self.history, _named(self.view.bearings, "bearing", name))
 
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
-        """Stiffness (6, 6) of the bearing called `name` about a saved step, by central differences of twelve
+        """Stiffness (6, 6) of the bearing called `name` about the saved step `row`, by central differences of twelve
         equilibria (`warpffrf.output.bearings.stiffness`); raises InputError for flexible parts, for a bearing without
         load, and for a result that was read from a file."""
         from warpffrf.output.bearings.stiffness import bearing_stiffness

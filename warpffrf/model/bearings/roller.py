@@ -54,8 +54,12 @@ def add_roller_bearing(
     negative for an interference. profile: of the rollers beside what the law says: the crown radius [m], a table (z,
     drop), two arrays (n,) [m] from the middle, as of `surfaces.ProfiledCylinder`, or None for straight ones. law: of
     the contacts, or (inner, outer), None for laws.IsoLamina(roller_length), which has the profile of ISO/TS 16281
-    unless one is given here. Rollers are free along their axes, as there are no flanges. Other arguments as of
-    `add_ball_bearing`. Raises `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
+    unless one is given here. Rollers are free along their axes, as there are no flanges.
+
+    Of `scene`, under a `name`; as of `add_ball_bearing` are position (3,) [m], axis (3,), first (3,), world axes at the
+    initial pose; the rings inner and outer, of a width, a bore and an outside_diameter [m] where they are made here;
+    cage, friction, material and element_material. Raises `InputError` for what does not fit together
+    (`warpffrf.model.bearings.geometry`).
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)
