@@ -3,6 +3,7 @@
     geometry.py   pitch circle, grooves, clearance, contact angle; what does not fit
     parts.py      place, masses, rings, contacts            cage.py              Spaced, Pockets
     bearing.py    Bearing: its parts by name                rating.py            ISO 281 and ISO/TS 16281 lives
+    rolling.py    orbit and spin of elements that roll
     build.py      what both builders do                     ball.py, roller.py   the builders
 
 A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` takes the contact that its

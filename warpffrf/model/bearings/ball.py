@@ -63,7 +63,8 @@ def add_ball_bearing(
     (`warpffrf.model.bearings.parts`). cage: `bearings.Spaced()`, balls at equal angles that stand still,
     `bearings.Pockets(...)` or None.
 
-    law: of the contacts, or (inner, outer), None for laws.HertzPoint of the materials; friction: as of `LumpedContact`.
+    law: of the contacts, or (inner, outer), None for laws.HertzPoint of the materials; friction: as of `LumpedContact`,
+    laws.RegularisedCoulomb for a traction that grows with the slip speed up to its bound.
     material: of rings and balls, element_material: of other balls. shoulders [m]: height over the bottom of the groove,
     one or (inner, outer), with which results say how much of a patch is cut off.
 

@@ -10,11 +10,14 @@ import numpy as np
 from warpffrf.model import looks
 from warpffrf.model.bearings.geometry import BallRaceways, RollerRaceways
 from warpffrf.model.bearings.parts import SIDES, Place
+from warpffrf.model.bearings.rolling import Rolling, rolling
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
+from warpffrf.model.signals import Constant
 
 ELEMENT_SURFACE = "skin"
 
@@ -59,9 +62,58 @@ class Bearing(looks.Shown):
 
         With gamma = D cos(alpha)/d_pw: (inner (1 - gamma) + outer (1 + gamma))/2.
         """
-        angle = self.raceways.free_angle if isinstance(self.raceways, BallRaceways) else 0.0
-        gamma = self.raceways.diameter * np.cos(angle) / self.raceways.pitch_diameter
-        return float(0.5 * (inner * (1.0 - gamma) + outer * (1.0 + gamma)))
+        return self._rolling(inner, outer, self.angle, "outer").orbit
+
+    @property
+    def angle(self) -> float:
+        """Free contact angle [rad], 0 of rollers."""
+        return self.raceways.free_angle if isinstance(self.raceways, BallRaceways) else 0.0
+
+    def roll(
+        self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None, control: str = "outer"
+    ) -> Rolling:
+        """Let a run begin with rings that turn at `inner` and `outer` [rad/s] about the axis, elements that roll on
+        them without slip, and the cage that goes with them; returns the speeds of an element.
+
+        Sets `velocity` and `angular_velocity` of the bodies, and the drive of a cage `Spaced`. angle [rad]: contact
+        angle, None for the free one; control: the raceway that balls do not pivot on, "outer" or "inner"
+        (`warpffrf.model.bearings.rolling`). Drives of the rings are the scene's. Raises `InputError` for a speed of
+        the ground.
+        """
+        label = f"bearing {self.name!r}: roll"
+        speeds = {"inner": require_number(inner, f"{label}: inner [rad/s]"),
+                  "outer": require_number(outer, f"{label}: outer [rad/s]")}  # fmt: skip
+        at = self.angle if angle is None else require_number(angle, f"{label}: angle [rad]")
+        found = self._rolling(inner, outer, at, control)
+        for side, speed in speeds.items():
+            ring = getattr(self, side)
+            if isinstance(ring, Body):
+                self._turn(ring, speed)
+            elif speed:
+                raise InputError(f"{label}: the {side} ring is the ground, which stands still; turn the other one")
+        axis = self.place.axis
+        for element in self.elements:
+            out = element.position - self.place.center
+            out = out - (out @ axis) * axis
+            out /= np.linalg.norm(out)
+            element.velocity = found.orbit * np.cross(axis, element.position - self.place.center)
+            element.angular_velocity = found.radial * out + found.axial * axis
+        if self.cage is not None:
+            self._turn(self.cage, found.orbit)
+        if self.drive is not None:
+            carrier = self.joints["cage_axle"].a.body
+            known = {id(getattr(self, side)): speed for side, speed in speeds.items()}
+            self.drive.signal = Constant(found.orbit - known.get(id(carrier), 0.0))
+        return found
+
+    def _rolling(self, inner: float, outer: float, angle: float, control: str) -> Rolling:
+        D, pitch = self.raceways.diameter, self.raceways.pitch_diameter
+        return rolling(D, pitch, inner, outer, (angle, angle), control)
+
+    def _turn(self, body: Body, speed: float) -> None:
+        """Let a run begin with `body` turning about the bearing's axis."""
+        body.angular_velocity = speed * self.place.axis
+        body.velocity = np.cross(body.angular_velocity, body.position - self.place.center)
 
     def describe(self) -> dict[str, Any]:
         """Plain data that results files keep, and results are told by."""
@@ -71,6 +123,7 @@ class Bearing(looks.Shown):
             "moduli": [m.plane_strain_modulus for m in self.materials], "shoulders": list(self.shoulders),
             "elements": [element.name for element in self.elements], "inner": self.inner.name,
             "outer": self.outer.name, "poses": {ring.name: _pose(ring) for ring in (self.inner, self.outer)},
+            "inertia": [float(self.place.axes[0] @ body.inertia @ self.place.axes[0]) for body in self.elements],
             "cage": None if self.cage is None else self.cage.name,
             "contacts": {key: contact.name for key, contact in self.contacts.items()},
             "joints": {key: joint.name for key, joint in self.joints.items()},

@@ -127,6 +127,8 @@ class Pockets(Cage):
     kind: ClassVar[str] = "pockets"
 
     def hold(self, scene: Scene, bearing: Bearing) -> None:
+        """Add the cage to `scene` and `bearing`. Raises `InputError` for pockets that overlap, or smaller than the
+        elements."""
         label = f"bearing {bearing.name!r}: Pockets"
         play = require_number(self.clearance, f"{label}: clearance [m]")
         D, apart = bearing.raceways.diameter, bearing.raceways.apart

@@ -112,6 +112,57 @@ class BearingResult(looks.Shown):
         return {side: self._of_lumped(side, "slip_velocity", norm=True) for side in SIDES}
 
     @cached_property
+    def orbit_speed(self) -> np.ndarray:
+        """(T, Z) rad/s, of the elements about the axis in the world, counted about the outer ring's centre."""
+        moved, place = self._element_motion
+        around = np.cross(self.axes[:, None, 2], place)
+        return np.einsum("tzi,tzi->tz", moved, around) / np.einsum("tzi,tzi->tz", around, around)
+
+    @cached_property
+    def spin(self) -> np.ndarray:
+        """(T, Z, 3) rad/s: angular velocity of the elements in the world; components outward, around and along the
+        axis."""
+        turning = np.stack([self.history.bodies[name].angular_velocity for name in self.elements], axis=1)
+        return np.einsum("tzki,tzi->tzk", self._element_axes, turning)
+
+    @cached_property
+    def spin_to_roll(self) -> dict[str, np.ndarray]:
+        """ "inner" and "outer" -> (T, Z): pivoting of an element on the raceway over its rolling there, the parts of
+        its angular velocity against the ring along and across the line of contact; nan without a load."""
+        found = {}
+        for side in SIDES:
+            body = self._body(self.description[side])
+            ring = np.zeros((len(self.time), 1, 3)) if body is None else body.angular_velocity[:, None]
+            against = self.spin - np.einsum("tzki,tzi->tzk", self._element_axes, np.broadcast_to(ring, self.spin.shape))
+            angle = self._angles(side)
+            line = np.stack([np.cos(angle), 0.0 * angle, np.sin(angle)], axis=-1)
+            pivoting = np.einsum("tzk,tzk->tz", against, line)
+            found[side] = pivoting / np.linalg.norm(against - pivoting[..., None] * line, axis=-1)
+        return found
+
+    @cached_property
+    def gyroscopic_moment(self) -> np.ndarray:
+        """(T, Z) N m, about the direction around: what turns the rotation of an element with its orbit, I w_c w_r."""
+        return np.array(self.description["inertia"]) * self.orbit_speed * self.spin[..., 0]
+
+    @cached_property
+    def _element_motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Velocities of the elements [m/s] and places from the axis [m] against the outer ring's centre (T, Z, 3)."""
+        bodies = [self.history.bodies[name] for name in self.elements]
+        center = self._carried_velocity(self.description["outer"])
+        moved = np.stack([body.velocity for body in bodies], axis=1) - center[:, None]
+        place = np.stack([body.position for body in bodies], axis=1) - self.center[:, None]
+        along = self.axes[:, None, 2]
+        return moved, place - np.einsum("tzi,tzi->tz", place, np.broadcast_to(along, place.shape))[..., None] * along
+
+    @cached_property
+    def _element_axes(self) -> np.ndarray:
+        """(T, Z, 3, 3): rows are the directions outward, around and along the axis at each element, world axes."""
+        outward = np.einsum("tzk,tki->tzi", self._directions, self.axes)
+        along = np.broadcast_to(self.axes[:, None, 2], outward.shape)
+        return np.stack([outward, np.cross(along, outward), along], axis=2)
+
+    @cached_property
     def cage_force(self) -> np.ndarray:
         """(T, Z) N, of the cage on the elements around the axis, positive where it drives them forward; 0 without."""
         found = np.zeros((len(self.time), len(self.elements)))
@@ -160,6 +211,45 @@ class BearingResult(looks.Shown):
         total = -sum(self._forces("inner"), np.zeros((len(self.time), 3)))
         return np.einsum("tki,ti->tk", self.axes, total)
 
+    @cached_property
+    def friction_torque(self) -> np.ndarray:
+        """(T,) N m, of the elements on the inner ring about its own axis, against a positive speed negative."""
+        body = self._body(self.description["inner"])
+        along = self._turned(self.description["inner"]) @ np.asarray(self.description["axes"])[2]
+        center = self._carried(self.description["inner"])
+        total = np.zeros((len(self.time), 3))
+        for name in self._names("inner"):
+            if name in self.history.lumped_contacts:
+                contact = self.history.lumped_contacts[name]
+                total -= np.cross(contact.place - center, contact.friction_force)
+            else:  # a flexible ring is the first body
+                contact, origin = self.history.contacts[name], np.zeros(3) if body is None else body.position
+                total += contact.torque + np.cross(origin - center, contact.force)
+        return np.einsum("ti,ti->t", along, total)
+
+    @cached_property
+    def friction_power(self) -> dict[str, np.ndarray]:
+        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed; lumped contact
+        only. Of the cage in its pockets, 0 without."""
+        names = {side: [[name] for name in self._names(side)] for side in SIDES}
+        known = self.description["contacts"]
+        names["cage"] = [
+            [known[key] for key in known if key == f"pocket_{i + 1}" or key.startswith(f"pocket_{i + 1}_")]
+            for i in range(len(self.elements))
+        ]
+        found = {side: np.zeros((len(self.time), len(self.elements))) for side in names}
+        for side, each in names.items():
+            for i, contacts in enumerate(each):
+                for name in contacts:
+                    if name not in self.history.lumped_contacts:
+                        raise InputError(
+                            f"bearing {self.name!r}: the power of friction in distributed contact is in "
+                            "result.contact(name)"
+                        )
+                    one = self.history.lumped_contacts[name]
+                    found[side][:, i] -= np.einsum("ti,ti->t", one.friction_force, one.slip_velocity)
+        return found
+
     # --- the whole
 
     def basic_life(self, capacity: float, row: int = -1, *, X: float = 1.0, Y: float = 0.0) -> BasicLife:
@@ -190,6 +280,8 @@ class BearingResult(looks.Shown):
                 columns[f"{side} a [mm]"] = MM * patches.half_axis_across[row]
                 columns[f"{side} b [mm]"] = MM * patches.half_axis_around[row]
                 columns[f"{side} slip [m/s]"] = self.slip_speed[side][row]
+            power = [self.friction_power[where][row] for where in (*SIDES, "cage")]
+            columns["friction [W]"] = np.sum(power, axis=0)
         columns["cage force [N]"] = self.cage_force[row]
         columns |= {f"{side} cut off [%]": 100.0 * share[row] for side, share in self.cut_off.items()}
         return columns
@@ -206,8 +298,12 @@ class BearingResult(looks.Shown):
             f"bearing {self.name!r} at {self.time[row]:.6g} s: {loaded} of {len(self.elements)} {self.kind}s loaded",
             f"inner ring moved by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
             f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
-            "  ".join([f"{'':>3}", *(f"{name:>17}" for name in shown)]),
         ]
+        if "friction [W]" in shown:
+            lines.append(
+                f"friction: {self.friction_torque[row]:.5g} N m on the inner ring, {shown['friction [W]'].sum():.5g} W"
+            )
+        lines.append("  ".join([f"{'':>3}", *(f"{name:>17}" for name in shown)]))
         for i in range(len(self.elements)):
             numbers = (values[i] for values in shown.values())
             lines.append(
@@ -277,6 +373,13 @@ class BearingResult(looks.Shown):
             return np.broadcast_to(np.eye(3), (len(self.time), 3, 3))
         begin = rot.matrix(np.asarray(self.description["poses"][name]["rotation"]))
         return np.array([rot.matrix(q) @ begin.T for q in body.rotation]).reshape(-1, 3, 3)
+
+    def _carried_velocity(self, name: str) -> np.ndarray:
+        """(T, 3) m/s, of the bearing's centre as a ring's body carries it."""
+        body = self._body(name)
+        if body is None:
+            return np.zeros((len(self.time), 3))
+        return body.velocity + np.cross(body.angular_velocity, self._carried(name) - body.position)
 
     def _carried(self, name: str) -> np.ndarray:
         """(T, 3) m: the centre of the bearing as a ring's body carries it."""
