@@ -3,26 +3,32 @@
 from __future__ import annotations
 
 import copy
+import functools
+import os
 import signal
 import socket
 import subprocess
 import sys
 import threading
+import time
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from unfinished_runs import OPTIONS, STEP, STEPS, pendulum, simulate
+import unfinished_runs
+from unfinished_runs import FEW, OPTIONS, STEP, pendulum
 
 import warpffrf as wf
-from warpffrf.demos import two_rollers
 from warpffrf.model.errors import InputError
 from warpffrf.model.keeping import Plan, Unfinished
+from warpffrf.model.processes import lives
 from warpffrf.online.history.history import History
 from warpffrf.output import outputs
 from warpffrf.output.files import unfinished
+from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 PROGRAM = Path(__file__).with_name("unfinished_runs.py")
 BEFORE_LONG = 100.0  # s, before a program has started and said something
@@ -45,30 +51,66 @@ def counters(history: History) -> dict[str, float]:
     return {name: value for name, value in history.counters.items() if name not in TIMES}
 
 
-def started(case: str, results: Path) -> subprocess.Popen[str]:
-    """The program under way: it has kept its first part."""
-    program = subprocess.Popen([sys.executable, str(PROGRAM), case, str(results)], stdout=subprocess.PIPE, text=True)
-    assert program.stdout is not None
-    for said in ("ready\n", "going\n"):
-        assert program.stdout.readline() == said
-    return program
+simulate = functools.partial(unfinished_runs.simulate, steps=FEW)
 
 
-def stopped(case: str, results: Path, number: int) -> str:
+@functools.cache
+def unstopped(case: str) -> wf.Result:
+    """The run of `case` that nobody stops."""
+    return simulate(case, None)
+
+
+class Program:
+    """A run in a process of its own, under way: it has kept its first part."""
+
+    def __init__(self, server: subprocess.Popen[str], case: str, results: Path) -> None:
+        pipe = results.parent.with_name(f"{results.parent.name}.pipe")
+        os.mkfifo(pipe)
+        assert server.stdin is not None and server.stdout is not None
+        server.stdin.write(f"{case} {results} {pipe}\n")
+        server.stdin.flush()
+        self.pid = int(server.stdout.readline())
+        self.stdout = pipe.open()
+        for said in ("ready\n", "going\n"):
+            assert self.stdout.readline() == said
+
+    def send_signal(self, number: int) -> None:
+        os.kill(self.pid, number)
+
+    def ended(self) -> str:
+        """What it has said since, when it is no more."""
+        with self.stdout:
+            said = self.stdout.read()
+        until = time.monotonic() + BEFORE_LONG
+        while lives(self.pid):
+            assert time.monotonic() < until
+            time.sleep(0.01)
+        return said
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[subprocess.Popen[str]]:
+    command = [sys.executable, str(PROGRAM), "serve"]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None and process.stdout.readline() == "ready\n"
+        yield process
+
+
+def stopped(server: subprocess.Popen[str], case: str, results: Path, number: int) -> str:
     """What the program says last when it is sent a signal."""
-    program = started(case, results)
+    program = Program(server, case, results)
     program.send_signal(number)
-    said, _ = program.communicate(timeout=BEFORE_LONG)
+    said = program.ended()
     return said.split("\n")[-2] if "\n" in said else ""
 
 
 @pytest.mark.parametrize("case", ["plain", "sparse", "adaptive", "stages", "static", "runge-kutta", "energy-momentum"])
-def test_a_killed_run_goes_on_bit_for_bit(case: str, tmp_path: Path) -> None:
+def test_a_killed_run_goes_on_bit_for_bit(server: subprocess.Popen[str], case: str, tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
-    assert "status" not in stopped(case, file, signal.SIGKILL)
+    assert "status" not in stopped(server, case, file, signal.SIGKILL)
     left = sorted(path.name for path in tmp_path.iterdir())
     assert any(name.endswith(".h5.unfinished") for name in left) and "run.h5" not in left
-    found, whole = simulate(case, file, resume=True), simulate(case, None)
+    found, whole = simulate(case, file, resume=True), unstopped(case)
     assert same(whole.history, found.history) == [] and counters(whole.history) == counters(found.history)
     assert same(whole.history, wf.Result.load(file).history) == []
     files = ["run.fall.h5", "run.h5", "run.swing.h5"] if case == "stages" else ["run.h5"]
@@ -76,25 +118,25 @@ def test_a_killed_run_goes_on_bit_for_bit(case: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=["SIGTERM", "Ctrl-C"])
-def test_an_interrupted_run_is_written_and_goes_on(number: int, tmp_path: Path) -> None:
+def test_an_interrupted_run_is_written_and_goes_on(server: subprocess.Popen[str], number: int, tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
-    assert stopped("plain", file, number) == "status interrupted 0"
-    part, whole = wf.Result.load(file), simulate("plain", None)
+    assert stopped(server, "plain", file, number) == "status interrupted 0"
+    part, whole = wf.Result.load(file), unstopped("plain")
     assert 0 < len(part.time) < len(whole.time) and np.array_equal(part.time, whole.time[: len(part.time)])
     assert same(whole.history, simulate("plain", file, resume=True).history) == []
     assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
 
 
-def test_an_unfinished_run_can_be_looked_at_and_continued(tmp_path: Path) -> None:
+def test_an_unfinished_run_can_be_looked_at_and_continued(server: subprocess.Popen[str], tmp_path: Path) -> None:
     file, folder = tmp_path / "run.h5", tmp_path / "run.h5.unfinished"
-    stopped("plain", file, signal.SIGKILL)
+    stopped(server, "plain", file, signal.SIGKILL)
     with pytest.raises(InputError, match=r"run.h5' does not exist; '.*run.h5.unfinished' holds what"):
         wf.Result.load(file)
-    part, whole = wf.Result.load(folder), simulate("plain", None)
+    part, whole = wf.Result.load(folder), unstopped("plain")
     assert part.status == "unfinished" and "resume=True" in part.message
     n = len(part.time)
     assert n > 0 and np.array_equal(part.body("arm").position, whole.body("arm").position[:n])
-    rest = STEPS * STEP - float(part.history.checkpoint["clk"]["time"][0])
+    rest = FEW * STEP - float(part.history.checkpoint["clk"]["time"][0])
     end = wf.simulate(pendulum(), rest, step=STEP, start=folder, progress=False).history
     assert same(whole.history.checkpoint, end.checkpoint) in ([], ["/ctl"])  # rows are counted from the start of each
 
@@ -133,22 +175,23 @@ def kept(folder: Path, scene: wf.Scene, steps: int, step: float, **options: Any)
 
 def test_a_run_with_contact_reads_as_far_as_it_went(tmp_path: Path) -> None:
     """Pressures, friction, joints and energy are made of the rows and of the scene that the folder holds."""
-    scene = two_rollers.build(two_rollers.QUICK, progress=False)
-    found, whole = kept(tmp_path, scene, 2000, two_rollers.STEP, start="equilibrium")
+    body = roller_body(120, layers=4, axial=2, grading=1.6, modes=2, tangential=True)
+    scene = guided_pair(body, body, load=20e3, speed=1.0, friction=0.2)
+    options: dict[str, Any] = {"start": "equilibrium"}
+    found, whole = kept(tmp_path, scene, 100, STEP, **options)
     rows = len(found.time)
     assert 0 < rows < len(whole.time) and found.view.content_hash == scene.content_hash()
     for name in ("time", "energy", "bodies", "joints", "contacts", "forces", "sensors", "step_size", "iterations"):
         assert same(first_rows(getattr(whole.history, name), rows), getattr(found.history, name), name) == []
     again = wf.simulate(
-        scene, 2000 * two_rollers.STEP, step=two_rollers.STEP, progress=False, start="equilibrium", resume=True,
-        results=tmp_path / "run.h5",
+        scene, 100 * STEP, step=STEP, progress=False, resume=True, results=tmp_path / "run.h5", **options
     )  # fmt: skip
     assert same(whole.history, again.history) == []
 
 
-def test_damage_in_the_folder_is_named(tmp_path: Path) -> None:
+def test_damage_in_the_folder_is_named(server: subprocess.Popen[str], tmp_path: Path) -> None:
     file, folder = tmp_path / "run.h5", tmp_path / "run.h5.unfinished"
-    stopped("plain", file, signal.SIGKILL)
+    stopped(server, "plain", file, signal.SIGKILL)
     for name in ("checkpoint.arrays", "part-000001.arrays", "scene.arrays"):
         whole = (folder / name).read_bytes()
         for data in (whole[: len(whole) // 2], whole[:-200] + b"?" + whole[-199:], b""):
@@ -165,7 +208,7 @@ def test_damage_in_the_folder_is_named(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"part-000001.arrays is missing; begin the run anew"):
         wf.Result.load(folder)
     (folder / "elsewhere").rename(folder / "part-000001.arrays")
-    assert same(simulate("plain", None).history, simulate("plain", file, resume=True).history) == []
+    assert same(unstopped("plain").history, simulate("plain", file, resume=True).history) == []
 
 
 def test_a_scene_that_no_file_can_hold_can_be_gone_on_with(tmp_path: Path) -> None:
@@ -189,9 +232,9 @@ def test_a_table_that_ends_with_the_run_serves_what_is_left_of_it(tmp_path: Path
     assert same(whole.history, found.history) == []
 
 
-def test_what_is_unfinished_is_not_lost_by_mistake(tmp_path: Path) -> None:
+def test_what_is_unfinished_is_not_lost_by_mistake(server: subprocess.Popen[str], tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
-    stopped("plain", file, signal.SIGKILL)
+    stopped(server, "plain", file, signal.SIGKILL)
     with pytest.raises(InputError, match="holds a run that has not ended; go on with resume=True"):
         simulate("plain", file)
     with pytest.raises(InputError, match=r"is of another run \(save_every was 1, is 7\)"):
@@ -212,16 +255,16 @@ def test_a_finished_run_is_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         simulate("sparse", None, resume=True)
 
 
-def test_two_runs_into_one_file_are_told_apart(tmp_path: Path) -> None:
+def test_two_runs_into_one_file_are_told_apart(server: subprocess.Popen[str], tmp_path: Path) -> None:
     file = tmp_path / "run.h5"
-    program = started("plain", file)
+    program = Program(server, "plain", file)
     try:
         program.send_signal(signal.SIGSTOP)
         with pytest.raises(InputError, match=rf"another run is writing '.*run.h5' \(process {program.pid} on "):
             simulate("plain", file, overwrite=True)
     finally:
         program.send_signal(signal.SIGCONT)
-        program.communicate(timeout=BEFORE_LONG)
+        program.ended()
     assert wf.Result.load(file).status == "completed"
 
 

@@ -1,6 +1,9 @@
 """Runs that are to be stopped, as a program of its own: `python unfinished_runs.py CASE RESULTS [KEEP_EVERY]`.
 
-It says "ready", "going" whenever a part is kept, and its status at the end.
+It says "ready", "going" whenever a part is kept, and its status at the end. `python unfinished_runs.py serve` has
+imported everything and loaded the kernels; for each line "CASE RESULTS PIPE" that it reads it forks a process, whose
+number it says, that does the same at once in `FEW` steps and speaks into the pipe. That one rests for `REST` when its
+first part is kept, so that whoever listens can stop it in time.
 """
 
 from __future__ import annotations
@@ -9,6 +12,7 @@ import os
 import resource
 import signal
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +22,8 @@ from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 
 STEP, STEPS = 1e-4, 30_000
+FEW = 8_000  # steps of a run that is forked
+REST = 2.0  # s
 CHECKS = {"runge-kutta": RungeKutta4(), "energy-momentum": EnergyMomentum()}
 OPTIONS: dict[str, Any] = {"progress": False, "keep_every": 0.02}
 
@@ -38,25 +44,25 @@ def top() -> wf.Scene:
     return scene
 
 
-def simulate(case: str, results: Path | None, **more: Any) -> wf.Result:
+def simulate(case: str, results: Path | None, steps: int = STEPS, **more: Any) -> wf.Result:
     """The run of `case`: in one go, in stages, or from one equilibrium to the next."""
     options = OPTIONS | more
     if case == "stages":
-        half = 0.5 * STEPS * STEP
+        half = 0.5 * steps * STEP
         parts = [wf.Stage("swing", half, STEP), wf.Stage("fall", half, STEP, {"gravity": (0.0, 0.0, -3.0)})]
         return wf.simulate(pendulum(), stages=parts, results=results, **options)
     if case in CHECKS:
         return wf.simulate(
-            top(), STEPS / 4 * STEP, step=STEP, integrator=CHECKS[case], save_every=3, results=results, **options
+            top(), steps / 4 * STEP, step=STEP, integrator=CHECKS[case], save_every=3, results=results, **options
         )
     if case == "static":
-        return wf.simulate(pendulum(), STEPS * STEP, step=STEP, kind="static", results=results, **options)
+        return wf.simulate(pendulum(), steps * STEP, step=STEP, kind="static", results=results, **options)
     every = {"sparse": 7, "recorded": 100}.get(case, 1)
     if case == "recorded" and results is not None:
         options["record"] = results.with_suffix(".rrd")
     step_error = 1e-7 if case == "adaptive" else None
     return wf.simulate(
-        pendulum(), STEPS * STEP, step=STEP, save_every=every, step_error=step_error, results=results, **options
+        pendulum(), steps * STEP, step=STEP, save_every=every, step_error=step_error, results=results, **options
     )  # fmt: skip
 
 
@@ -68,27 +74,69 @@ def reduced(results: Path) -> wf.ReducedBody:
     return wf.reduce(mesh, steel, interfaces={"x_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, progress=False)
 
 
-def main() -> None:
-    write = UnfinishedRun._write
+def say(what: str) -> None:
+    print(what, flush=True)
+
+
+def say_what_is_kept(rest: float = 0.0) -> None:
+    """Say "going" for each part that is kept; the run rests for `rest` [s] when it looks whether another one is due."""
+    write, due = UnfinishedRun._write, UnfinishedRun.due
+    left = [rest]
 
     def and_say(self: UnfinishedRun, run: Unfinished) -> None:
         write(self, run)
-        print("going", flush=True)
+        say("going")
+
+    def after_rest(self: UnfinishedRun) -> bool:
+        if self.parts:
+            time.sleep(left.pop() if left else 0.0)
+        return due(self)
 
     UnfinishedRun._write = and_say
+    UnfinishedRun.due = after_rest
+
+
+def program(case: str, results: Path, steps: int, every: float) -> None:
+    """The program itself."""
     signal.signal(
         signal.SIGINT, signal.default_int_handler
     )  # of tests that a shell runs in the background it is ignored
-    case, results = sys.argv[1], Path(sys.argv[2])
-    every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
-    if limit := os.environ.get("FILE_LIMIT"):  # bytes: as on a full disk, writing more fails
-        resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))
-    print("ready", flush=True)
+    say("ready")
     if case == "reduced":
         reduced(results).save(results, overwrite=True)
         return
-    result = simulate(case, results, keep_every=every)
-    print("status", result.status, len(result.unwritten), flush=True)
+    result = simulate(case, results, steps, keep_every=every)
+    say(f"status {result.status} {len(result.unwritten)}")
+
+
+def serve() -> None:
+    """Fork a program for each line of the standard input."""
+    simulate("plain", None, FEW)
+    signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # whoever has ended is gone
+    say("ready")
+    for line in sys.stdin:
+        case, results, pipe = line.split()
+        if child := os.fork():
+            say(str(child))
+            continue
+        signal.signal(signal.SIGCHLD, signal.SIG_DFL)
+        os.dup2(os.open(pipe, os.O_WRONLY), 1)
+        say_what_is_kept(REST)
+        try:
+            program(case, Path(results), FEW, OPTIONS["keep_every"])
+        finally:
+            os._exit(0)
+
+
+def main() -> None:
+    if sys.argv[1] == "serve":
+        serve()
+        return
+    every = float(sys.argv[3]) if len(sys.argv) > 3 else OPTIONS["keep_every"]
+    if limit := os.environ.get("FILE_LIMIT"):  # bytes: as on a full disk, writing more fails
+        resource.setrlimit(resource.RLIMIT_FSIZE, (int(limit), int(limit)))
+    say_what_is_kept()
+    program(sys.argv[1], Path(sys.argv[2]), STEPS, every)
 
 
 if __name__ == "__main__":

@@ -50,7 +50,7 @@ class Size:
     frames: int = 100
 
 
-FULL, QUICK = Size(), Size(cells=1.5, frames=30)
+FULL, QUICK = Size(), Size(cells=1.0, frames=30)
 
 
 def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:

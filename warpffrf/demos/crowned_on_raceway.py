@@ -2,8 +2,8 @@ r"""A crowned roller on a raceway, in cells five to ten times as wide as its con
 
 A solid steel roller (R 7.5 mm, 15 mm long, crown of 1 m) is pressed on the inner ring of a bearing (R 30 mm, bore
 20 mm) that is wider than the roller, as in every roller bearing. Its journals hang in a guide; the load rises from
-300 N to 6 kN, then the ring turns. Both bodies are meshed in quadratic cells of 2 mm, the contact is 0.17 to
-0.46 mm wide.
+300 N to 6 kN, then the ring turns. Both bodies are meshed in quadratic cells of 2 mm (4 mm with `--quick`), the contact
+is 0.17 to 0.46 mm wide.
 
 What to expect. At 300 N the crown carries on an ellipse in the middle of the roller: Hertz's, with the relative radii
 1/(1/R1 + 1/R2) across and the crown's along. At 6 kN the crown is pressed flat nearly to the ends, the contact is a
@@ -32,12 +32,11 @@ log = logging.getLogger("warpffrf")
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
 RADIUS, LENGTH, CROWN = 0.0075, 0.015, 1.0  # m, of the roller
 RING_RADIUS, BORE_RADIUS, WIDTH = 0.03, 0.02, 0.02  # m
-CELL = 2e-3  # m
 LIGHT, HEAVY = 300.0, 6e3  # N
 MODULUS = contact_modulus(STEEL, STEEL)
 ACROSS = 1.0 / (1.0 / RADIUS + 1.0 / RING_RADIUS)  # m, relative radius
 CARRIAGE_MASS, CARRIAGE_INERTIA = 1.0, (1e-3, 1e-3, 1e-3)  # kg, kg m2
-LOADING, WAITING, SPIN_UP, TURNING, STEP = 0.02, 0.005, 0.005, 0.02, 1e-4  # s
+LOADING, WAITING, SPIN_UP, TURNING = 0.02, 0.005, 0.005, 0.02  # s
 SPEED = 30.0  # rad/s of the ring: 9 cells in the last 20 ms
 RHO_INF = 0.5
 PAIR, GUIDE = "roller-raceway", "guide"
@@ -50,23 +49,32 @@ RIPPLE = 1e-3  # of force and peak pressure over the cells that pass
 
 @dataclass(frozen=True)
 class Size:
-    """How many frames the recording shows at most."""
+    """Cells of the meshes, the step, and how many frames the recording shows at most."""
 
+    cell: float  # m, around and along
+    layers: tuple[int, int]  # below the rims of roller and ring
+    step: float  # s
     frames: int
 
 
-FULL, QUICK = Size(200), Size(30)
+FULL, QUICK = Size(2e-3, (3, 4), 1e-4, 200), Size(4e-3, (2, 2), 5e-4, 30)
 
 
-def build(crown: float | None = CROWN, *, progress: bool = True) -> wf.Scene:
+def build(crown: float | None = CROWN, *, size: Size = FULL, progress: bool = True) -> wf.Scene:
     """The scene, the roller with or without a crown [m]: bodies `roller`, `ring`, `carriage`, pair
     `roller-raceway`."""
-    about = round(0.5 * np.pi * RING_RADIUS / CELL) * 4
+    cell, (of_solid, of_wall) = size.cell, size.layers
+
+    def sectors(radius: float) -> int:
+        return round(0.5 * np.pi * radius / cell) * 4
+
     ring = wf.mesh.roller(
-        RING_RADIUS, BORE_RADIUS, WIDTH, sectors=about, layers=4, axial=round(WIDTH / CELL), order=2
+        RING_RADIUS, BORE_RADIUS, WIDTH, sectors=sectors(RING_RADIUS), layers=of_wall, axial=round(WIDTH / cell),
+        order=2,
     )  # fmt: skip
     rolling = wf.mesh.roller(
-        RADIUS, 0.0, LENGTH, sectors=24, layers=3, axial=8, crown_radius=crown, order=2
+        RADIUS, 0.0, LENGTH, sectors=sectors(RADIUS), layers=of_solid, axial=round(LENGTH / cell), crown_radius=crown,
+        order=2,
     )  # fmt: skip
     rim = wf.surfaces.Cylinder() if crown is None else wf.surfaces.CrownedCylinder(crown_radius=crown)
     of_ring = wf.reduce(
@@ -95,15 +103,15 @@ def build(crown: float | None = CROWN, *, progress: bool = True) -> wf.Scene:
     return scene
 
 
-def run(scene: wf.Scene, *, progress: bool = True) -> wf.Result:
+def run(scene: wf.Scene, *, size: Size = FULL, progress: bool = True) -> wf.Result:
     """From the static state at the light load: loading, waiting, and turning."""
     end, integrator = LOADING + WAITING + SPIN_UP + TURNING, wf.GeneralizedAlpha(RHO_INF)
-    return wf.simulate(scene, end, step=STEP, start="equilibrium", integrator=integrator, progress=progress)
+    return wf.simulate(scene, end, step=size.step, start="equilibrium", integrator=integrator, progress=progress)
 
 
 def heavy_row(result: wf.Result) -> int:
     """The last saved step under the full load before the ring turns."""
-    return int(np.flatnonzero(result.time <= LOADING + WAITING + 0.5 * STEP)[-1])
+    return int(np.flatnonzero(result.time <= LOADING + WAITING + 1e-6)[-1])
 
 
 def at_ends(result: wf.Result, i: int) -> float:
@@ -170,14 +178,14 @@ def panels(crowned: wf.Result, straight: wf.Result) -> list:
 def main(out: str | Path = "out/crowned_on_raceway", *, quick: bool = False, progress: bool = True) -> int:
     """Run the demo, write crowned_on_raceway.h5, .rrd, .png and summary.json into `out`; 0 when all checks passed.
 
-    quick: fewer frames. Raises `InputError` for a folder that cannot be written.
+    quick: cells twice as wide, longer steps, fewer frames. Raises `InputError` for a folder that cannot be written.
     """
     folder = writable_folder(out)
     size = QUICK if quick else FULL
     results = {}
     for name, crown in (("crowned", CROWN), ("straight", None)):
         log.info("a %s roller on a raceway: %g to %g N", name, LIGHT, HEAVY)
-        results[name] = run(build(crown, progress=progress), progress=progress)
+        results[name] = run(build(crown, size=size, progress=progress), size=size, progress=progress)
         if results[name].status != "completed":
             log.error("the run ended early, %s: %s", results[name].status, results[name].message)
             return 1
