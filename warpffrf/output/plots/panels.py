@@ -22,7 +22,7 @@ MARKS = "os^D"
 
 
 class Drawn(Protocol):
-    """What `save_panels` takes."""
+    """What `save_panels` takes; one that has a `projection` is drawn on axes of that kind."""
 
     def draw(self, ax: object) -> None:
         """Draw on matplotlib axes."""
@@ -63,6 +63,22 @@ class Panel:
             axes.legend(frameon=False, fontsize=8)
 
 
+@dataclass(frozen=True)
+class Polar(Panel):
+    """A panel of curves (angle [rad], value) around a centre, angle 0 at the bottom."""
+
+    projection = "polar"
+
+    def draw(self, ax: object) -> None:
+        """Draw on polar axes of matplotlib."""
+        axes: Any = ax
+        axes.set_theta_zero_location("S")
+        super().draw(axes)
+        axes.set(xlabel="", ylabel="")
+        axes.set_title(f"{self.title} {self.y_label}", fontsize=10)
+        axes.legend(frameon=False, fontsize=8, loc="upper right", bbox_to_anchor=(1.25, 1.1))
+
+
 def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
     """Draw the panels into one picture; the ending of `path` chooses the format (.png, .pdf, .svg); returns its path.
 
@@ -79,5 +95,5 @@ def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwr
     figure = Figure(figsize=(PANEL_SIZE[0] * columns, PANEL_SIZE[1] * rows), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
     for n, panel in enumerate(panels):
-        panel.draw(figure.add_subplot(rows, columns, n + 1))
+        panel.draw(figure.add_subplot(rows, columns, n + 1, projection=getattr(panel, "projection", None)))
     return write_picture(figure, path, "panels", overwrite=overwrite)
