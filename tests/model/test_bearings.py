@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.bearings import Bearing, Pockets, Spaced
+from warpffrf.model.bearings import Bearing, Flanges, Pockets, PreloadForce, Spaced
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
@@ -108,6 +108,16 @@ def test_pockets_surround_elements() -> None:
         (lambda: ball(bore=0.045), "bore 0.045 m leaves no ring under the raceway, which lies above 0.04 m"),
         (lambda: ball(law=3), "laws.HertzPoint"),
         (lambda: ball(shoulders=-1.0), "shoulders"),
+        (lambda: ball(preload=500.0), r"bearings.PreloadForce\(newtons\)"),
+        (lambda: ball(preload=PreloadForce(-5.0)), "PreloadForce: force"),
+        (lambda: ball(diameter_deviations=np.zeros(3)), "diameter_deviations"),
+        (lambda: ball(diameter_deviations=np.full(8, 1e-3)), "some micrometres"),
+        (lambda: ball(outer_form=3), "outer_form: form must be one of films.Lobes"),
+        (lambda: roller(flanges=1e-4), r"flanges must be bearings.Flanges\(...\)"),
+        (lambda: roller(flanges=Flanges(1e-4, outer=None)), "neither outer nor inner has a rib"),
+        (lambda: roller(flanges=Flanges(1e-4, outer="left")), "'both', 'front', 'back'"),
+        (lambda: roller(flanges=Flanges(1e-4, end_radius=0.004)), "must exceed half the length"),
+        (lambda: roller(flanges=Flanges(-1e-4)), "Flanges: clearance"),
     ],
 )
 def test_what_does_not_fit_is_refused(make: Any, said: str) -> None:

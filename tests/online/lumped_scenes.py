@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import laws, surfaces
+from warpffrf.model import films, laws, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
@@ -42,6 +42,10 @@ MEETINGS: dict[str, tuple[Any, Any, tuple[float, float, float], tuple[float, flo
     "roller by laminae on shaft": (ROLLER, SHAFT, (0.031, 0.0, 0.0), (1e-4, 0.3, 2e-4)),
     "roller by laminae in bore": (ROLLER, BORE, (0.031, 0.0, 0.0), (1e-4, 0.3, 2e-4)),
 }
+FORMS = {"in wavy": films.Lobes(4e-6, 9, 0.4) + films.Lobes(10e-6, 2)}  # words of a name -> form of the second surface
+MEETINGS |= {
+    name.replace(" in ", " in wavy "): MEETINGS[name] for name in ("ball in ring", "roller by laminae in bore")
+}
 
 
 def pair(name: str, approach: float, *, mass: float = 0.01, law: Any = None, **options: Any) -> Scene:
@@ -53,8 +57,9 @@ def pair(name: str, approach: float, *, mass: float = 0.01, law: Any = None, **o
     inertia = mass * 0.01**2 * np.array([0.4, 0.5, 0.6])
     b = scene.add_rigid_body(
         mass, 3.0 * inertia, name="second", position=(0.01, 0.02, -0.03), rotation=rot.quaternion(A),
-        center_of_mass=(0.001, 0, 0), surfaces={"skin": second},
+        center_of_mass=(0.001, 0, 0),
     )  # fmt: skip
+    b.surface(second, name="skin", form=next((form for words, form in FORMS.items() if words in name), None))
     a = scene.add_rigid_body(
         mass, inertia, name="first", position=b.position + A @ np.array(place),
         rotation=rot.quaternion(A @ rot.rotation_vector_matrix(np.array(turn))), surfaces={"skin": first},

@@ -15,8 +15,10 @@ from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.errors import InputError, require_array, unknown_name
+from warpffrf.model.form_deviations import Form
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf.model.round_form import RoundForm
 from warpffrf.model.surfaces import Shape
 
 if TYPE_CHECKING:
@@ -137,16 +139,18 @@ class _Posed(looks.Shown):
         self.rotation = rotation
         self.surfaces: dict[str, RigidSurface] = {}
 
-    def surface(self, shape: Shape, *, name: str) -> SurfacePort:
+    def surface(self, shape: Shape, *, name: str, form: Form | RoundForm | None = None) -> SurfacePort:
         """Give this rigid body, or the ground, a contact surface of `shape` (`warpffrf.surfaces`), in its user frame.
 
-        Returns its port, `body[name]` from then on. Raises `InputError` for a flexible body, whose surfaces come from
-        its reduction, and for a shape that leaves something to be fitted.
+        form: how it deviates from that around its axis, of `warpffrf.films`, positive where material is missing:
+        `films.Lobes(5e-6, 2)` makes it oval; lumped contacts alone see it. Returns its port, `body[name]` from then on.
+        Raises `InputError` for a flexible body, whose surfaces come from its reduction, and for a shape that leaves
+        something to be fitted.
         """
         if self.reduced is not None:
             raise InputError(f"body {self.name!r} is flexible: name its surfaces in reduce(contact={{...}})")
         owner = self.name if self.index == GROUND_INDEX else f"body {self.name!r}"
-        surface = RigidSurface.of(name, shape, owner)
+        surface = RigidSurface.of(name, shape, owner, form)
         if name in self.surfaces:
             raise InputError(f"{owner}: the name {name!r} of a surface is taken, choose another")
         self.surfaces[name] = surface

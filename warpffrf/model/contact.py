@@ -19,6 +19,7 @@ from warpffrf.model.far_field import LONGEST, UNUSABLE
 from warpffrf.model.friction import FrictionLaw, FrictionLike, as_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.round_form import refuse_form
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
@@ -94,6 +95,8 @@ class Contact(looks.Item):
                 f"{label}: the first surface carries the contact grid and must be flexible, {a.label} is rigid; name "
                 f"the flexible body first, Contact({b.label}, {a.label})"
             )
+        if b.rigid:
+            refuse_form(b, label)
         self.law = law
         self.friction = friction
         self.evaluation = evaluation

@@ -18,7 +18,7 @@ from warpffrf.model.friction import FrictionLike, as_constant_friction
 from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
 from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.nearest import Nearest, lamina_gap, nearest
+from warpffrf.model.nearest import Nearest, curvature_around, lamina_gap, nearest
 
 OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.overlap` has it
 STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single place
@@ -89,6 +89,7 @@ class LumpedContact(looks.Item):
     def approach(self) -> Approach:
         """The law's numbers, from the initial pose as it is now. Raises `InputError` for surfaces that it does not hold
         for."""
+        self._require_one_place()
         radius = 0.0 if self.law.by_laminae is False else float(self.a.surface.shape.radius)
         curvatures = (0.0, 0.0) if self.law.by_laminae else self._curvatures()
         return self.law.approach(Meeting(self.label, curvatures, radius))
@@ -121,6 +122,20 @@ class LumpedContact(looks.Item):
             )
         return small, large
 
+    def _require_one_place(self) -> None:
+        """Raises `InputError` for waves of a form deviation in which the other surface would bridge a hollow."""
+        for one, other in (self.ports, self.ports[::-1]):
+            form = one.surface.form
+            if form is None:
+                continue
+            hollow = form.most_hollow / float(one.surface.shape.radius) ** 2
+            if hollow >= (ideal := curvature_around(one, other)):
+                raise InputError(
+                    f"{self.label}: the waves of {one.label} have hollows of {hollow:.4g} 1/m, which {other.label} "
+                    f"bridges: it curves by {ideal:.4g} 1/m more than the ideal surface follows, and touches on both "
+                    "sides; take lower waves, or fewer"
+                )
+
     def _require_shapes(self) -> None:
         planar = [port.surface.shape.profile().planar for port in self.ports]
         if all(planar):
@@ -130,6 +145,11 @@ class LumpedContact(looks.Item):
             )
         if not self.law.by_laminae:
             return
+        if self.a.surface.form is not None:
+            raise InputError(
+                f"{self.label}: {self.a.label} is cut into round laminae, and its form deviation would be lost; give "
+                "the form to the other surface"
+            )
         name = type(self.law).__name__
         if planar[0] or self.a.surface.shape.side < 0.0:
             swap = not planar[1] and self.b.surface.shape.side > 0.0

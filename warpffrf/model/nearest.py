@@ -6,7 +6,8 @@ on the best one. The kernels go another way (`warpffrf_kernels.lumped.places`).
 
 With the curvature tensors B of both surfaces there (positive where convex) the gap of points that lie opposite each
 other is g + 1/2 t . (B_1 + B_2) t at the distance t across the normal: the eigenvalues of the sum are the relative
-principal curvatures.
+principal curvatures. A form deviation (`warpffrf.model.round_form`) adds to the gap at the place; curvatures are those
+of the ideal surfaces.
 """
 
 from __future__ import annotations
@@ -50,6 +51,7 @@ def nearest(a: SurfacePort, b: SurfacePort) -> Nearest:
         theta, z = _least(one, other)
         x = one.body.to_world(shape.point(theta, z))
         foot, gap = _foot(other, x)
+    gap += _missing(one, x) + _missing(other, foot)
     bend = _tensor(one, x) + _tensor(other, foot)
     n = _normal(b, foot if other is b else x)
     values, vectors = np.linalg.eigh(bend)
@@ -72,7 +74,7 @@ def lamina_gap(roller: SurfacePort, other: SurfacePort, z: np.ndarray, drop: np.
     for i in range(ROUNDS):
         tried = theta[:, None] + width * np.linspace(-1.0, 1.0, FINER[0] if i else LATTICE[0])
         world = roller.body.to_world(shape.point(tried, z[:, None]))
-        distance = other.surface.shape.chart(other.body.to_user(world))[2]
+        distance = other.surface.shape.chart(other.body.to_user(world))[2] + _missing(other, world)
         best = np.argmin(distance, axis=1)
         theta, gap = tried[np.arange(len(z)), best], distance[np.arange(len(z)), best]
         width /= CLOSER
@@ -95,6 +97,22 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
         i, j = np.unravel_index(np.argmin(distance), distance.shape)
         center, half = (float(around[i]), float(along[j])), (half[0] / CLOSER, half[1] / CLOSER)
     return center
+
+
+def curvature_around(one: SurfacePort, other: SurfacePort) -> float:
+    """Relative curvature [1/m] of both where they are nearest, along the circle about the axis of `one`."""
+    x = nearest(one, other).place
+    shape: Any = one.surface.shape
+    around = _turned(one, shape.around(shape.chart(one.body.to_user(x))[0]))
+    return float(around @ (_tensor(one, x) + _tensor(other, x)) @ around)
+
+
+def _missing(port: SurfacePort, x: np.ndarray) -> Any:
+    """Depth [m] of the form deviation of a surface at world places (..., 3), 0 without one."""
+    form = port.surface.form
+    if form is None:
+        return 0.0
+    return form.at(port.surface.shape.chart(port.body.to_user(x))[0])[0]
 
 
 def _foot(port: SurfacePort, x: np.ndarray) -> tuple[np.ndarray, float]:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.round_form import RoundForm
 from warpffrf.model.surfaces import SHAPES, Shape
 
 
@@ -13,11 +14,13 @@ from warpffrf.model.surfaces import SHAPES, Shape
 class RigidSurface:
     """A true shape that does not yield, in the user frame of its body; it has no grid and no end.
 
+    form: its deviation around the axis, which lumped contacts see, None for none.
     The other names are those of `ContactSurface`, all empty, so that a pair asks both of its surfaces the same.
     """
 
     name: str
     shape: Any
+    form: RoundForm | None = None
     grid: None = None
     tangential: None = None
     local_mass: None = None
@@ -29,7 +32,7 @@ class RigidSurface:
         return 0
 
     @classmethod
-    def of(cls, name: Any, shape: Any, owner: str) -> RigidSurface:
+    def of(cls, name: Any, shape: Any, owner: str, form: Any = None) -> RigidSurface:
         """A checked one. Raises `InputError` naming `owner`."""
         if not isinstance(name, str) or not name or "/" in name:
             raise InputError(f"{owner}: the name of a surface must be a non-empty text without '/', got {name!r}")
@@ -42,8 +45,11 @@ class RigidSurface:
                 f"{owner}: surface {name!r} leaves something to be fitted, but a rigid surface has no nodes; give "
                 f"{' and '.join(shape.missing)} in {type(shape).__name__}(...)"
             )
-        return cls(name, shape)
+        if form is not None:
+            form = RoundForm.of(form, shape, f"{owner}: surface {name!r}")
+        return cls(name, shape, form)
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
-        return self.shape.describe()
+        described = self.shape.describe()
+        return described if self.form is None else described | {"form": self.form.describe()}

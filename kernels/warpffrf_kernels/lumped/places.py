@@ -34,6 +34,7 @@ import warp as wp
 
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.lumped.form import depth_at, form_bend, formed_normal
 from warpffrf_kernels.surfaces.surface import (
     axes_of,
     distance_of,
@@ -50,6 +51,8 @@ HALVINGS = wp.constant(30)  # of a step that would raise the sum of the distance
 ARRIVED = wp.constant(wp.float64(1.0e-15))  # sine between the normals: the gap errs by its square
 # of the sum of the distances, over the size of the surfaces: a step that raises it by less is one at round-off
 ROUND_OFF = wp.constant(wp.float64(1.0e-15))
+# of a step, where a surface has a form, whose slopes are of first order: what the sum may rise by, their square
+SLOPES = wp.constant(wp.float64(1.0e-5))
 FLAT = wp.constant(wp.float64(1.0e-7))  # of the larger curvature: a relative curvature below is none
 CENTRED = wp.constant(wp.float64(1.0e-9))  # of the radius: a middle so close to the other's axis has no direction there
 OFF_CENTRE = wp.constant(wp.float64(1.0e-3))  # of the radius: where such a one is taken to be
@@ -95,12 +98,20 @@ def side_in_world(model: Model, w: int, s: int, r1: wp.array2d(dtype=vec3), axes
 
 @wp.func
 def distance_at(model: Model, side: Side, x: vec3) -> real:
-    return distance_of(model, side.surface, wp.transpose(side.Q) * (x - side.o))
+    y = wp.transpose(side.Q) * (x - side.o)
+    d = distance_of(model, side.surface, y)
+    if model.elements[0].lumped.form_count[side.surface] != 0:
+        d += depth_at(model, side.surface, y)[0]
+    return d
 
 
 @wp.func
 def normal_at(model: Model, side: Side, x: vec3) -> vec3:
-    return side.Q * gradient_of(model, side.surface, wp.transpose(side.Q) * (x - side.o))
+    y = wp.transpose(side.Q) * (x - side.o)
+    n = gradient_of(model, side.surface, y)
+    if model.elements[0].lumped.form_count[side.surface] != 0:
+        n = formed_normal(model, side.surface, y, n)
+    return side.Q * n
 
 
 @wp.func
@@ -123,7 +134,10 @@ def bend_at(model: Model, side: Side, x: vec3) -> mat33:
             return mat33()
         e = (side.Q * y) / h
         return (model.surfaces.side[s] / h) * (wp.identity(n=3, dtype=real) - wp.outer(e, e))
-    return side.Q * gradient_slope_of(model, s, y) * wp.transpose(side.Q)
+    H = gradient_slope_of(model, s, y)
+    if model.elements[0].lumped.form_count[s] != 0:
+        H = H + form_bend(model, s, y)
+    return side.Q * H * wp.transpose(side.Q)
 
 
 @wp.func
@@ -209,6 +223,11 @@ def nearest_points(model: Model, first: Side, second: Side) -> Touch:
     n1 = normal_at(model, first, x)
     n2 = normal_at(model, second, x)
     size = model.surfaces.radius[first.surface] + model.surfaces.radius[second.surface]
+    slopes = real(0.0)
+    if model.elements[0].lumped.form_count[first.surface] != 0:
+        slopes = SLOPES
+    if model.elements[0].lumped.form_count[second.surface] != 0:
+        slopes = SLOPES
     step = int(0)
     while step < STEPS:
         m = wp.normalize(n2 - n1)
@@ -223,7 +242,7 @@ def nearest_points(model: Model, first: Side, second: Side) -> Touch:
             y = x + move
             e1 = distance_at(model, first, y)
             e2 = distance_at(model, second, y)
-            if e1 + e2 <= d1 + d2 + ROUND_OFF * size:
+            if e1 + e2 <= d1 + d2 + ROUND_OFF * size + slopes * wp.length(move):
                 x = y
                 d1 = e1
                 d2 = e2

@@ -2,6 +2,7 @@
 
     geometry.py   pitch circle, grooves, clearance, contact angle; what does not fit
     parts.py      place, masses, rings, contacts            cage.py              Spaced, Pockets
+    preload.py    PreloadForce, PreloadOffset               flanges.py           ribs that stop rollers
     bearing.py    Bearing: its parts by name                rating.py            ISO 281 and ISO/TS 16281 lives
     rolling.py    orbit and spin of elements that roll
     build.py      what both builders do                     ball.py, roller.py   the builders
@@ -15,9 +16,14 @@ from __future__ import annotations
 from warpffrf.model.bearings.ball import add_ball_bearing
 from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.cage import Cage, Pockets, Spaced
+from warpffrf.model.bearings.flanges import Flanges
+from warpffrf.model.bearings.preload import Preload, PreloadForce, PreloadOffset
 from warpffrf.model.bearings.roller import add_roller_bearing
 
-__all__ = ["Bearing", "Cage", "Pockets", "Spaced", "add_ball_bearing", "add_roller_bearing"]
+__all__ = [
+    "Bearing", "Cage", "Flanges", "Pockets", "Preload", "PreloadForce", "PreloadOffset", "Spaced", "add_ball_bearing",
+    "add_roller_bearing",
+]  # fmt: skip
 
 
 def __dir__() -> list[str]:

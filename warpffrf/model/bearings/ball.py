@@ -7,12 +7,21 @@ from typing import TYPE_CHECKING, Any
 from warpffrf.model import laws, surfaces
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bearings.bearing import Bearing
-from warpffrf.model.bearings.build import assemble, checked_laws, checked_materials, checked_shoulders, refuse_name
+from warpffrf.model.bearings.build import (
+    assemble,
+    checked_deviations,
+    checked_laws,
+    checked_materials,
+    checked_shoulders,
+    refuse_name,
+)
 from warpffrf.model.bearings.cage import STANDING, Cage
 from warpffrf.model.bearings.geometry import BallRaceways
 from warpffrf.model.bearings.parts import BALL_WIDTH, STEEL, Place, RingSize, solid_ball
+from warpffrf.model.bearings.preload import Preload, checked_preload, sense_of
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.material import Material
@@ -35,6 +44,7 @@ def add_ball_bearing(
     osculation: float | tuple[float, float] = OSCULATION,
     contact_angle: float = 0.0,
     clearance: float = 0.0,
+    preload: Preload | None = None,
     position: Vector = (0.0, 0.0, 0.0),
     axis: Vector = (0.0, 1.0, 0.0),
     first: Vector | None = None,
@@ -43,6 +53,9 @@ def add_ball_bearing(
     cage: Cage | None = STANDING,
     law: LumpedLaw | tuple[LumpedLaw, LumpedLaw] | None = None,
     friction: FrictionLike = 0.0,
+    inner_form: Form | None = None,
+    outer_form: Form | None = None,
+    diameter_deviations: Any = None,
     material: Material = STEEL,
     element_material: Material | None = None,
     shoulders: float | tuple[float, float] | None = None,
@@ -54,7 +67,8 @@ def add_ball_bearing(
 
     ball_diameter, pitch_diameter [m]. osculation: groove radius over ball diameter, above 0.5, one number or (inner,
     outer). contact_angle [rad], at which the balls just touch both rings, positive where thrust on the inner ring along
-    the axis presses the bearing together; or clearance [m], diametral, negative for an interference, a preload.
+    the axis presses the bearing together; or clearance [m], diametral, negative for an interference, a
+    radial preload. preload: an axial one, `bearings.PreloadForce(newtons)` or `bearings.PreloadOffset(metres)`.
 
     position (3,) [m]: the centre, axis (3,), first (3,): direction of the first ball from the axis, world axes at the
     initial pose; first None: +x made perpendicular to the axis. inner, outer: a rigid body or `scene.ground`, which get
@@ -65,8 +79,10 @@ def add_ball_bearing(
 
     law: of the contacts, or (inner, outer), None for laws.HertzPoint of the materials; friction: as of `LumpedContact`,
     laws.RegularisedCoulomb for a traction that grows with the slip speed up to its bound.
-    material: of rings and balls, element_material: of other balls. shoulders [m]: height over the bottom of the groove,
-    one or (inner, outer), with which results say how much of a patch is cut off.
+    inner_form, outer_form: how a raceway deviates around its axis, of `warpffrf.films`, positive where material is
+    missing, angles from the first ball: films.Lobes(5e-6, 2) is oval; of rigid rings. diameter_deviations (elements,)
+    [m]: what each ball is thicker by. material: of rings and balls, element_material: of other balls. shoulders [m]:
+    height over the bottom of the groove, one or (inner, outer), with which results say how much of a patch is cut off.
 
     Raises `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
     """
@@ -81,22 +97,28 @@ def add_ball_bearing(
         label, elements, D, pitch_diameter, clearance, inner_groove=f_i * D, outer_groove=f_e * D,
         contact_angle=contact_angle,
     )  # fmt: skip
+    pressed, sense = checked_preload(label, preload), sense_of(raceways.contact_angle)
+    off = {"inner": sense * pressed.offset(label), "outer": 0.0}
     place = Place.of(label, position, axis, first)
     materials = checked_materials(label, material, element_material)
     bearing = Bearing(name, "ball", raceways, place, materials, checked_shoulders(label, shoulders))
 
     def raceway_of(side: str, body: Body | Ground) -> Any:
         kind = surfaces.Groove if side == "inner" else surfaces.Ring
-        where = place.in_user(body, raceways.centre(side)[1])
+        where = place.in_user(body, raceways.centre(side)[1] + off[side])
         return kind(radius=raceways.bottom(side), groove_radius=raceways.groove(side), **where)
 
-    def element_of() -> tuple[float, Any, Any]:
-        ball = surfaces.Sphere(radius=0.5 * D, axis_point=(0.0, 0.0, 0.0), axis_direction=place.axis)
-        return (*solid_ball(D, materials[0]), ball)
+    def element_of(diameter: float) -> tuple[float, Any, Any]:
+        ball = surfaces.Sphere(radius=0.5 * diameter, axis_point=(0.0, 0.0, 0.0), axis_direction=place.axis)
+        return (*solid_ball(diameter, materials[0]), ball)
 
     breadth = BALL_WIDTH * D if width is None else require_number(width, f"{label}: width [m]", positive=True)
-    return assemble(
+    assemble(
         scene, bearing, rings={"inner": inner, "outer": outer}, raceway_of=raceway_of,
+        forms={"inner": inner_form, "outer": outer_form},
+        deviations=checked_deviations(label, raceways, diameter_deviations),
         size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), element_of=element_of,
         laws=checked_laws(label, law, laws.HertzPoint(*materials)), friction=friction, cage=cage,
     )  # fmt: skip
+    pressed.press(scene, bearing, sense)
+    return bearing

@@ -14,6 +14,7 @@ from warpffrf.model.bearings.rolling import Rolling, rolling
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.forces import PointForce
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
@@ -29,10 +30,10 @@ class Bearing(looks.Shown):
 
     kind: "ball" or "roller". elements: rigid bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
-    "pocket_1", "cage_axle". name: as given; element_surface: what the surface of each element is called. cage: its
-    body, drive: of its speed, None without. raceways: the geometry; place: where it stands; materials: of the elements
-    and of the rings; shoulders: heights [m] of the inner and the outer ring's shoulders over the bottom of the raceway,
-    None where they are not known.
+    "pocket_1", "cage_axle"; forces: "preload_inner", "preload_outer". name: as given; element_surface: what the surface
+    of each element is called. cage: its body, drive: of its speed, None without. raceways: the geometry; place: where
+    it stands; materials: of the elements and of the rings; shoulders: heights [m] of the inner and the outer ring's
+    shoulders over the bottom of the raceway, None where they are not known.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Bearing(looks.Shown):
     drive: Drive | None = None
     contacts: dict[str, LumpedContact | Contact] = field(default_factory=dict)
     joints: dict[str, Joint] = field(default_factory=dict)
+    forces: dict[str, PointForce] = field(default_factory=dict)
     element_surface: str = ELEMENT_SURFACE
 
     def _facts(self) -> dict[str, Any]:

@@ -5,17 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.cage import Cage
+from warpffrf.model.bearings.geometry import Raceways
 from warpffrf.model.bearings.parts import SIDES, RingSize, contact_of, ring_surface
 from warpffrf.model.bodies import Body, Ground
-from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw, as_lumped_law
 from warpffrf.model.material import Material
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
+LARGEST_DEVIATION = 1e-2  # of the diameter: beyond, it is the diameter itself
 
 
 def checked_materials(label: str, material: Any, element_material: Any) -> tuple[Material, Material]:
@@ -47,6 +52,20 @@ def checked_shoulders(label: str, shoulders: Any) -> tuple[float | None, float |
     return first, second
 
 
+def checked_deviations(label: str, raceways: Raceways, deviations: Any) -> np.ndarray:
+    """(count,) m, of the elements' diameters. Raises `InputError`."""
+    if deviations is None:
+        return np.zeros(raceways.count)
+    found = require_array(deviations, f"{label}: diameter_deviations [m]", (raceways.count,))
+    most = LARGEST_DEVIATION * raceways.diameter
+    if np.max(np.abs(found)) > most:
+        raise InputError(
+            f"{label}: diameter_deviations are what the elements differ by from their diameter, some micrometres, got "
+            f"{found[np.argmax(np.abs(found))]:g} m, more than {most:.3g} m"
+        )
+    return found
+
+
 def refuse_name(scene: Scene, name: Any) -> None:
     """Raises `InputError` for a name that is no text, or that another bearing has."""
     if not isinstance(name, str) or not name or "/" in name:
@@ -60,17 +79,19 @@ def assemble(
     bearing: Bearing,
     *,
     rings: dict[str, Any],
+    forms: dict[str, Form | None],
+    deviations: np.ndarray,
     raceway_of: Callable[[str, Body | Ground], Any],
     size: RingSize,
-    element_of: Callable[[], tuple[float, Any, Any]],
+    element_of: Callable[[float], tuple[float, Any, Any]],
     laws: tuple[LumpedLaw, LumpedLaw],
     friction: FrictionLike,
     cage: Cage | None,
 ) -> Bearing:
     """Add the parts of `bearing` to the scene and return it.
 
-    raceway_of: shape of the raceway of a side in user axes of the ring's body; element_of: mass, inertia and shape of
-    an element about its centre, world axes.
+    raceway_of: shape of the raceway of a side in user axes of the ring's body, forms: deviations of them; element_of:
+    mass, inertia and shape of an element of a diameter [m] about its centre, world axes; deviations: of the diameters.
     """
     if cage is not None and not isinstance(cage, Cage):
         raise InputError(
@@ -81,13 +102,13 @@ def assemble(
     for side in SIDES:
         body, ports[side] = ring_surface(
             scene, bearing.name, side, rings[side], lambda body, side=side: raceway_of(side, body), size, place,
-            bearing.materials[1],
+            bearing.materials[1], forms[side],
         )  # fmt: skip
         setattr(bearing, side, body)
     if bearing.inner is bearing.outer:
         raise InputError(f"bearing {bearing.name!r}: inner and outer are both {bearing.inner.name!r}; name two bodies")
     for i, angle in enumerate(raceways.angles, start=1):
-        mass, inertia, shape = element_of()
+        mass, inertia, shape = element_of(raceways.diameter + float(deviations[i - 1]))
         element = scene.add_rigid_body(
             mass, inertia, name=f"{bearing.name} {bearing.kind} {i}",
             position=place.center + 0.5 * raceways.pitch_diameter * place.outward(angle),

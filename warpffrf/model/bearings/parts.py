@@ -18,10 +18,12 @@ import numpy as np
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
+from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
+from warpffrf.model.round_form import RoundForm
 from warpffrf.model.surface_fit import reference_direction
 from warpffrf.model.surfaces import Shape
 
@@ -120,17 +122,30 @@ class RingSize:
 
 
 def ring_surface(
-    scene: Scene, name: str, side: str, given: Any, shape_of: Any, size: RingSize, place: Place, material: Material
+    scene: Scene,
+    name: str,
+    side: str,
+    given: Any,
+    shape_of: Any,
+    size: RingSize,
+    place: Place,
+    material: Material,
+    form: Form | None,
 ) -> tuple[Body | Ground, SurfacePort]:
     """The body of a ring and its raceway.
 
     given: None for a rigid ring that is generated, a rigid body or the ground, which get the raceway, or a contact
     surface that there is, `body["rim"]`, of a flexible ring. shape_of: the shape of the raceway from its axis in user
-    axes. Raises `InputError`.
+    axes; form: its deviation, which counts angles from the first element. Raises `InputError`.
     """
     label = f"bearing {name!r}: {side}"
     if isinstance(given, SurfacePort):
         _refuse_other_raceway(label, given, shape_of(given.body))
+        if form is not None:
+            raise InputError(
+                f"{label}_form: {given.label} is a surface of a flexible body, whose contact sees no form deviation; "
+                "leave it out, or make the ring rigid"
+            )
         return given.body, given
     if given is None:
         mass, inertia = size.mass(side, material, place.axis)
@@ -146,7 +161,11 @@ def ring_surface(
             f"{label}: body {given.name!r} is flexible, and its raceway one of its contact surfaces: name it "
             f"instead of the body, of {surfaces}"
         )
-    return given, given.surface(shape_of(given), name=f"{name} {side} raceway")
+    shape, round_form = shape_of(given), None
+    if form is not None:
+        begin = shape.chart(given.to_user(place.center + place.outward(0.0)))[0]
+        round_form = RoundForm.of(form, shape, f"{label}_form").turned(float(begin))
+    return given, given.surface(shape, name=f"{name} {side} raceway", form=round_form)
 
 
 def contact_of(

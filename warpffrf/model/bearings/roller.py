@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 from warpffrf.model import laws, surfaces
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bearings.bearing import Bearing
-from warpffrf.model.bearings.build import assemble, checked_laws, checked_materials, refuse_name
+from warpffrf.model.bearings.build import assemble, checked_deviations, checked_laws, checked_materials, refuse_name
 from warpffrf.model.bearings.cage import STANDING, Cage
+from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import RollerRaceways
 from warpffrf.model.bearings.parts import ROLLER_OVERHANG, STEEL, Place, RingSize, hollow_cylinder
 from warpffrf.model.bodies import Body, Ground, SurfacePort
-from warpffrf.model.errors import require_number
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.material import Material
@@ -39,8 +41,12 @@ def add_roller_bearing(
     inner: Body | Ground | SurfacePort | None = None,
     outer: Body | Ground | SurfacePort | None = None,
     cage: Cage | None = STANDING,
+    flanges: Flanges | None = None,
     law: LumpedLaw | tuple[LumpedLaw, LumpedLaw] | None = None,
     friction: FrictionLike = 0.0,
+    inner_form: Form | None = None,
+    outer_form: Form | None = None,
+    diameter_deviations: Any = None,
     material: Material = STEEL,
     element_material: Material | None = None,
     width: float | None = None,
@@ -54,10 +60,12 @@ def add_roller_bearing(
     negative for an interference. profile: of the rollers beside what the law says: the crown radius [m], a table (z,
     drop), two arrays (n,) [m] from the middle, as of `surfaces.ProfiledCylinder`, or None for straight ones. law: of
     the contacts, or (inner, outer), None for laws.IsoLamina(roller_length), which has the profile of ISO/TS 16281
-    unless one is given here. Rollers are free along their axes, as there are no flanges.
+    unless one is given here. flanges: `bearings.Flanges(...)`, ribs that stop the rollers
+    along their axes, None for rollers that are free along them.
     As of `add_ball_bearing`: scene, name, position [m], axis and first (3,), directions in the world, inner, outer,
-    cage, friction, material, element_material, and width, bore and outside_diameter [m]. Raises `InputError` for what
-    does not fit together (`warpffrf.model.bearings.geometry`).
+    cage, friction, inner_form, outer_form, diameter_deviations (elements,) [m], material, element_material, and width,
+    bore and outside_diameter [m]. Raises `InputError` for what does not fit together
+    (`warpffrf.model.bearings.geometry`).
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)
@@ -71,20 +79,27 @@ def add_roller_bearing(
         kind = surfaces.Cylinder if side == "inner" else surfaces.Bore
         return kind(radius=raceways.bottom(side), **place.in_user(body))
 
-    def element_of() -> tuple[float, Any, Any]:
+    def element_of(diameter: float) -> tuple[float, Any, Any]:
         return (
-            *hollow_cylinder(0.0, D, raceways.length, materials[0], place.axis),
-            _roller(0.5 * D, profile, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": place.axis}),
+            *hollow_cylinder(0.0, diameter, raceways.length, materials[0], place.axis),
+            _roller(0.5 * diameter, profile, {"axis_point": (0.0, 0.0, 0.0), "axis_direction": place.axis}),
         )
 
     breadth = raceways.length + ROLLER_OVERHANG * D
     breadth = breadth if width is None else require_number(width, f"{label}: width [m]", positive=True)
     default = laws.IsoLamina(raceways.length, profile=profile is None)
-    return assemble(
+    if flanges is not None and not isinstance(flanges, Flanges):
+        raise InputError(f"{label}: flanges must be bearings.Flanges(...) or None, got {flanges!r}")
+    assemble(
         scene, bearing, rings={"inner": inner, "outer": outer}, raceway_of=raceway_of,
+        forms={"inner": inner_form, "outer": outer_form},
+        deviations=checked_deviations(label, raceways, diameter_deviations),
         size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), element_of=element_of,
         laws=checked_laws(label, law, default), friction=friction, cage=cage,
     )  # fmt: skip
+    if flanges is not None:
+        flanges.hold(scene, bearing)
+    return bearing
 
 
 def _roller(radius: float, profile: Any, where: dict[str, Any]) -> surfaces.Shape:

@@ -21,11 +21,12 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, Feed
-from warpffrf.model.films.forms import Form, as_form
 from warpffrf.model.films.roughness import Roughness, as_roughness, summed_deviation
+from warpffrf.model.form_deviations import Form, as_form
 from warpffrf.model.laws import Law, as_law
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.oils import Oil, as_oil
+from warpffrf.model.round_form import refuse_form
 
 EVALUATIONS = ("semi", "hyper", "full")
 PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
@@ -317,6 +318,8 @@ class Film(looks.Item):
                 f"{label}: the film stands on the contact grid of the first surface, which must be flexible, {a.label} "
                 f"is rigid; name the flexible body first, Film({b.label}, {a.label}, ...)"
             )
+        if b.rigid:
+            refuse_form(b, label)
         for port, place in ((a, "first"), (b, "second")):
             if not port.rigid and port.surface.grid.kind != "hats":
                 raise InputError(

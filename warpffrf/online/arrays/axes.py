@@ -158,6 +158,7 @@ NAMES = {
             "layer_row_entry",
             "layer_point_entry",
             "lumped_entry",
+            "lumped_form_entry",
             "film_compliance_entry",
             "film_shape_entry",
             "film_moment_entry",

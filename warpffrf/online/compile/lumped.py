@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.laws.lumped import HertzPoint
+from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector
 
 
@@ -15,6 +16,8 @@ def fill_lumped(collector: Collector) -> None:
     tables = [_with_energy(law.table) for law in laws]
     counts = [max(len(law.z), 1) for law in laws]
     none = [np.zeros(0)]
+    forms = [surface.form if isinstance(surface, RigidSurface) else None for _, _, surface in collector.surfaces]
+    pieces = [np.zeros((0, 4)) if form is None else form.pieces for form in forms]
     collector.fill(
         collector.elements.lumped, count=len(contacts), places=sum(counts), first=collector.lumped_sides[::2],
         second=collector.lumped_sides[1::2],
@@ -28,6 +31,9 @@ def fill_lumped(collector: Collector) -> None:
         z=np.concatenate([*none, *(law.z if len(law.z) else [0.0] for law in laws)]),
         drop=np.concatenate([*none, *(law.drop if len(law.z) else [0.0] for law in laws)]),
         share=np.concatenate([*none, *(np.full(n, 1.0 / n) for n in counts)]),
+        form_start=np.cumsum([0, *map(len, pieces)])[:-1], form_count=[len(piece) for piece in pieces],
+        form_begin=[0.0 if form is None else form.start for form in forms],
+        form_piece=np.concatenate([np.zeros((0, 4)), *pieces]),
     )  # fmt: skip
     hertz = [law.stiffness for contact, law in zip(contacts, laws, strict=True) if isinstance(contact.law, HertzPoint)]
     if hertz:
