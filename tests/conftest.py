@@ -14,9 +14,13 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ["WARP_CACHE_PATH"] = str(Path(__file__).resolve().parents[1] / ".warp_cache" / "tests")
 
+import hypothesis
 import warp as wp
 
 from warpffrf.online.step.kernel_cache import sound
+
+hypothesis.settings.register_profile("no clock", deadline=None)  # no test depends on how busy the machine is
+hypothesis.settings.load_profile("no clock")
 
 DATA = Path(__file__).resolve().parent / "data"
 

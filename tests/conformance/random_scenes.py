@@ -21,6 +21,8 @@ from warpffrf.verification.scenes.rollers import roller_body
 GROUND = -1
 NUMBERS = st.integers(0, 2**20)  # seeds of what is drawn evenly
 
+SECOND = {"universal": "second_axis", "line_in_plane": "line"}  # directions that are perpendicular to the axis
+
 
 @dataclass(frozen=True)
 class Place:
@@ -99,7 +101,7 @@ class Mechanism:
             away = rng.uniform(0.1, 0.3, 3) if kind == "distance" else np.zeros(3)
             axis, across, _ = any_turn(rng)
             axes = {"axis": at.vector(axis)} if kind not in ("spherical", "distance") else {}
-            axes |= {"second_axis": at.vector(across)} if kind == "universal" else {}
+            axes |= {SECOND[kind]: at.vector(across)} if kind in SECOND else {}
             if kind:
                 scene.add(make_joint(kind, port(before, x), port(i, x + away), **axes, name=f"joint {i}"))
         free = [(j, c) for j in scene.joints for c, row in j.coordinates.items() if row not in j.rows]

@@ -1,5 +1,5 @@
 """The smallest runs that have something to draw: rollers that begin to turn with friction, an oiled shaft, a lap that
-is pushed to and fro."""
+is pushed to and fro, a ball bearing under a load."""
 
 from __future__ import annotations
 
@@ -54,3 +54,13 @@ def rubbing_lap() -> Result:
     """The lap of `lap_runs` through half a cycle of its push."""
     step = lap_runs.PERIOD / 10.0
     return wf.simulate(lap_runs.scene(), 0.5 * lap_runs.PERIOD, step=step, kind="static", progress=False)
+
+
+def loaded_bearing() -> Result:
+    """A ball bearing whose inner ring is pressed outwards, at rest."""
+    scene = wf.Scene()
+    bearing = scene.add_ball_bearing(
+        "bearing", elements=7, ball_diameter=11.5e-3, pitch_diameter=43.5e-3, first=(0, 0, 1), outer=scene.ground
+    )
+    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1e3)))
+    return wf.equilibrium(scene, progress=False)

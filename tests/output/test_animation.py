@@ -92,7 +92,7 @@ def test_memory_does_not_grow_with_the_number_of_frames(stone: Result, result: R
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
     frame = 960 * 720 * 3
-    assert peaks[1] - peaks[0] < 0.5 * frame
+    assert peaks[1] - peaks[0] < frame  # of three more
 
 
 def test_an_interrupted_animation_leaves_no_file(

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 import warpffrf as wf
 from warpffrf.output.contact.hertz_stress import largest_below, largest_of
+from warpffrf.output.plots.bearing import BEARING_PLOTS
 from warpffrf.output.plots.figure import PLOTS, about_kinds, drawable
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.plots.friction import FRICTION_PLOTS
@@ -24,6 +25,11 @@ from warpffrf.output.result import Result
 
 PAIR_KINDS = [*PLOTS, *FRICTION_PLOTS]
 CHANNEL, TURNS = "contact_force_z[lower-upper]", "lower"
+
+
+@pytest.fixture(scope="module")
+def loaded_bearing() -> Result:
+    return drawn_runs.loaded_bearing()
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +97,7 @@ def all_finite(drawn: Any) -> None:
 
 
 def test_every_kind_is_here() -> None:
-    made = {*PAIR_KINDS, *FILM_PLOTS, *LAP_PLOTS, *HISTORY_PLOTS, "summary"}
+    made = {*PAIR_KINDS, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary"}
     assert made == set(about_kinds())
 
 
@@ -108,6 +114,13 @@ def test_kinds_of_pairs(rolling: Result, kind: str) -> None:
     check(drawn)
     if kind not in ("creepage", "spin", "t_gamma", "power"):  # rows before anything rolls have none
         all_finite(drawn)
+
+
+@pytest.mark.parametrize("kind", BEARING_PLOTS)
+def test_kinds_of_bearings(loaded_bearing: Result, kind: str) -> None:
+    drawn = loaded_bearing.plot(kind)
+    all_finite(drawn)
+    assert len(drawn_values(drawn)) >= 2 and "[kN]" in drawn.get_title() + drawn.get_ylabel()
 
 
 @pytest.mark.parametrize("kind", [*FILM_PLOTS, "force", "energy"])

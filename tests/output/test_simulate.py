@@ -138,5 +138,5 @@ def test_unknown_options_list_the_known(calls: list, scene: Any, option: str) ->
 
 def test_equilibrium_is_a_result(calls: list, scene: Any, tmp_path: Path) -> None:
     result = equilibrium(scene, results=tmp_path / "e.h5")
-    assert isinstance(result, Result) and calls == [(scene, "cpu", False)]
+    assert isinstance(result, Result) and calls == [(scene, None, False)]
     assert (tmp_path / "e.h5").exists()

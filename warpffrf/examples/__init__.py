@@ -18,6 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.output_paths import checked_output_path, written_whole
 
 __all__ = ["Example", "copy", "get", "names", "path"]
@@ -104,11 +105,13 @@ _EXAMPLES = (
 )
 
 
+@named_arguments
 def names() -> tuple[str, ...]:
     """What examples there are, by name."""
     return tuple(example.name for example in _EXAMPLES)
 
 
+@named_arguments
 def get(name: str) -> Example:
     """The example called `name`. Raises `InputError` with the nearest name where there is none."""
     for example in _EXAMPLES:
@@ -117,6 +120,7 @@ def get(name: str) -> Example:
     raise unknown_name("example", name, names())
 
 
+@named_arguments
 def path(name: str) -> Path:
     """The folder of the installed package with the files of an example, to read and not to write in.
 
@@ -125,6 +129,7 @@ def path(name: str) -> Path:
     return Path(__file__).with_name(get(name).name.replace("-", "_"))
 
 
+@named_arguments
 def copy(name: str, folder: str | os.PathLike[str] = ".", *, overwrite: bool = False) -> tuple[Path, ...]:
     """Copy the files of an example into a folder, made where it is missing; returns where they lie.
 

@@ -11,6 +11,7 @@ A pocket of `Pockets` is a cup around a ball, and two planes before and behind a
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -36,7 +37,7 @@ POCKET_LAMINAE = 5  # of a roller on the wall of its pocket, so that one that sk
 
 
 @dataclass(frozen=True)
-class Cage:
+class Cage(ABC):
     """What all cages have: mass [kg], None for a fifth of that of the elements, spread along the pitch circle; guide:
     the port that the cage turns about (`body.at(point)`, `body["interface"]`), None for the outer ring, or the ground
     where that is flexible."""
@@ -46,9 +47,9 @@ class Cage:
     guide: Port | Ground | None = None
     kind: ClassVar[str] = ""
 
+    @abstractmethod
     def hold(self, scene: Scene, bearing: Bearing) -> None:
         """Add the cage to the scene and to `bearing`. Raises `InputError` for what does not fit."""
-        raise NotImplementedError
 
     def _body(self, scene: Scene, bearing: Bearing) -> Body:
         """Its body, a thin ring on the pitch circle, and where it is guided the axle."""
