@@ -100,6 +100,7 @@ class Mechanism:
             axis, across, _ = any_turn(rng)
             axes = {"axis": at.vector(axis)} if kind not in ("spherical", "distance") else {}
             axes |= {"second_axis": at.vector(across)} if kind == "universal" else {}
+            axes |= {"line": at.vector(across)} if kind == "line_in_plane" else {}
             if kind:
                 scene.add(make_joint(kind, port(before, x), port(i, x + away), **axes, name=f"joint {i}"))
         free = [(j, c) for j in scene.joints for c, row in j.coordinates.items() if row not in j.rows]
