@@ -47,7 +47,7 @@ $(VERIFY): $(STAMP)
 	touch $@
 
 verify: $(VERIFY)
-	$(BIN)/python -m pytest -m "slow or not slow"
+	EXAMPLES=2 $(BIN)/python -m pytest -m "slow or not slow"
 
 # Within 15 minutes on two cores; many scripts have longer runs behind options. The last table compares with the stored run.
 bench: $(STAMP)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -18,9 +19,15 @@ CRANK_RUN = 0.004  # s
 ORDER = 1.9  # 2.00 to 2.03 measured
 
 
-def test_a_page_holds_a_row_for_each_run_and_its_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(crank_study, "RUN", CRANK_RUN)
-    page = write_study(STUDIES["slider_crank"], tmp_path, quick=True, progress=False)
+@pytest.fixture(scope="module")
+def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The page of one study, made quickly."""
+    with pytest.MonkeyPatch.context() as context:
+        context.setattr(crank_study, "RUN", CRANK_RUN)
+        return write_study(STUDIES["slider_crank"], tmp_path_factory.mktemp("pages"), quick=True, progress=False)
+
+
+def test_a_page_holds_a_row_for_each_run_and_its_pictures(page: Path) -> None:
     text = page.read_text()
     runs = text[text.index("All runs") :]
     assert len(re.findall(r"^\| \S.* (?:0.0004|0.0002) \|", runs, flags=re.MULTILINE)) == 3 * 2 * 2
@@ -29,14 +36,12 @@ def test_a_page_holds_a_row_for_each_run_and_its_pictures(tmp_path: Path, monkey
     assert "Made with --quick" in text and "U = " in text
 
 
-def test_the_index_keeps_studies_that_were_not_made_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(crank_study, "RUN", CRANK_RUN)
+def test_the_index_keeps_studies_that_were_not_made_again(page: Path, tmp_path: Path) -> None:
+    shutil.copytree(page.parent.parent, tmp_path, dirs_exist_ok=True)
     folder = tmp_path / "speed_error"
-    folder.mkdir()
     known = {"setting": "grid=patch", "wall": "3.25"}
     facts = {"quick": False, "seconds": 77, "settings": 16, "wanted": {"1.0%": known, "0.1%": known}}
     (folder / "two_rollers.json").write_text(json.dumps(facts))
-    write_study(STUDIES["slider_crank"], tmp_path, quick=True, progress=False)
     lines = write_index(STUDIES, tmp_path).read_text().splitlines()
     (kept,) = (line for line in lines if "two_rollers.md" in line)
     (made,) = (line for line in lines if "slider_crank.md" in line)

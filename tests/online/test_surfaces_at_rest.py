@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from typing import Any
 
 import numpy as np
@@ -20,6 +21,7 @@ SOLVED = 1e-8  # of the largest force: ten times what Newton's method leaves, as
 STAYS = 1e-9  # m: a run in time comes to rest anew, to its own tolerance; penetrations are 1e-5
 
 
+@functools.cache
 def rim(grid: Any) -> Any:
     return roller_body(
         120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=grid == "patch"

@@ -45,6 +45,7 @@ strain, Michell's wedge and reciprocity), 4e-4 in the volume (a table with twice
 
 from __future__ import annotations
 
+import functools
 import logging
 import os
 import zipfile
@@ -153,6 +154,7 @@ class QuarterSpace:
 # The table: made, kept, interpolated ---------------------------------------------------------------------------------
 
 
+@functools.lru_cache(maxsize=4)  # cache folders that cannot be written, or change, do not ask for it again
 def _table(nu: float, resolution: Resolution) -> Array:
     """g (3, t, theta, phi), its first component divided by cos(theta)."""
     plane = _QuarterPlane(nu, resolution)
