@@ -210,6 +210,7 @@ class BearingResult(looks.Shown):
             f"bearing {self.name!r} at {self.time[row]:.6g} s: {loaded} of {len(self.elements)} {self.kind}s loaded",
             f"inner ring moved by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
             f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
+            *self._warnings(row, loaded),
             "  ".join([f"{'':>3}", *(f"{name:>17}" for name in shown)]),
         ]
         for i in range(len(self.elements)):
@@ -218,6 +219,21 @@ class BearingResult(looks.Shown):
                 "  ".join([f"{i + 1:>3}", *("-".rjust(17) if np.isnan(x) else f"{x:>17.5g}" for x in numbers)])
             )
         return "\n".join(lines)
+
+    def _warnings(self, row: int, loaded: int) -> list[str]:
+        """Of a bearing that carries nothing, or on the flanks that it is not made to carry on."""
+        if not loaded:
+            return [
+                "no element is loaded: the inner ring is free within the play, or the load unloads the bearing wholly"
+            ]
+        nominal = getattr(self.raceways, "contact_angle", 0.0)
+        turned = np.count_nonzero(np.nan_to_num(self.inner_angle[row]) * nominal < 0.0)
+        if not turned:
+            return []
+        return [
+            f"{turned} {self.kind}s press on the flanks against the sense of the contact angle, "
+            f"{np.degrees(nominal):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing round, or preload it"
+        ]
 
     # --- from the histories
 
