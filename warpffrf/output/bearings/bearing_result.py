@@ -232,7 +232,8 @@ class BearingResult(looks.Shown):
             return []
         return [
             f"{turned} {self.kind}s press on the flanks against the sense of the contact angle, "
-            f"{np.degrees(nominal):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing round, or preload it"
+            f"{np.degrees(nominal):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing "
+            "round, or preload it"
         ]
 
     # --- from the histories
