@@ -43,6 +43,15 @@ def test_the_commands_of_an_example_run(
     CHECKS[name](said)
 
 
+def check_ball_bearing(said: dict[str, str]) -> None:
+    """All balls carry the load together; a raceway that is lower under it spares the first one."""
+    files = ("out/ball_bearing/ball_bearing_equilibrium.h5", "round/ball_bearing_equilibrium.h5")
+    oval, even = (wf.Result.load(file).bearing("main") for file in files)
+    for bearing in (oval, even):
+        assert np.linalg.norm(bearing.force[-1]) == pytest.approx(5e3, rel=1e-6)
+    assert oval.outer_load[-1, 0] < 0.97 * even.outer_load[-1, 0] and oval.outer_load[-1, 1] > even.outer_load[-1, 1]
+
+
 def check_beam(said: dict[str, str]) -> None:
     """A free beam bends at 4.73004^2/(2 pi L^2) sqrt(E I/(rho A)), but for shear and rotary inertia."""
     body = wf.ReducedBody.load("beam.h5")
@@ -100,6 +109,7 @@ def check_rotor(said: dict[str, str]) -> None:
 
 
 CHECKS = {
+    "ball-bearing": check_ball_bearing,
     "beam": check_beam,
     "machine": check_machine,
     "pendulum": check_pendulum,

@@ -36,10 +36,11 @@ VECTOR = re.compile(r"\((?:T, |n, |m, |k, )?3,?\)")
 # Laws, methods and formulas that someone has published: the docstring of each, or of its module, says who and when.
 PHYSICS = [
     "wf.GeneralizedAlpha", "wf.integrators.HHT", "wf.integrators.Newmark", "wf.integrators.EnergyMomentum",
-    "wf.laws.GreenwoodTripp", "wf.laws.HertzPoint", "wf.laws.HuntCrossley", "wf.laws.IsoLamina", "wf.laws.PalmgrenLine",
-    "wf.laws.StribeckCoulomb", "wf.oils.Barus", "wf.oils.DowsonHigginson", "wf.oils.Roelands", "wf.oils.iso_vg",
-    "wf.oils.vogel", "wf.oils.walther", "wf.bases.Balanced", "wf.bases.CraigBampton", "wf.bases.CraigChang",
-    "wf.bases.Krylov", "wf.bases.POD", "wf.bases.TrialVectorDerivatives", "wf.damping.Rayleigh", "wf.films.Roughness",
+    "wf.laws.GreenwoodTripp", "wf.laws.HertzPoint", "wf.laws.HuntCrossley", "wf.laws.IsoLamina",
+    "wf.laws.PalmgrenLine", "wf.laws.StribeckCoulomb", "wf.laws.TractionCurve", "wf.oils.Barus",
+    "wf.oils.DowsonHigginson", "wf.oils.Roelands", "wf.oils.iso_vg", "wf.oils.vogel", "wf.oils.walther",
+    "wf.bases.Balanced", "wf.bases.CraigBampton", "wf.bases.CraigChang", "wf.bases.Krylov", "wf.bases.POD",
+    "wf.bases.TrialVectorDerivatives", "wf.damping.Rayleigh", "wf.films.Roughness",
 ]  # fmt: skip
 
 

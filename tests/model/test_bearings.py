@@ -9,6 +9,8 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model.bearings import Bearing, Flanges, Pockets, PreloadForce, Spaced
+from warpffrf.model.bearings.geometry import RollerRaceways
+from warpffrf.model.bearings.rating import _of_rollers, edge_factor, reference_life
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene
@@ -138,3 +140,28 @@ def test_names_are_taken_once() -> None:
 
 def test_a_frame_holds_without_a_clearance() -> None:
     assert Spaced().speed == 0.0 and Spaced(speed=3.0).mass is None
+
+
+def uniform(count: int, laminae: int, load: float) -> np.ndarray:
+    """(count, laminae) N: Q = Q_max cos(phi)^(10/9) in half the bearing, sum Q cos(phi) the load."""
+    phi = 2.0 * np.pi * (np.arange(count) + 0.25) / count
+    Q = np.maximum(np.cos(phi), 0.0) ** (10.0 / 9.0)
+    Q *= load / np.sum(Q * np.cos(phi))
+    return np.repeat(Q[:, None], laminae, axis=1) / laminae
+
+
+@pytest.mark.parametrize("turning", ["inner", "outer"])
+def test_reference_life_of_rollers_has_the_limit_of_iso_281(turning: str) -> None:
+    """A life of one under C/0.83 without edges, to the three digits of the standard's 0.378 and 0.364 (to the 4th or
+    4.5th power); with them, the harm of the laminae times f^4 or f^4.5."""
+    raceways, C = RollerRaceways("r", 60, 1e-3, 60e-3, 0.0, length=0.012), 50e3
+    q = uniform(60, 30, C / 0.83)
+    plain = _of_rollers(raceways, C, q, q, "inner", edges=np.ones)
+    assert plain.revolutions == pytest.approx(1.0, rel=2e-2)
+    half = _of_rollers(raceways, C, 0.5 * q, 0.5 * q, turning, edges=np.ones)
+    assert half.revolutions == pytest.approx(16.0 * _of_rollers(raceways, C, q, q, turning, edges=np.ones).revolutions)
+    found = reference_life(raceways, C, q, q, turning=turning)
+    f = edge_factor(30)
+    assert f[0] == pytest.approx(2.33, abs=5e-3) and f[15] == pytest.approx(1.0, abs=5e-3)
+    same = _of_rollers(raceways, C, q, q, turning, edges=np.ones).revolutions
+    assert found.revolutions == pytest.approx(same * np.mean(f**4.5) ** (-8.0 / 9.0))

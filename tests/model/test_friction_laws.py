@@ -10,7 +10,7 @@ import pytest
 
 from warpffrf.model import laws
 from warpffrf.model.errors import InputError
-from warpffrf.model.friction import FRICTION_LAWS, as_friction
+from warpffrf.model.friction import FRICTION_LAWS, as_friction, as_lumped_friction, as_pair_friction
 from warpffrf.model.friction.pieces import TOLERANCE, cubic_pieces
 
 FALLING: list[Any] = [
@@ -18,6 +18,7 @@ FALLING: list[Any] = [
     laws.StribeckCoulomb(0.4, 0.2, 0.05, exponent=1.0),
     laws.StribeckCoulomb(0.4, 0.2, 0.05, exponent=1.5),
     laws.TableCoulomb((0.0, 0.01, 0.1, 0.5), (0.4, 0.3, 0.1, 0.25)),
+    laws.TractionCurve(0.06, 0.02, 0.03, 0.3),
 ]
 SAME: list[Any] = [laws.Coulomb(0.3), laws.RegularisedCoulomb(0.3, 1e-3)]
 
@@ -94,6 +95,10 @@ REFUSED: list[tuple[Any, str]] = [
     (lambda: laws.StribeckCoulomb(0.4, 0.0, 0.1), r"StribeckCoulomb: kinetic must be greater than zero"),
     (lambda: laws.StribeckCoulomb(0.4, 0.2, 0.0), r"decay_velocity \[m/s\] must be greater than zero"),
     (lambda: laws.StribeckCoulomb(0.4, 0.2, 0.1, exponent=0.5), r"exponent must be at least 1, got 0.5"),
+    (lambda: laws.TractionCurve(0.03, 0.1, 0.06, 0.1), r"limit must be at most peak"),
+    (lambda: laws.TractionCurve(0.06, 0.0, 0.03, 0.1), r"peak_velocity \[m/s\] must be greater than zero"),
+    (lambda: as_pair_friction(laws.TractionCurve(0.06, 0.1, 0.03, 0.1), "c"), r"c: laws.TractionCurve is a law"),
+    (lambda: as_lumped_friction(laws.StribeckCoulomb(0.4, 0.2, 0.1), "c"), r"on the slip speed, .*TractionCurve"),
     (lambda: laws.TableCoulomb((0.0,), (0.3,)), r"two at least"),
     (lambda: laws.TableCoulomb((0.0, 1.0), (0.3, 0.2, 0.1)), r"as many coefficients as speeds"),
     (lambda: laws.TableCoulomb((0.1, 1.0), (0.3, 0.2)), r"first speed must be 0, got 0.1"),

@@ -128,7 +128,7 @@ def test_a_roller_of_laminae() -> None:
     peak = np.sqrt(line * 0.5 * E206.plane_strain_modulus / (np.pi * R))
     assert found.inner_patches.peak_pressure[-1, 0] == pytest.approx(peak, rel=1e-6)
     assert "inner a [mm]" not in found.report() and "3 of 14 rollers loaded" in found.report()
-    with pytest.raises(InputError, match="only that of ball bearings"):
+    with pytest.raises(InputError, match="30 laminae at least"):
         found.reference_life(50e3)
 
 
@@ -199,3 +199,26 @@ def evenly_spaced() -> np.ndarray:
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1e3), name="load"))
     return equilibrium(scene, progress=False).bearing("b").outer_load[-1]
+
+
+@pytest.mark.parametrize(
+    ("thrust", "said"),
+    [(-500.0, "7 balls press on the flanks against the sense of the contact angle, 25 deg"), (500.0, "")],
+)
+def test_thrust_against_the_contact_angle_is_named(thrust: float, said: str) -> None:
+    scene = Scene()
+    bearing = scene.add_ball_bearing(
+        "b", elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, contact_angle=np.radians(25.0),
+        outer=scene.ground,
+    )  # fmt: skip
+    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, thrust, 0.0), name="thrust"))
+    report = equilibrium(scene, progress=False).bearing("b").report()
+    assert said in report and ("flanks" in report) == bool(said)
+
+
+def test_a_bearing_without_load_says_so() -> None:
+    scene = Scene()
+    scene.add_ball_bearing(
+        "b", elements=3, ball_diameter=10 * MM, pitch_diameter=40 * MM, clearance=20e-6, outer=scene.ground
+    )
+    assert "no element is loaded: the inner ring is free" in equilibrium(scene, progress=False).bearing("b").report()

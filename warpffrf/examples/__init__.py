@@ -40,6 +40,12 @@ class Example:
 
 _EXAMPLES = (
     Example(
+        "ball-bearing",
+        "A deep-groove ball bearing with an oval outer raceway under radial load: which balls carry how much.",
+        ("ball_bearing.toml",),
+        ("warpffrf run ball_bearing.toml", "warpffrf run ball_bearing.toml --set ovality=0.0 --out round"),
+    ),
+    Example(
         "beam",
         "A beam of aluminium as a VTK mesh (.vtu), with its facets in the named sets hub and tip.",
         ("beam.vtu", "make_beam.py"),

@@ -16,7 +16,7 @@ from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.far_field import LONGEST, UNUSABLE
-from warpffrf.model.friction import FrictionLaw, FrictionLike, as_friction
+from warpffrf.model.friction import FrictionLaw, FrictionLike, as_pair_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.round_form import refuse_form
@@ -126,7 +126,7 @@ class Contact(looks.Item):
 
     @friction.setter
     def friction(self, value: Any) -> None:
-        friction = as_friction(value, self._label)
+        friction = as_pair_friction(value, self._label)
         if friction.acts:
             self._require_tangential(self._label)
         self._friction = friction

@@ -14,7 +14,7 @@ import numpy as np
 from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.friction import FrictionLike, as_constant_friction
+from warpffrf.model.friction import FrictionLike, as_lumped_friction
 from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
 from warpffrf.model.named_arguments import named_arguments
@@ -68,7 +68,7 @@ class LumpedContact(looks.Item):
                     "its place"
                 )
         self.law: LumpedLaw = as_lumped_law(law, label)
-        self.friction = as_constant_friction(friction, label)
+        self.friction = as_lumped_friction(friction, label)
         self.overlap = None if overlap is None else require_number(overlap, f"{label}: overlap", non_negative=True)
         self._require_shapes()
 

@@ -54,7 +54,7 @@ class Builder:
         values = self.source.values
         sections = {**{s: self.fixed[s] for s in ("materials", "meshes", "reduced_bodies")}, "signals": signal_kinds()}
         sections["ground"] = shape_kinds()  # its surfaces
-        self.sections = {**sections, "bodies": self.fixed["bodies"], **self.items}
+        self.sections = {**sections, **{s: self.fixed[s] for s in ("bodies", "bearings")}, **self.items}
         known = (TITLE, "include", "parameters", "scene", *self.sections, "arrange", "equilibrium", "simulate")
         for key, table in values.items():
             if key not in known:
@@ -179,7 +179,7 @@ class Builder:
 
     def _port_parts(self, path: Path, value: Any) -> tuple[str, str | None, Any]:
         """Body, interface or surface, and point of "body.name", "ground" or {body, interface | surface | point}."""
-        bodies = ("ground", *self.source.values.get("bodies", {}))
+        bodies = ("ground", *self.source.values.get("bodies", {}), *self._bodies_of_bearings())
         place = self.source.place(path)
         if isinstance(value, dict):
             keys = ("body", *WHOLE)
@@ -202,6 +202,16 @@ class Builder:
             raise InputError(f"{place}: there is no body {body!r}{suggestion(body, bodies)}")
         body = max(owners, key=len)
         return body, value[len(body) + 1 :], None
+
+    def _bodies_of_bearings(self) -> Iterator[str]:
+        """Names of the bodies that [bearings] will make."""
+        for name, table in self.source.values.get("bearings", {}).items():
+            if not isinstance(table, dict):
+                continue
+            yield from (f"{name} {side} ring" for side in ("inner", "outer") if side not in table)
+            count = table.get("elements")
+            yield from (f"{name} {table.get('kind')} {i + 1}" for i in range(count if type(count) is int else 0))
+            yield f"{name} cage"
 
     # --- building
 
@@ -226,6 +236,13 @@ class Builder:
             with self._blamed(("bodies", name), table):
                 arguments = self._arguments(("bodies", name), table, form)
                 self._keep("bodies", name, form.call(self.scene, **arguments, name=name))
+        for name, table in values.get("bearings", {}).items():
+            form = self._form(("bearings", name), table)
+            with self._blamed(("bearings", name), table):
+                arguments = self._arguments(("bearings", name), table, form)
+                bearing = self._keep("bearings", name, form.call(self.scene, name, **arguments))
+                for body in (bearing.inner, bearing.outer, bearing.cage, *bearing.elements):
+                    self.made.setdefault("bodies", {}).setdefault(body.name, body)
         for section in sorted(self.items, key=lambda section: section not in FIRST_ITEMS):
             for name, table in values.get(section, {}).items():
                 with self._blamed((section, name), table):

@@ -199,7 +199,7 @@ def signal_kinds() -> dict[str, Form]:
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
     laws, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators, treatments of local
-    modes, the monolithic method, stress points."""
+    modes, the monolithic method, stress points, parts of bearings."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
@@ -222,7 +222,19 @@ def value_kinds() -> dict[str, Form]:
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
+    found.update(
+        {kind: form_of(kind, cls, item_roles(cls)) for kinds in bearing_parts().values() for kind, cls in kinds}
+    )
     return found
+
+
+@cache
+def bearing_parts() -> dict[str, tuple[tuple[str, Any], ...]]:
+    """Argument of a bearing -> kinds, of those that are cages, preloads and flanges."""
+    from warpffrf.model.bearings import Flanges, Pockets, PreloadForce, PreloadOffset, Spaced
+
+    kinds = {"cage": (Spaced, Pockets), "preload": (PreloadForce, PreloadOffset), "flanges": (Flanges,)}
+    return {argument: tuple((snake_case(cls.__name__), cls) for cls in classes) for argument, classes in kinds.items()}
 
 
 @cache
@@ -235,20 +247,22 @@ def shape_kinds() -> dict[str, Form]:
 
 @cache
 def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
-    """Section of contacts, films or laps and argument -> kind -> form, of those that take the laws, oils or forms of
-    one sort only."""
+    """Section of contacts, films, laps or bearings and argument -> kind -> form, of those that take the laws, oils,
+    forms or parts of one sort only."""
     from warpffrf.model.films import FORMS, ROUGHNESSES
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.oils import OILS
 
-    contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "laps": LAWS}
+    contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "laps": LAWS, "bearings": LUMPED_LAWS}
     of_films = {"law": LAWS, "oil": (*OILS, "iso_vg")}
     of_films |= dict.fromkeys(("form", "form_second"), FORMS)
     of_films |= dict.fromkeys(("roughness", "roughness_second"), ROUGHNESSES)
     taken = {("films", name): kinds for name, kinds in of_films.items()}
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
+    taken |= {("bearings", name): FORMS for name in ("inner_form", "outer_form")}
+    taken |= {("bearings", name): dict(kinds) for name, kinds in bearing_parts().items()}
     return {at: {kind: value_kinds()[kind] for kind in kinds} for at, kinds in taken.items()}
 
 
@@ -256,6 +270,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
 def fixed_forms() -> dict[str, dict[str, Form]]:
     """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
     from warpffrf.model import mesh
+    from warpffrf.model.bearings import add_ball_bearing, add_roller_bearing
     from warpffrf.model.material import Material
     from warpffrf.model.mesh.cut import cut
     from warpffrf.model.reduced_body import ReducedBody
@@ -265,6 +280,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.output.simulate import equilibrium, simulate
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
+    rings: dict[str, str] = dict.fromkeys(("inner", "outer"), "port")
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {
@@ -288,6 +304,10 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
         "bodies": {
             "flexible": form_of("flexible body", Scene.add_body, {"body": "reduced_bodies"}, ("self", "name")),
             "rigid": form_of("rigid body", Scene.add_rigid_body, {}, ("self", "name")),
+        },
+        "bearings": {
+            "ball": form_of("ball bearing", add_ball_bearing, rings, ("scene", "name")),
+            "roller": form_of("roller bearing", add_roller_bearing, rings, ("scene", "name")),
         },
         "arrange": {
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),

@@ -25,7 +25,8 @@ the work of the mean force less the change of the energy, exactly.
 The slip is that of the points of the bodies that lie at the contact, s = D_1 - D_2 with D = dr + psi x (mean lever),
 dr and psi the increments of the step. A body that rolls has D = 0: the levers are those of the place, which goes along.
 
-**Regularised friction** f = -mu F v_t/max(|v_t|, v_slip), v the slip velocity at the end of the step.
+**Regularised friction** f = -mu F v_t/max(|v_t|, v_slip), v the slip velocity at the end of the step; beyond v_slip mu
+may depend on |v_t| (a traction curve).
 
 **The first iteration** of a step leaves the bound out, and solves for the slip of a contact that sticks, or creeps.
 Whether it does is then asked at that slip. From a slip of the wrong sign Newton's method would go to and fro: with a
@@ -40,6 +41,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import matrix
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
@@ -130,6 +132,25 @@ def motion_of(
     out.turn_by_turn = A * psi_inverse[w, b]
     out.psi_by_turn = side.A * psi_inverse[w, b]
     return out
+
+
+@wp.func
+def beyond_creep(model: Model, contact: int, speed: real) -> wp.vec2d:
+    """mu and dmu/dv [s/m] at a slip speed [m/s] of a law that does not stick, where it slips for good."""
+    count = model.elements[0].lumped.slip_count[contact]
+    if count == 0:
+        return wp.vec2d(model.elements[0].lumped.friction[contact], real(0.0))
+    # the last piece has no next one to end at
+    first = model.elements[0].lumped.slip_start[contact]
+    i = first + count - 1
+    if speed < model.elements[0].lumped.slip_piece[i, 0]:
+        i = piece_at(model.elements[0].lumped.slip_piece, first, count, 0, speed)
+    x = speed - model.elements[0].lumped.slip_piece[i, 0]
+    b = model.elements[0].lumped.slip_piece[i, 2]
+    c = model.elements[0].lumped.slip_piece[i, 3]
+    d = model.elements[0].lumped.slip_piece[i, 4]
+    value = model.elements[0].lumped.slip_piece[i, 1] + x * (b + x * (c + x * d))
+    return wp.vec2d(value, b + x * (real(2.0) * c + real(3.0) * x * d))
 
 
 @wp.func
@@ -252,6 +273,7 @@ def find_forces(
         if bounded and speed > creep:
             out.regime = RUBS
             least = speed
+            mu = beyond_creep(model, contact, speed)[0]
         out.friction = (-mu * out.force / least) * v
         rub_power = -wp.dot(out.friction, v)
     damp_power = (out.force - push.force) * rate
@@ -402,7 +424,9 @@ def answer_to(
         else:
             speed = wp.length(v)
             e = v / speed
-            out.f -= mu * (dF * e + (load.force / speed) * tangential(e, dtang))
+            bound = beyond_creep(model, contact, speed)
+            out.f -= bound[0] * (dF * e + (load.force / speed) * tangential(e, dtang))
+            out.f -= (bound[1] * load.force * wp.dot(e, dtang)) * e
     return out
 
 

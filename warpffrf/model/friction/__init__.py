@@ -4,6 +4,7 @@
     RegularisedCoulomb    no stick: tau proportional to the slip velocity below v_slip
     StribeckCoulomb       mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)
     TableCoulomb          mu(v) from a table
+    TractionCurve         lubricated rolling: a rise in proportion to v, a peak, a fall to a limit; of lumped contacts
 
 A law of one's own is a subclass of `FrictionLaw` with a coefficient and its slope.
 """
@@ -21,9 +22,10 @@ from warpffrf.model.friction.law import FrictionLaw
 from warpffrf.model.friction.regularised_coulomb import RegularisedCoulomb
 from warpffrf.model.friction.stribeck_coulomb import StribeckCoulomb
 from warpffrf.model.friction.table_coulomb import TableCoulomb
+from warpffrf.model.friction.traction_curve import TractionCurve
 from warpffrf.model.plausibility import friction_doubts, warn
 
-FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb)}
+FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb, TractionCurve)}
 
 RUBBED_REST = (
     "equilibrium(scene, friction=True) has it, from where the scene begins, of surfaces from where they are pressed"
@@ -31,7 +33,8 @@ RUBBED_REST = (
 
 __all__ = [
     "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb",
-    "RUBBED_REST", "as_constant_friction", "as_friction", "friction_notes",
+    "TractionCurve", "RUBBED_REST", "as_constant_friction", "as_friction", "as_lumped_friction", "as_pair_friction",
+    "friction_notes",
 ]  # fmt: skip
 
 
@@ -53,15 +56,39 @@ def as_friction(value: Any, label: str) -> FrictionLaw:
 
 
 def as_constant_friction(value: Any, label: str) -> FrictionLaw:
-    """`as_friction` of what joints and lumped contacts take; raises `InputError` for a coefficient that depends on the
-    slip speed too."""
+    """`as_friction` of what joints and laps take; raises `InputError` for a coefficient that depends on the slip speed
+    too."""
     law = as_friction(value, label)
     if law.breaks:
+        raise InputError(f"{label}: laws.{type(law).__name__} depends on the slip speed, which {_TAKERS}")
+    return law
+
+
+def as_lumped_friction(value: Any, label: str) -> FrictionLaw:
+    """`as_friction` of what lumped contacts take: a coefficient that depends on the slip speed only where nothing
+    sticks. Raises `InputError`."""
+    law = as_friction(value, label)
+    if law.breaks and not law.creep_limit:
+        raise InputError(f"{label}: laws.{type(law).__name__} depends on the slip speed, which {_TAKERS}")
+    return law
+
+
+def as_pair_friction(value: Any, label: str) -> FrictionLaw:
+    """`as_friction` of what contact pairs of surfaces take: all but a coefficient that depends on the slip speed of a
+    law that does not stick. Raises `InputError`."""
+    law = as_friction(value, label)
+    if law.breaks and law.creep_limit:
         raise InputError(
-            f"{label}: laws.{type(law).__name__} depends on the slip speed, which only contact pairs of surfaces take; "
-            "give a coefficient, or laws.RegularisedCoulomb"
+            f"{label}: laws.{type(law).__name__} is a law of lumped contacts, LumpedContact(...); take "
+            "laws.StribeckCoulomb or laws.RegularisedCoulomb between surfaces with a pressure"
         )
     return law
+
+
+_TAKERS = (
+    "only contact pairs of surfaces take, and of lumped contacts laws.TractionCurve; give a coefficient, or "
+    "laws.RegularisedCoulomb"
+)
 
 
 def friction_notes(scene: Any, state: str, cure: str = "") -> list[str]:

@@ -20,7 +20,14 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.friction import Coulomb, FrictionLaw, RegularisedCoulomb, StribeckCoulomb, TableCoulomb
+from warpffrf.model.friction import (
+    Coulomb,
+    FrictionLaw,
+    RegularisedCoulomb,
+    StribeckCoulomb,
+    TableCoulomb,
+    TractionCurve,
+)
 from warpffrf.model.laws import curves
 from warpffrf.model.laws.exponential_asperities import ExponentialAsperities
 from warpffrf.model.laws.greenwood_tripp import GreenwoodTripp
@@ -50,7 +57,8 @@ LAWS = {
 __all__ = [
     "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw", "GreenwoodTripp",
     "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
-    "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb", "TableLayer", "Unilateral", "as_law", "curves",
+    "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb", "TableLayer", "TractionCurve", "Unilateral", "as_law",
+    "curves",
 ]  # fmt: skip
 
 

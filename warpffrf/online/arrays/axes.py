@@ -159,6 +159,7 @@ NAMES = {
             "layer_point_entry",
             "lumped_entry",
             "lumped_form_entry",
+            "lumped_slip_entry",
             "film_compliance_entry",
             "film_shape_entry",
             "film_moment_entry",

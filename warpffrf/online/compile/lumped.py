@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.friction.pieces import cubic_pieces
 from warpffrf.model.laws.lumped import HertzPoint
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector
@@ -18,6 +19,7 @@ def fill_lumped(collector: Collector) -> None:
     none = [np.zeros(0)]
     forms = [surface.form if isinstance(surface, RigidSurface) else None for _, _, surface in collector.surfaces]
     pieces = [np.zeros((0, 4)) if form is None else form.pieces for form in forms]
+    slips = [cubic_pieces(c.friction, c.label) if c.friction.breaks else np.zeros((0, 5)) for c in contacts]
     collector.fill(
         collector.elements.lumped, count=len(contacts), places=sum(counts), first=collector.lumped_sides[::2],
         second=collector.lumped_sides[1::2],
@@ -26,6 +28,8 @@ def fill_lumped(collector: Collector) -> None:
         table=np.concatenate([np.zeros((0, 3)), *tables]), damping=[contact.law.chi for contact in contacts],
         friction=[contact.friction.static_coefficient for contact in contacts],
         slip_velocity=[contact.friction.creep_limit for contact in contacts], shear=[law.shear for law in laws],
+        slip_start=np.cumsum([0, *map(len, slips)])[:-1], slip_count=[len(pieces) for pieces in slips],
+        slip_piece=np.concatenate([np.zeros((0, 5)), *slips]),
         contact=np.repeat(np.arange(len(contacts)), counts),
         lamina=np.repeat([int(len(law.z) > 0) for law in laws], counts),
         z=np.concatenate([*none, *(law.z if len(law.z) else [0.0] for law in laws)]),

@@ -261,9 +261,13 @@ class BearingResult(looks.Shown):
         return basic_life(self.kind, capacity, float(np.hypot(F[0], F[1])), float(F[2]), X=X, Y=Y)
 
     def reference_life(self, capacity: float, row: int = -1, *, turning: str = "inner") -> ReferenceLife:
-        """ISO/TS 16281's reference life from the loads of the balls at a saved step (`model.bearings.rating`); capacity
-        [N], turning: the ring that turns against the load. Raises `InputError` for roller bearings."""
-        return reference_life(self.raceways, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
+        """ISO/TS 16281's reference life from the loads of the balls, or of the rollers' laminae, at a saved step
+        (`model.bearings.rating`); capacity [N], turning: the ring that turns against the load. Raises `InputError` for
+        rollers in distributed contact, which have no laminae."""
+        if isinstance(self.raceways, BallRaceways):
+            return reference_life(self.raceways, capacity, self.inner_load[row], self.outer_load[row], turning=turning)
+        inner, outer = (self._laminae(side)[row] for side in SIDES)
+        return reference_life(self.raceways, capacity, inner, outer, turning=turning)
 
     def table(self, row: int = -1) -> dict[str, np.ndarray]:
         """Of every element at a saved step: name of a column with its unit -> (Z,)."""
@@ -298,6 +302,7 @@ class BearingResult(looks.Shown):
             f"bearing {self.name!r} at {self.time[row]:.6g} s: {loaded} of {len(self.elements)} {self.kind}s loaded",
             f"inner ring moved by ({', '.join(f'{x:.5g}' for x in moved)}) um, tilted by "
             f"({', '.join(f'{x:.4g}' for x in tilt)}) mrad",
+            *self._warnings(row, loaded),
         ]
         if "friction [W]" in shown:
             lines.append(
@@ -310,6 +315,22 @@ class BearingResult(looks.Shown):
                 "  ".join([f"{i + 1:>3}", *("-".rjust(17) if np.isnan(x) else f"{x:>17.5g}" for x in numbers)])
             )
         return "\n".join(lines)
+
+    def _warnings(self, row: int, loaded: int) -> list[str]:
+        """Of a bearing that carries nothing, or on the flanks that it is not made to carry on."""
+        if not loaded:
+            return [
+                "no element is loaded: the inner ring is free within the play, or the load unloads the bearing wholly"
+            ]
+        nominal = getattr(self.raceways, "contact_angle", 0.0)
+        turned = np.count_nonzero(np.nan_to_num(self.inner_angle[row]) * nominal < 0.0)
+        if not turned:
+            return []
+        return [
+            f"{turned} {self.kind}s press on the flanks against the sense of the contact angle, "
+            f"{np.degrees(nominal):.4g} deg, which an angular contact bearing has no shoulder for; turn the bearing "
+            "round, or preload it"
+        ]
 
     # --- from the histories
 
@@ -356,8 +377,13 @@ class BearingResult(looks.Shown):
         if isinstance(self.raceways, BallRaceways):
             load = np.where(np.isnan(self._angles(side)), 0.0, self._loads(side))
             return ball_patches(self.raceways, side, load, np.nan_to_num(self._angles(side)), modulus)
-        laminae = [self.history.lumped_contacts[name].lamina_force for name in self._names(side)]
-        return roller_patches(self.raceways, side, np.stack(laminae, axis=1), modulus)
+        return roller_patches(self.raceways, side, self._laminae(side), modulus)
+
+    def _laminae(self, side: str) -> np.ndarray:
+        """(T, Z, n) N, loads of the rollers' laminae."""
+        if not self._lumped:
+            raise InputError(f"bearing {self.name!r}: rollers in distributed contact have no laminae; take basic_life")
+        return np.stack([self.history.lumped_contacts[name].lamina_force for name in self._names(side)], axis=1)
 
     def _of_lumped(self, side: str, what: str, *, norm: bool = False) -> np.ndarray:
         found = np.stack([getattr(self.history.lumped_contacts[name], what) for name in self._names(side)], axis=1)

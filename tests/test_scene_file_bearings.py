@@ -1,0 +1,102 @@
+"""Bearings in scene files: the same scene as from Python, their bodies by name, and refusals with their line."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from warpffrf.examples import path
+from warpffrf.model import films, forces, laws
+from warpffrf.model.bearings import Flanges, Pockets, PreloadForce
+from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
+from warpffrf.model.scene import Scene
+from warpffrf.scene_file import load_scene
+
+BALL = """
+[materials.steel]
+youngs_modulus = 210e9
+poisson_ratio = 0.3
+density = 7800
+
+[bodies.shaft]
+mass = 1.0
+inertia_tensor = [1e-3, 1e-3, 1e-3]
+
+[bearings.a]
+kind = "ball"
+elements = 8
+ball_diameter = 0.01
+pitch_diameter = 0.05
+osculation = [0.52, 0.53]
+contact_angle = 0.4
+preload = { kind = "preload_force", force = 300.0 }
+inner = "shaft"
+cage = { kind = "pockets", clearance = 2e-4 }
+friction = { kind = "traction_curve", peak = 0.06, peak_velocity = 0.02, limit = 0.03, decay_velocity = 0.5 }
+outer_form = { kind = "lobes", amplitude = 2e-6, count = 2 }
+material = "steel"
+
+[bearings.b]
+kind = "roller"
+elements = 10
+roller_diameter = 0.008
+roller_length = 0.01
+pitch_diameter = 0.05
+position = [0, 0.05, 0]
+outer = "ground"
+flanges = { kind = "flanges", clearance = 5e-5 }
+
+[forces.load]
+kind = "point_force"
+port = { body = "b inner ring", point = [0, 0, 0] }
+force = [0, 0, -100]
+"""
+
+
+def loaded(folder: Path, text: str) -> Scene:
+    file = folder / "scene.toml"
+    file.write_text(text)
+    return load_scene(file).scene
+
+
+def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
+    steel = Material(210e9, 0.3, 7800.0, name="steel")
+    scene = Scene()
+    shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
+    scene.add_ball_bearing(
+        "a", elements=8, ball_diameter=0.01, pitch_diameter=0.05, osculation=(0.52, 0.53), contact_angle=0.4,
+        preload=PreloadForce(300.0), inner=shaft, cage=Pockets(2e-4), material=steel,
+        friction=laws.TractionCurve(0.06, 0.02, 0.03, 0.5), outer_form=films.Lobes(2e-6, 2),
+    )  # fmt: skip
+    b = scene.add_roller_bearing(
+        "b", elements=10, roller_diameter=0.008, roller_length=0.01, pitch_diameter=0.05, position=(0, 0.05, 0),
+        outer=scene.ground, flanges=Flanges(5e-5),
+    )  # fmt: skip
+    scene.add(forces.PointForce(b.inner.at((0, 0, 0)), (0, 0, -100), name="load"))
+    read = loaded(tmp_path, BALL)
+    assert read.content_hash() == scene.content_hash()
+    assert [bearing.name for bearing in read.bearings] == ["a", "b"]
+
+
+REFUSED = [
+    ("elements = 10", "elements = 30", r"scene.toml:\d+: \[bearings.b\]: bearing 'b': 30 elements .* overlap"),
+    ('outer = "ground"', 'outer = "housing"', r"there is no body 'housing'"),
+    ('"b inner ring"', '"b outer ring"', r"there is no body 'b outer ring'"),
+    ('"pockets"', '"pocket"', r"there is no kind 'pocket'; did you mean 'pockets'"),
+    ("clearance = 5e-5", "clearance = -5e-5", r"\[bearings.b.*Flanges: clearance"),
+    ("roller_length = 0.01", "length = 0.01", r"\[bearings.b\]: unknown key 'length'"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "said"), REFUSED)
+def test_what_is_wrong_is_named(tmp_path: Path, old: str, new: str, said: str) -> None:
+    assert old in BALL
+    with pytest.raises(InputError, match=said):
+        loaded(tmp_path, BALL.replace(old, new))
+
+
+def test_the_example_is_read() -> None:
+    scene = load_scene(path("ball-bearing") / "ball_bearing.toml").scene
+    assert len(scene.bearing("main").elements) == 9
