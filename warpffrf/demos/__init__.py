@@ -18,6 +18,7 @@ DEMOS = {
     "ball_impact": "A ball hits a half-space: force and time of contact beside Hertz's impact.",
     "ball_in_ring": "A ball rolls in the groove of a ring, two bodies of a ball bearing: beside Hertz and rolling.",
     "ball_bearing": "A whole ball bearing under a radial load, its inner ring turning: published loads, kinematics.",
+    "roller_bearing": "A roller bearing whose thin outer ring stands on two feet: loads beside a full FE ring.",
     "pin_in_bore": "A pin in a bore of nearly its own radius, conformal contact: beside Persson.",
     "journal_bearing": "A shaft in a sleeve with an oil film: rest, unbalance, whirl, beside references of their own.",
     "connecting_rod": "An elastic rod on its crank pin with an oil film, four-stroke load: beside a film of its own.",

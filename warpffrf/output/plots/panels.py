@@ -73,6 +73,7 @@ class Polar(Panel):
         """Draw on polar axes of matplotlib."""
         axes: Any = ax
         axes.set_theta_zero_location("S")
+        axes.set_rlabel_position(200)
         super().draw(axes)
         axes.set(xlabel="", ylabel="")
         axes.set_title(f"{self.title} {self.y_label}", fontsize=10)
