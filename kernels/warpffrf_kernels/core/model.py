@@ -435,9 +435,7 @@ class Lumped:
     slip_velocity: DeviceArray = reals("lumped", unit="m/s", note="of the regularised law, 0 of one that sticks")
     slip_start: DeviceArray = integers("lumped", note="into slip_piece")
     slip_count: DeviceArray = integers("lumped", note="pieces of mu beyond slip_velocity, 0 of one that stays")
-    slip_piece: DeviceArray = reals(
-        "lumped_slip_entry", 5, note="speed it begins at, a cubic from there, as slip_speed"
-    )
+    slip_piece: DeviceArray = reals("lumped_slip_entry", 5, note="speed it begins at, a cubic from there")
     shear: DeviceArray = reals("lumped", note="tangential stiffness over the normal one")
     contact: DeviceArray = integers("lumped_place", note="lumped contact of a place")
     lamina: DeviceArray = integers("lumped_place", note="1: a lamina of the first surface, 0: where both are nearest")
