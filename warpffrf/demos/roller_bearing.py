@@ -157,7 +157,7 @@ def checks(results: dict[str, wf.Result], ring: RingOnFeet) -> list[Check]:
         Check("on feet: all loads along the load", float(Q @ np.cos(ring.phi)), LOAD, "statics", 1e-3, "N"),
         Check("on feet: a roller sinks into the ring", float(deep[0]), float(deepest[0]), source, DEFLECTION, "um",
               1e6),
-        Check("on feet: the next one", float(deep[1]), float(deepest[1]), source, DEFLECTION, "um", 1e6,
+        Check("on feet: the next one sinks", float(deep[1]), float(deepest[1]), source, DEFLECTION, "um", 1e6,
               scale=float(deepest[0])),
         Check("on feet: the inner ring moves", moved, shift, source, DEFLECTION, "um", 1e6),
     ]  # fmt: skip
