@@ -138,6 +138,7 @@ def chain() -> Scene:
     for i, kind in enumerate(joints.JOINT_KINDS):
         given: dict[str, Any] = {"axis": (0.0, 1.0, 0.0)} if kind not in ("spherical", "distance") else {}
         given |= {"second_axis": (0.0, 0.0, 1.0)} if kind == "universal" else {}
+        given |= {"line": (0.0, 0.0, 1.0)} if kind == "line_in_plane" else {}
         near = -0.1 if kind != "distance" else -0.05
         joint = scene.add(joints.JOINT_KINDS[kind](turned[i], links[i].at((near, 0.0, 0.0)), **given, name=kind))
         if kind == "revolute":

@@ -76,7 +76,8 @@ def test_inertia_terms(level: str, stiffening: bool) -> None:
 @pytest.mark.parametrize("kind", list(joints.JOINT_KINDS))
 def test_joints_on_a_flexible_interface(kind: str) -> None:
     scene, a, b = flexible_pair("constant")
-    more = {"universal": {"second_axis": (0.0, 0.6, 0.8)}}.get(kind, {})
+    across = (0.0, 0.6, 0.8)
+    more = {"universal": {"second_axis": across}, "line_in_plane": {"line": across}}.get(kind, {})
     if kind not in ("spherical", "distance"):
         more["axis"] = (1.0, 0.0, 0.0)
     place = a["right"].world_point() + (np.array([0.1, 0.2, 0.1]) if kind == "distance" else 0.0)
