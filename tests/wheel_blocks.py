@@ -30,9 +30,11 @@ LEFT_OUT = {
     "python -m warpffrf. ...": "studies of minutes to an hour, which write pages of the repository: only looked up",
     "rerun FILE.rrd": "opens a window",
     "warpffrf view ...": "opens a window, or serves a page until it is stopped",
+    "warpffrf picture FILE.rrd ...": "is drawn by the viewer, on a virtual screen that a machine need not have",
     "docs/two_rollers.md": "its one command is that of README.md",
 }
 ELSEWHERE = {("two_rollers.md", "warpffrf demo two-rollers")}
+STORIES = {"how_do_i.md"}  # pages whose blocks of Python go on from one to the next, over all sections
 MODULE = re.compile(r"python\s+-m\s+(warpffrf[\w.]+)")
 INLINE = re.compile(r"`warpffrf ([a-z][a-z-]*(?: [a-z][a-z-]+)?)[^`]*`")
 WORKERS = 2
@@ -74,10 +76,25 @@ def sections() -> list[Section]:
         text = page.read_text(encoding="utf-8")
         for item in printed(text):
             before = re.findall(r"^## (.*)$", "\n".join(text.splitlines()[: item.line]), re.MULTILINE)
-            opens = not item.is_python and item.words[1] == "view"
-            if not opens and (page.name, item.text) not in ELSEWHERE:
-                found.setdefault((page, before[-1] if before else ""), []).append(item)
-    return [Section(*where, items) for where, items in found.items()]
+            heading = before[-1] if before and page.name not in STORIES else ""
+            if not needs_a_screen(item) and (page.name, item.text) not in ELSEWHERE:
+                found.setdefault((page, heading), []).append(item)
+    return [
+        Section(page, heading, [joined(items)] if page.name in STORIES else items)
+        for (page, heading), items in found.items()
+    ]
+
+
+def needs_a_screen(item: Printed) -> bool:
+    """Whether a command shows something in a window, or has it drawn there."""
+    if item.is_python:
+        return False
+    return item.words[1] == "view" or (item.words[1] == "picture" and item.words[2].endswith(".rrd"))
+
+
+def joined(blocks: list[Printed]) -> Printed:
+    """Blocks of Python that go on from one to the next as one."""
+    return Printed(True, "\n".join(block.text for block in blocks), blocks[0].line)
 
 
 def run_section(section: Section, venv: Path, folder: Path) -> list[str]:
