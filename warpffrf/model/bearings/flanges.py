@@ -24,6 +24,7 @@ from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING
 
 from warpffrf.model import surfaces
+from warpffrf.model.bearings.geometry import RollerRaceways
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike
@@ -64,7 +65,9 @@ class Flanges:
         """Add the ribs, the ends and their contacts to the scene and to `bearing`. Raises `InputError`."""
         label = f"bearing {bearing.name!r}: Flanges"
         play = require_number(self.clearance, f"{label}: clearance [m]", non_negative=True)
-        half = 0.5 * float(getattr(bearing.raceways, "length"))  # noqa: B009 (of rollers)
+        if not isinstance(bearing.raceways, RollerRaceways):
+            raise InputError(f"{label}: only roller bearings have flanges; the grooves of balls are their stops")
+        half = 0.5 * bearing.raceways.length
         radius = END_RADIUS * half
         if self.end_radius is not None:
             radius = require_number(self.end_radius, f"{label}: end_radius [m]", positive=True)

@@ -9,7 +9,9 @@ finds its equilibrium anew. With the reaction R(x) of what holds the inner ring,
 central differences of equilibria, of second order in h. Torques are about the centre that moves with the ring. K is
 symmetric, as forces have a potential, but for the turns, which do not commute: a torque M at hand leaves entries of its
 size there. `asymmetry` says how far K is from that, which is a check of what was found. Contact laws stay those of the
-machine: Hertz's stiffness is not taken anew from the displaced pose.
+machine: Hertz's stiffness is not taken anew from the displaced pose. Elements rest under contact forces alone:
+friction, gravity, other loads on them and the centrifugal force of a state that turns are left out, and `left_out`
+names those that there are.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from warpffrf.model.bearings import Bearing
 from warpffrf.model.bodies import GROUND_INDEX
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import Fixed
@@ -39,15 +42,17 @@ SIDES = ("inner", "outer")
 class BearingStiffness:
     """`matrix` (6, 6) N/m, N/rad, N m/m, N m/rad: change of the force and of the torque about the bearing's centre that
     displace the inner ring, by its displacement and rotation against the outer ring, in the bearing's frame; symmetric
-    part. `asymmetry`: largest difference of a pair of entries, scaled by the roots of the diagonal."""
+    part. `asymmetry`: largest difference of a pair of entries, scaled by the roots of the diagonal. `left_out`: what
+    acts on the elements in that state and not in the stiffness, in words."""
 
     matrix: np.ndarray
     asymmetry: float
+    left_out: tuple[str, ...] = ()
 
 
 def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) -> BearingStiffness:
-    """Of the bearing called `name` of a scene about a saved step. Raises `InputError` for contacts with friction or
-    flexible parts, and where an equilibrium is not found."""
+    """Of the bearing called `name` of a scene about a saved step. Raises `InputError` for flexible parts, and where an
+    equilibrium is not found."""
     bearing = scene.bearing(name)
     for key, contact in bearing.contacts.items():
         if not isinstance(contact, LumpedContact):
@@ -68,7 +73,19 @@ def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) 
     size = np.sqrt(np.abs(np.diag(K)))
     size = np.maximum(size, SOFTEST * np.repeat([size[:3].max(), size[3:].max()], 3))
     asymmetry = float(np.abs((K - K.T) / np.outer(size, size)).max())
-    return BearingStiffness(0.5 * (K + K.T), asymmetry)
+    return BearingStiffness(0.5 * (K + K.T), asymmetry, _left_out(scene, bearing, history, row))
+
+
+def _left_out(scene: Scene, bearing: Bearing, history: History, row: int) -> tuple[str, ...]:
+    """What acts on the elements at a saved step beside contact forces."""
+    loads = [port.body for load in scene.forces for port in load.ports]
+    present = {
+        "friction": any(contact.friction.acts for contact in bearing.contacts.values()),
+        "gravity": bool(np.any(scene.gravity)),
+        "forces on elements": any(body is element for body in loads for element in bearing.elements),
+        "centrifugal forces": any(np.any(history.bodies[e.name].velocity[row]) for e in bearing.elements),
+    }
+    return tuple(what for what, acts in present.items() if acts)
 
 
 def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndarray) -> np.ndarray:
