@@ -16,7 +16,7 @@ from typing import Any
 
 log = logging.getLogger("warpffrf")
 
-Handler = Callable[[int, FrameType | None], Any]
+Handler = Callable[[int, FrameType | None], Any] | signal.Handlers
 
 
 @contextmanager
@@ -69,6 +69,14 @@ def deferred_interrupts() -> Iterator[Asked]:
         {n: wait for n in (signal.SIGINT, signal.SIGTERM) if _in_main_thread() and signal.getsignal(n) in own}
     ):
         yield answer
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Processes that are started inside do not hear Ctrl-C, which a terminal sends to all of them: whoever started them
+    ends them."""
+    with _handled({signal.SIGINT: signal.SIG_IGN} if _in_main_thread() else {}):
+        yield
 
 
 def _in_main_thread() -> bool:

@@ -3,6 +3,12 @@
 from __future__ import annotations
 
 import os
+from typing import IO
+
+try:
+    import fcntl
+except ImportError:  # without it two processes that write one thing are not told apart
+    fcntl = None
 
 
 def lives(process: int) -> bool:
@@ -15,4 +21,15 @@ def lives(process: int) -> bool:
         return False
     except (OSError, OverflowError):  # it is another user's, or no number of a process
         return True
+    return True
+
+
+def locked(stream: IO[str]) -> bool:
+    """Lock an open file that no other process has locked, until it is closed; whether that was so."""
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
     return True

@@ -39,10 +39,15 @@ def dotted(path: Path) -> str:
 
 def read_document(path: FilePath, settings: Sequence[str] = ()) -> Source:
     """The scene file at `path` with includes, `settings` ("name=value") and parameters applied. Raises `InputError`."""
+    return resolved(merged_document(path, settings))
+
+
+def merged_document(path: FilePath, settings: Sequence[str] = ()) -> Source:
+    """The same with its parameters and expressions as they stand: what all settings have in common."""
     source = _with_includes(path, path.name, (), [0])
     for setting in settings:
         _set(source, setting)
-    return resolved(source)
+    return source
 
 
 def document_of(text: str, folder: FilePath, settings: Sequence[str] = (), name: str = "scene.toml") -> Source:

@@ -75,17 +75,27 @@ def histories(result: Any) -> list[Series]:
             series
             for field in fields
             for name, owner in owners.items()
-            if (series := _series(of_owner(field, owner), name, owner)) is not None
+            if (series := series_of(of_owner(field, owner), name, owner)) is not None
         ]
-    for name in result.sensor_names:
-        sensor = result.sensor(name)
-        found.append(Series("sensor", name, tuple(sensor.components), sensor.unit, sensor.frame, sensor.values))
-    for line, values in history.energy.items():
-        found.append(Series("energy", line, ("",), ENERGY_UNITS, "none", np.asarray(values)[:, None]))
-    return found
+    found += [series_of_sensor(result, name) for name in result.sensor_names]
+    return [*found, *energies(result)]
 
 
-def _series(field: Field, name: str, owner: Any) -> Series | None:
+def energies(result: Any) -> list[Series]:
+    """The lines of the energy ledger."""
+    return [
+        Series("energy", line, ("",), ENERGY_UNITS, "none", np.asarray(values)[:, None])
+        for line, values in result.history.energy.items()
+    ]
+
+
+def series_of_sensor(result: Any, name: str) -> Series:
+    """The history of a sensor."""
+    sensor = result.sensor(name)
+    return Series("sensor", name, tuple(sensor.components), sensor.unit, sensor.frame, sensor.values)
+
+
+def series_of(field: Field, name: str, owner: Any) -> Series | None:
     """The history of one owner; None for fields over places and modes, and for what the owner does not have."""
     if len(field.dims) > 1 or not {*field.dims} <= {*COMPONENTS, *NUMBERED}:
         return None

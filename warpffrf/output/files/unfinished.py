@@ -33,17 +33,13 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.keeping import UNFINISHED, Plan, Rows, Source, Unfinished
 from warpffrf.model.object_arrays import from_arrays, to_arrays
 from warpffrf.model.output_paths import remove_left_over_in
+from warpffrf.model.processes import locked
 from warpffrf.model.sealed_arrays import read_arrays, write_arrays
 from warpffrf.online import keeping
 from warpffrf.online.arrays.ring import joined
 from warpffrf.online.free_flight import check_run
 from warpffrf.online.history.history import History
 from warpffrf.output import monolithic_run
-
-try:
-    import fcntl
-except ImportError:  # without it two runs on one path are not told apart
-    fcntl = None
 
 ENDING = ".unfinished"
 LOCK, SCENE, CHECKPOINT, PART = "lock", "scene.arrays", "checkpoint.arrays", "part-{:06d}.arrays"
@@ -78,7 +74,7 @@ class UnfinishedRun:
         self.folder.mkdir(exist_ok=True)
         file = self.folder / LOCK
         stream = file.open("a+", encoding="utf-8")
-        if not _locked(stream):
+        if not locked(stream):
             with stream:
                 stream.seek(0)
                 owner = stream.read().strip() or "unknown process"
@@ -280,17 +276,6 @@ def different(options: Mapping[str, str], others: Mapping[str, str]) -> str:
     return ", ".join(
         f"{name} was {others.get(name, 'not given')}, is {options.get(name, 'not given')}" for name in names
     )
-
-
-def _locked(stream: IO[str]) -> bool:
-    """Lock a file that no other process has locked."""
-    if fcntl is None:
-        return True
-    try:
-        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except OSError:
-        return False
-    return True
 
 
 def _is_file(stream: IO[str], file: Path) -> bool:

@@ -1,0 +1,278 @@
+"""A sweep: what it runs, keeps and tells; closed forms of a bob on a spring."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sweep_scenes import GRAVITY, TIMES, bob, fall, rest, scene_file, shy_bob, timed_bob
+
+import warpffrf as wf
+from warpffrf.model.errors import InputError
+
+STIFFNESS = [1000.0, 2000.0, 4000.0]
+OUTPUTS = {
+    "lowest": "min(body_position_z[bob])",
+    "height": "body_position_z[bob]",
+    "velocity": "body_velocity[bob]",
+    "end": fall,
+}
+ROUND_OFF = 1e-12
+
+
+def run(
+    store: Path, parameters: Any, outputs: Any = ("last(body_position_z[bob])",), scene: Any = bob, **options: Any
+) -> Any:
+    times = {} if scene is timed_bob or "equilibrium" in options else {"simulate": TIMES}
+    return wf.study.sweep(scene, parameters, outputs=outputs, store=store, progress=False, **times, **options)
+
+
+@pytest.fixture(scope="module")
+def swept(tmp_path_factory: Any) -> Any:
+    store = tmp_path_factory.mktemp("grid") / "bob.sweep"
+    return run(store, {"stiffness": STIFFNESS, "mass": "1:2:2"}, OUTPUTS)
+
+
+def test_a_grid_has_all_combinations_and_each_has_its_run(swept: Any) -> None:
+    """z'' = -g - k z/m from rest at 0: z = -(m g/k) (1 - cos(w t)); the integrator errs by w^2 h^2/12 of it."""
+    assert swept.status == "completed" and swept.counts == {"completed": 6}
+    assert swept["stiffness"].tolist() == [k for k in STIFFNESS for _ in range(2)]
+    assert swept["mass"].tolist() == [1, 2] * 3
+    t = np.linspace(0.0, TIMES["duration"], 11)
+    for k, m, height, lowest, end in zip(
+        *(swept[n] for n in ("stiffness", "mass", "height", "lowest", "end")), strict=True
+    ):
+        omega = np.sqrt(k / m)
+        exact = -(m * GRAVITY / k) * (1.0 - np.cos(omega * t))
+        assert np.allclose(height, exact, atol=2.0 * (omega * TIMES["step"]) ** 2 * abs(exact).max())
+        assert lowest == height.min() and np.array_equal(end, height)
+    assert swept["velocity"].shape == (6, 11, 3)
+
+
+def test_xarray_opens_the_table_lazily_with_parameters_as_coordinates(swept: Any) -> None:
+    with swept.to_xarray() as data:
+        assert set(data.coords) == {"run", "stiffness", "mass", "time", "axis"}
+        assert data["height"].dims == ("run", "time") and data["velocity"].dims == ("run", "time", "axis")
+        assert data["height"].attrs["units"] == "m" and data["end"].dims == ("run", "end_0")
+        chosen = data.where(data.stiffness == 2000.0, drop=True)["lowest"].values
+        assert np.array_equal(chosen, swept["lowest"][2:4])
+        assert np.allclose(data["time"].values, np.linspace(0.0, 0.01, 11), atol=ROUND_OFF)
+        assert data["velocity"].sel(axis="z").values.tolist() == swept["velocity"][:, :, 2].tolist()
+    frame = swept.to_dataframe()
+    assert frame["lowest"].tolist() == swept["lowest"].tolist() and "height" not in frame and len(frame) == 6
+
+
+def test_one_variable_is_read_without_the_others(tmp_path: Path) -> None:
+    """Bytes that are asked of the file, counted."""
+    import io
+
+    import xarray
+
+    from warpffrf.study.sweeps.job import Answer
+    from warpffrf.study.sweeps.outputs import Value
+    from warpffrf.study.sweeps.table import Table
+
+    table = Table.empty(["x"], [{"x": float(n)} for n in range(500)])
+    random = np.random.default_rng(0)
+    for n in range(500):
+        values = {name: Value(random.random(50), ("time",)) for name in "abcdefgh"}
+        table.add(Answer(n, "completed", values=values, time=np.arange(50.0)))
+    table.write(tmp_path / "table.h5")
+
+    class Counting(io.FileIO):
+        taken = 0
+
+        def readinto(self, buffer: Any) -> int:
+            found = super().readinto(buffer)
+            Counting.taken += found
+            return found
+
+    size = (tmp_path / "table.h5").stat().st_size
+    with xarray.open_dataset(Counting(tmp_path / "table.h5"), engine="h5netcdf") as data:
+        opening = Counting.taken
+        assert np.array_equal(data["c"].values, table.columns["c"].array)
+    array = 500 * 50 * 8
+    assert size > 8 * 0.8 * array  # random numbers do not pack
+    assert opening < 0.1 * size
+    assert 0.8 * array < Counting.taken - opening < 1.5 * array
+
+
+def test_runs_of_other_lengths_have_their_own_times_and_nan_behind(tmp_path: Path) -> None:
+    found = run(
+        tmp_path / "s", [{"stiffness": 1e3, "duration": d} for d in (0.004, 0.002)], ["body_position_z[bob]"], timed_bob
+    )
+    name = "body_position_z[bob]"
+    assert found[name].shape == (2, 5) and np.isnan(found[name][1, 3:]).all() and np.isfinite(found[name][1, :3]).all()
+    with found.to_xarray() as data:  # the shorter has the first times of the longer
+        assert data["time"].values.tolist() == pytest.approx([0.0, 1e-3, 2e-3, 3e-3, 4e-3])
+        assert data["saved_steps"].values.tolist() == [5, 3]
+    from warpffrf.study.sweeps.table import Table
+
+    again = Table.read(tmp_path / "s" / "table.h5", 2)
+    assert again.time is not None and np.isfinite(again.time).sum(axis=1).tolist() == [5, 3]
+
+
+def test_equilibria_of_a_scene_file(tmp_path: Path) -> None:
+    found = run(
+        tmp_path / "s",
+        {"spring.stiffness": STIFFNESS},
+        {"z": "last(body_position_z[bob])"},
+        scene_file(tmp_path),
+        equilibrium={},
+    )
+    assert np.allclose(found["z"], [rest(k) for k in STIFFNESS], rtol=1e-9)  # equilibria are found to 1e-10
+    assert found.definition["call"] == "equilibrium"
+
+
+def test_a_file_and_a_function_give_the_same_bits(tmp_path: Path) -> None:
+    name = "body_position_z[bob]"
+    of_file = run(tmp_path / "f", {"spring.stiffness": STIFFNESS}, [name], scene_file(tmp_path))
+    of_function = run(tmp_path / "g", {"stiffness": STIFFNESS}, [name])
+    assert np.array_equal(of_file[name], of_function[name])
+
+
+def test_rows_that_fail_are_rows_with_their_message(tmp_path: Path) -> None:
+    found = run(tmp_path / "s", {"stiffness": [-1.0, 1000.0, 4000.0]}, ["max(energy[kinetic])"], shy_bob)
+    assert found.counts == {"refused": 1, "completed": 1, "failed": 1} and found.status == "completed"
+    refused, failed = found.failed()
+    assert refused["run"] == 0 and "stiffness" in refused["message"]
+    assert failed["stiffness"] == 4000.0 and failed["message"] == "ZeroDivisionError: far too stiff"
+    assert np.isnan(found["max(energy[kinetic])"][[0, 2]]).all()
+    assert "far too stiff" in found.report()
+
+
+def test_a_run_that_ends_early_keeps_its_status(tmp_path: Path) -> None:
+    found = run(tmp_path / "s", {"stiffness": [1e3]}, scene=bob, error_budget=True)
+    with found.to_xarray() as data:
+        assert data["error_budget"].dims == ("run", "error_source") and "time step" in data["error_source"].values
+
+
+# --- what is refused
+
+
+@pytest.mark.parametrize(
+    ("scene", "parameters", "outputs", "words"),
+    [
+        (bob, {"stifness": [1.0]}, ["energy[kinetic]"], "did you mean 'stiffness'"),
+        ("file", {"spring.stifness": [1.0]}, ["energy[kinetic]"], "did you mean 'spring.stiffness'"),
+        (bob, {"stiffness": [1e3]}, ["max(body_position_z[bub])"], "near to it: 'body_position_z[bob]'"),
+        (bob, {"stiffness": [1e3]}, ["peak(body_position_z[bob])"], "over time 'peak' does not exist"),
+        (bob, {"stiffness": [1e3]}, {"status": "energy[kinetic]"}, "has already"),
+        (bob, {"stiffness": "normal(1e3, 10)"}, ["energy[kinetic]"], "sample='latin:64'"),
+        (bob, {"stiffness": "gauss(1e3, 10)"}, ["energy[kinetic]"], "known: 'normal'"),
+        (bob, {"stiffness": "1:2"}, ["energy[kinetic]"], "1:2:5"),
+        (bob, {"stiffness": [1.0, 1.0]}, ["energy[kinetic]"], "twice"),
+        (bob, {}, ["energy[kinetic]"], "no parameter"),
+        (bob, {"mass": [1.0]}, ["energy[kinetic]"], "stiffness"),
+        (bob(1.0), {"stiffness": [1.0]}, ["energy[kinetic]"], "a Scene that is built has no parameters"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_swept_is_named_with_the_cure(
+    tmp_path: Path, scene: Any, parameters: Any, outputs: Any, words: str
+) -> None:
+    scene = scene_file(tmp_path) if scene == "file" else scene
+    with pytest.raises(InputError) as told:
+        run(tmp_path / "s", parameters, outputs, scene)
+    assert words in str(told.value)
+
+
+def test_options_that_a_sweep_says_itself_are_refused(tmp_path: Path) -> None:
+    cases: Any = (
+        ({"simulate": {"results": "a.h5"}}, "files of single runs"),
+        ({"simulate": {"device": "cpu"}}, "argument of sweep"),
+        ({"simulate": TIMES, "equilibrium": {}}, "not both"),
+        ({}, "nothing says how to run"),
+    )
+    for options, words in cases:
+        with pytest.raises(InputError, match=words):
+            wf.study.sweep(bob, {"stiffness": [1e3]}, outputs=["energy[kinetic]"], store=tmp_path / "s", **options)
+
+
+# --- stores
+
+
+def test_a_store_goes_on_where_it_stopped_and_no_other_sweep_goes_on_in_it(tmp_path: Path, monkeypatch: Any) -> None:
+    """Three of four rows have been run when Ctrl-C comes; then the fourth is, and only that."""
+    from warpffrf.study.sweeps.job import Job
+
+    parameters, ran, answer = {"stiffness": [1e3, 2e3, 3e3, 4e3]}, [], Job.answer
+
+    def counted(self: Any, number: int, row: Any, device: Any) -> Any:
+        if len(ran) == 3:
+            ran.append(None)
+            raise KeyboardInterrupt
+        ran.append(number)
+        return answer(self, number, row, device)
+
+    monkeypatch.setattr(Job, "answer", counted)
+    store = tmp_path / "s"
+    found = run(store, parameters)
+    assert found.status == "unfinished" and found.counts == {"completed": 3, "": 1} and ran == [0, 1, 2, None]
+    with pytest.raises(InputError, match="go on with it with resume=True"):
+        run(store, parameters)
+    for other, words in (
+        ({"parameters": {"stiffness": [1e3, 2e3, 3e3, 5e3]}}, "values of the parameters differ"),
+        ({"parameters": parameters, "outputs": ["energy[kinetic]"]}, "outputs"),
+        ({"parameters": parameters, "scene": shy_bob}, "the scene differs"),
+    ):
+        with pytest.raises(InputError, match="another sweep") as told:
+            run(store, resume=True, **other)
+        assert words in str(told.value)
+    again = run(store, parameters, resume=True)
+    assert again.status == "completed" and ran[4:] == [3]
+    whole = run(tmp_path / "t", parameters)
+    name = "last(body_position_z[bob])"
+    assert np.array_equal(again[name], whole[name])
+    assert run(store, {"stiffness": [1e3]}, overwrite=True).count == 1
+
+
+def test_runs_that_a_kill_left_beside_the_table_are_found(tmp_path: Path, monkeypatch: Any) -> None:
+    """A kill leaves files of runs, one of them damaged; opening puts the whole ones into the table."""
+    from warpffrf.study.sweeps.folder import Folder
+
+    gather = Folder.gather
+    monkeypatch.setattr(Folder, "gather", lambda self: None)
+    store, name = tmp_path / "s", "last(body_position_z[bob])"
+    run(store, {"stiffness": [1e3, 2e3, 3e3]})
+    monkeypatch.setattr(Folder, "gather", gather)
+    file = store / "runs" / "000001.arrays"
+    file.write_bytes(file.read_bytes()[:-7])
+    found = wf.study.open_sweep(store)
+    assert found.counts == {"completed": 2, "": 1} and not list((store / "runs").iterdir())
+    again = run(store, {"stiffness": [1e3, 2e3, 3e3]}, resume=True)
+    assert again.status == "completed" and np.isfinite(again[name]).all()
+
+
+def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="no folder of a sweep"):
+        wf.study.open_sweep(tmp_path)
+    (tmp_path / "letter.txt").write_text("dear")
+    with pytest.raises(InputError, match="other files"):
+        run(tmp_path, {"stiffness": [1e3]})
+    store = tmp_path / "s"
+    run(store, {"stiffness": [1e3]})
+    table = store / "table.h5"
+    table.write_bytes(table.read_bytes().replace(b"completed", b"compleded"))
+    with pytest.raises(InputError, match="damaged"):
+        wf.study.open_sweep(store).counts  # noqa: B018
+    (store / "sweep.json").write_text(json.dumps({"kind": "another"}))
+    with pytest.raises(InputError, match="damaged, or of another program"):
+        wf.study.open_sweep(store)
+
+
+def test_two_sweeps_do_not_write_one_store(tmp_path: Path) -> None:
+    from warpffrf.study.sweeps.folder import Folder
+
+    store = tmp_path / "s"
+    run(store, {"stiffness": [1e3]})
+    holder = Folder(store)
+    holder.hold()
+    try:
+        with pytest.raises(InputError, match="another process is writing"):
+            run(store, {"stiffness": [1e3]}, resume=True)
+    finally:
+        holder.release()
+    assert run(store, {"stiffness": [1e3]}, resume=True).status == "completed"

@@ -1,0 +1,84 @@
+"""Workers of dask.distributed, on this machine or many: a client of the user, or the address of a scheduler.
+
+The job goes to every worker once; rows follow by themselves, a few ahead of each worker. A worker that is lost is
+noticed by the scheduler, which gives its rows to others; a row that is lost with its worker `distributed.scheduler
+.allowed-failures` times more (3 if nothing else is set) is given up. Start workers with one thread each, for runs of
+one process follow one another:
+
+    dask scheduler
+    dask worker tcp://HOST:8786 --nworkers 8 --nthreads 1
+"""
+
+from __future__ import annotations
+
+import logging
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.study.sweeps.crews import LEAST_OPEN, Answers, Elsewhere, WorkerDied
+from warpffrf.study.sweeps.job import Answer, Numbered
+from warpffrf.study.sweeps.parcel import Parcel, answers
+
+ANSWERS_IN = 10  # s that a scheduler has to answer in: one that is there does at once
+WORKERS_IN = 30  # s that the first worker has to come in before a line says that there is none
+AHEAD = 2  # rows sent for each worker, so that it need not wait for the next
+
+log = logging.getLogger("warpffrf")
+
+
+class Cluster:
+    """The workers of a client; `own`: whether it was made here, and is closed here."""
+
+    def __init__(self, parcel: Parcel, client: Any, device: str | None, own: bool) -> None:
+        self.client, self.device, self.own = client, device, own
+        if not _workers(client):
+            log.warning("sweep: the scheduler has no worker yet; waiting for one: dask worker ADDRESS --nthreads 1")
+        self.executor = client.get_executor(pure=False)
+        self.parcel = client.scatter(parcel, broadcast=bool(_workers(client)), hash=False)
+
+    @property
+    def capacity(self) -> int:
+        """Some rows for each worker there is now: they come and go."""
+        return max(LEAST_OPEN, AHEAD * _workers(self.client))
+
+    def submit(self, rows: Numbered) -> Answers:
+        """Any worker runs them."""
+        return self.executor.submit(answers, self.parcel, rows, self.device)
+
+    def collect(self, future: Answers) -> list[Answer]:
+        """The answers."""
+        from distributed import KilledWorker
+
+        try:
+            return Elsewhere.collect(self, future)  # type: ignore[arg-type]
+        except KilledWorker:
+            raise WorkerDied from None
+
+    def close(self) -> None:
+        """Take back what was sent and not run yet."""
+        self.executor.shutdown(wait=False, cancel_futures=True)
+        if self.own:
+            self.client.close()
+
+
+def _workers(client: Any) -> int:
+    return len(client.scheduler_info(n_workers=-1)["workers"])
+
+
+def client_at(address: str) -> Any:
+    """A client of the scheduler at `address`. Raises `InputError` where distributed is not installed, and where
+    nothing answers."""
+    try:
+        from distributed import Client
+    except ImportError as error:
+        raise InputError(
+            "sweep: a scheduler needs dask.distributed: pip install 'warpffrf[cluster]'; or take processes of this "
+            "machine, workers=2"
+        ) from error
+    try:
+        return Client(address, timeout=ANSWERS_IN)
+    except (OSError, ValueError, ImportError) as error:
+        raise InputError(
+            f"sweep: no scheduler answers at {address!r} ({error or type(error).__name__}); start one with: dask "
+            "scheduler, and give the address that it prints, as tcp://HOST:8786"
+        ) from None

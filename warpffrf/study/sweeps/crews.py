@@ -1,0 +1,204 @@
+"""Who runs the rows of a sweep, behind one interface: rows go in, a `concurrent.futures.Future` of answers comes back.
+
+    Here         this process, one row after the other
+    Processes    processes of our own, each with a device: the default for several workers, and needs nothing else
+    Elsewhere    anybody with the `submit` of concurrent.futures
+    Cluster      dask.distributed on this machine or many (`cluster`)
+
+Our processes are started anew (spawn), because a process that has used Warp or threads of a BLAS cannot be forked. Each
+is a pool of one, so that a process that dies is known by the row that it had: the others go on, and a new one takes its
+place. Ctrl-C does not reach them, they are ended by us.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import pickle
+from collections.abc import Sequence
+from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
+from multiprocessing.context import SpawnContext
+from typing import Any, Protocol
+
+from warpffrf import __version__
+from warpffrf.model.errors import InputError
+from warpffrf.model.interruption import deaf_children
+from warpffrf.study.sweeps.job import Answer, Job, Numbered
+from warpffrf.study.sweeps.parcel import Parcel, answers
+
+WORKER = "warpffrf sweep worker"  # name of our processes
+LEAST_OPEN = 64  # rows sent at once, where it is not known how many workers there are
+
+
+class WorkerDied(Exception):
+    """A worker ended without an answer."""
+
+
+Answers = Future[list[Answer]]
+
+
+class Crew(Protocol):
+    """Runs rows. `capacity`: how many futures may be open at once."""
+
+    @property
+    def capacity(self) -> int:
+        """How many futures may be open."""
+        ...
+
+    def submit(self, rows: Numbered) -> Answers:
+        """Have these rows run."""
+        ...
+
+    def collect(self, future: Answers) -> list[Answer]:
+        """The answers of a future that is done. Raises `WorkerDied`, after which the rows may be submitted again, and
+        `InputError` where no worker can do anything."""
+        ...
+
+    def close(self) -> None:
+        """End what still runs."""
+        ...
+
+
+class Here:
+    """This process."""
+
+    capacity = 1
+
+    def __init__(self, job: Job, device: str | None) -> None:
+        self.job, self.device = job, device
+
+    def submit(self, rows: Numbered) -> Answers:
+        """Runs them at once."""
+        future: Answers = Future()
+        future.set_result(self.job.answers(rows, self.device))
+        return future
+
+    def collect(self, future: Answers) -> list[Answer]:
+        """What was found."""
+        return future.result()
+
+    def close(self) -> None:
+        """Nothing runs."""
+
+
+class _Named(SpawnContext):
+    """Starts processes by the name of ours, and keeps them at hand."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.started: list[Any] = []
+
+    def Process(self, *args: Any, **options: Any) -> Any:
+        options["name"] = WORKER
+        process = super().Process(*args, **options)  # type: ignore[operator]
+        self.started.append(process)
+        return process
+
+
+class _Worker:
+    """A pool of one process, on one device."""
+
+    def __init__(self, device: str | None) -> None:
+        self.device, self.context = device, _Named()
+        self.pool = ProcessPoolExecutor(1, mp_context=self.context)
+        with deaf_children():
+            self.ready = self.pool.submit(_import_all)
+
+    def end(self) -> None:
+        """End it at once: it has nothing to keep."""
+        for process in self.context.started:
+            process.kill()
+        self.pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _import_all() -> None:
+    """What takes a worker some seconds, while others are at the first row."""
+    import warpffrf.scene_file
+    import warpffrf.study.sweeps.job  # noqa: F401
+
+
+class Processes:
+    """`count` processes of this machine, on `devices` in turn."""
+
+    def __init__(self, parcel: Parcel, count: int, devices: Sequence[str | None]) -> None:
+        self.parcel, self.capacity = parcel, count
+        self.free = [_Worker(devices[n % len(devices)]) for n in range(count)]
+        self.busy: dict[Answers, _Worker] = {}
+
+    def submit(self, rows: Numbered) -> Answers:
+        """A worker that is free runs them."""
+        worker = self.free.pop(0)
+        try:
+            future = worker.pool.submit(answers, self.parcel, rows, worker.device)
+        except BrokenExecutor as error:  # it has died while it was idle
+            future = Future()
+            future.set_exception(error)
+        self.busy[future] = worker
+        return future
+
+    def collect(self, future: Answers) -> list[Answer]:
+        """The answers; a worker that has died is replaced."""
+        worker = self.busy.pop(future)
+        try:
+            found = future.result()
+        except BrokenExecutor:
+            begun = worker.ready.done() and worker.ready.exception() is None
+            worker.end()
+            if not begun:
+                raise InputError(
+                    "sweep: a worker process ended before it had begun; a script must call sweep below the line "
+                    "if __name__ == '__main__':, because every worker reads the script; or run it here, workers=1"
+                ) from None
+            self.free.append(_Worker(worker.device))
+            raise WorkerDied from None
+        self.free.append(worker)
+        return found
+
+    def close(self) -> None:
+        """Ends all processes."""
+        for worker in (*self.free, *self.busy.values()):
+            worker.end()
+        self.free.clear()
+        self.busy.clear()
+
+
+def refuse_in_workers() -> None:
+    """Raises `InputError` in a process that `Processes` has started, whose script comes to its sweep again."""
+    if multiprocessing.current_process().name == WORKER:
+        raise InputError(
+            "sweep: a worker process has come to the sweep that started it, because it reads the script; put the call "
+            "below the line if __name__ == '__main__':"
+        )
+
+
+class Elsewhere:
+    """An executor that somebody else has set up; it is not shut down."""
+
+    def __init__(self, parcel: Parcel, executor: Any, device: str | None) -> None:
+        self.parcel, self.executor, self.device = parcel, executor, device
+
+    @property
+    def capacity(self) -> int:
+        """So many that no worker waits."""
+        return LEAST_OPEN
+
+    def submit(self, rows: Numbered) -> Answers:
+        """Any worker runs them."""
+        return self.executor.submit(answers, self.parcel, rows, self.device)
+
+    def collect(self, future: Answers) -> list[Answer]:
+        """The answers."""
+        try:
+            return future.result()
+        except CancelledError:
+            raise InputError("sweep: the executor has cancelled runs; go on with resume=True, on another one") from None
+        except BrokenExecutor as error:
+            raise InputError(
+                f"sweep: the executor given is broken ({error}); go on with resume=True, on another one"
+            ) from None
+        except (ImportError, AttributeError, pickle.UnpicklingError) as error:
+            raise InputError(
+                f"sweep: workers cannot open what is sent to them ({error}); install warpffrf {__version__} there too"
+            ) from None
+
+    def close(self) -> None:
+        """It belongs to others."""

@@ -1,0 +1,207 @@
+"""The folder of a sweep, by custom NAME.sweep: what it is, who writes it, and what has been run.
+
+    sweep.json            what the sweep is: scene, parameters, outputs, versions; written first
+    lock                  held by the process that runs it; says which
+    runs/000012.arrays    a run that has ended, a small sealed file (`model/sealed_arrays.py`), until it is in the table
+    table.h5              all rows (`table.py`)
+    bodies/HASH.h5        reduced bodies that workers read (`parcel.py`)
+
+One process writes: workers send their answers to it. A table in HDF5 can be lost with a kill in the middle of writing,
+and is written as a whole; so a run goes into a file of its own when it ends, and is put into the table with others, and
+at last with all. A kill at any time loses no run that had ended. Whoever opens a folder that nobody holds puts what is
+left into the table first.
+"""
+
+from __future__ import annotations
+
+import json
+import logging
+import os
+import socket
+from collections.abc import Mapping
+from pathlib import Path
+from typing import IO, Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.output_paths import remove_left_over_in, written_whole
+from warpffrf.model.processes import locked
+from warpffrf.model.sealed_arrays import read_arrays, write_arrays
+from warpffrf.study.sweeps.design import Design
+from warpffrf.study.sweeps.job import Answer
+from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.table import Table
+
+KIND = "warpffrf sweep"
+DEFINITION, LOCK, RUNS, TABLE, BODIES = "sweep.json", "lock", "runs", "table.h5", "bodies"
+RUN = "{:06d}.arrays"
+AGAIN = "choose another folder, or begin anew with overwrite=True (--overwrite)"
+GATHER_FROM = 500  # files of runs that are put into the table, later as many as are in it: a row is written few times
+TIMES = "time"
+
+log = logging.getLogger("warpffrf")
+
+
+class Folder:
+    """The folder of one sweep."""
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path).expanduser()
+        self._lock: IO[str] | None = None
+        self._loose = 0  # runs that are in no table yet
+        self._in_table = 0
+
+    @property
+    def bodies(self) -> Path:
+        """Where reduced bodies go."""
+        return self.path / BODIES
+
+    @property
+    def table(self) -> Path:
+        """The file of the table."""
+        return self.path / TABLE
+
+    def definition(self) -> dict[str, Any]:
+        """What the sweep is. Raises `InputError` for a folder that is no sweep."""
+        file = self.path / DEFINITION
+        if not file.is_file():
+            raise InputError(f"sweep: '{self.path}' is no folder of a sweep, it has no {DEFINITION}; check the path")
+        try:
+            found = json.loads(file.read_text(encoding="utf-8"))
+            if found["kind"] != KIND or not isinstance(found["count"], int):
+                raise ValueError
+            names = [*found["parameters"], *found["outputs"]]
+        except (ValueError, KeyError, TypeError, OSError):
+            raise InputError(f"sweep: '{file}' is damaged, or of another program; {AGAIN}") from None
+        if not all(isinstance(name, str) for name in names):
+            raise InputError(f"sweep: '{file}' is damaged; {AGAIN}")
+        return found
+
+    # --- writing
+
+    def begin(self, definition: Mapping[str, Any], design: Design, *, overwrite: bool, resume: bool) -> set[int]:
+        """Take the folder for a sweep; the numbers of rows that have been run. Raises `InputError` where it holds a
+        sweep and neither is asked for, another sweep, or something else, and where another process writes it."""
+        if self.path.exists() and not self.path.is_dir():
+            raise InputError(f"sweep: store '{self.path}' is a file; give the name of a folder")
+        known = (self.path / DEFINITION).is_file()
+        if self.path.is_dir() and not known and any(self.path.iterdir()):
+            raise InputError(f"sweep: store '{self.path}' is a folder with other files; choose another one")
+        try:
+            (self.path / RUNS).mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(
+                f"sweep: store '{self.path}' cannot be written ({error.strerror or error}); choose another folder"
+            ) from None
+        self.hold()
+        if known and not overwrite:
+            there = self.definition()
+            if not resume:
+                raise InputError(
+                    f"sweep: store '{self.path}' holds a sweep; go on with it with resume=True (--resume), {AGAIN}"
+                )
+            self._refuse_another(there, json.loads(json.dumps(dict(definition))))
+            table = self.gather()
+            return table.done()
+        for file in (self.table, *(self.path / RUNS).glob("*.arrays"), *self.bodies.glob("*.h5")):
+            file.unlink(missing_ok=True)
+        with written_whole(self.path / DEFINITION) as partial:
+            partial.write_text(json.dumps(definition, indent=1) + "\n", encoding="utf-8")
+        Table.empty(design.names, design.rows).write(self.table)
+        return set()
+
+    def hold(self) -> None:
+        """Lock the folder until `release`. Raises `InputError` where another process has."""
+        stream = (self.path / LOCK).open("a+", encoding="utf-8")
+        if not locked(stream):
+            with stream:
+                stream.seek(0)
+                owner = stream.read().strip() or "unknown process"
+            raise InputError(f"sweep: another process is writing '{self.path}' ({owner}); wait for it")
+        stream.truncate(0)
+        stream.write(f"process {os.getpid()} on {socket.gethostname()}\n")
+        stream.flush()
+        self._lock = stream
+        for folder in (self.path, self.path / RUNS):
+            remove_left_over_in(folder)
+
+    def release(self) -> None:
+        """Give up the lock."""
+        if self._lock is not None:
+            self._lock.close()
+            self._lock = None
+
+    def _refuse_another(self, there: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+        differ = [name for name in {**there, **wanted} if there.get(name) != wanted.get(name)]
+        if differ:
+            told = "; ".join(_difference(name, there.get(name), wanted.get(name)) for name in differ)
+            raise InputError(f"sweep: store '{self.path}' is the store of another sweep: {told}; {AGAIN}")
+
+    def keep(self, answer: Answer) -> None:
+        """Write a run that has ended. Raises OSError where that is not possible."""
+        about = {
+            "number": answer.number, "status": answer.status, "message": answer.message,
+            "wall_seconds": answer.wall_seconds, "set_up_seconds": answer.set_up_seconds, "device": answer.device,
+            "host": answer.host, "versions": answer.versions, "budget": answer.budget,
+            "values": {name: [list(v.dims), v.units, v.frame] for name, v in answer.values.items()},
+        }  # fmt: skip
+        arrays = {f"value {name}": [np.asarray(value.array)] for name, value in answer.values.items()}
+        if answer.time is not None:
+            arrays[TIMES] = [answer.time]
+        write_arrays(self.path / RUNS / RUN.format(answer.number), about, arrays)
+        self._loose += 1
+        if self._loose >= max(GATHER_FROM, self._in_table):
+            self.gather()
+
+    def gather(self) -> Table:
+        """Put all runs that have their own files into the table; the folder is held. Raises `InputError` for a damaged
+        table."""
+        definition = self.definition()
+        table = Table.read(self.table, definition["count"])
+        files = sorted((self.path / RUNS).glob("*.arrays"))
+        damaged = []
+        for file in files:
+            try:
+                table.add(_read(file))
+            except InputError as error:
+                log.warning("%s", error)
+                damaged.append(file)
+        if len(files) > len(damaged):
+            table.write(self.table)
+        for file in files:
+            file.unlink(missing_ok=True)
+        self._loose, self._in_table = 0, len(table.done())
+        return table
+
+    def waiting(self) -> int:
+        """How many runs have files of their own."""
+        return len(list((self.path / RUNS).glob("*.arrays")))
+
+
+def _read(file: Path) -> Answer:
+    """A run that `keep` wrote. Raises `InputError` for another file."""
+    subject, cure = f"sweep: {file}", "its row counts as not run; resume=True (--resume) runs it"
+    about, arrays = read_arrays(file, subject, cure)
+    try:
+        values = {
+            name: Value(arrays[f"value {name}"], tuple(dims), units, frame)
+            for name, (dims, units, frame) in about.pop("values").items()
+        }
+        return Answer(**about, values=values, time=arrays.get(TIMES))
+    except (KeyError, TypeError, ValueError) as error:
+        raise InputError(f"{subject} is damaged ({error}); {cure}") from None
+
+
+def _difference(name: str, there: Any, wanted: Any) -> str:
+    """What differs of a definition, in words."""
+    if isinstance(there, dict) and isinstance(wanted, dict):
+        keys = [key for key in {**there, **wanted} if there.get(key) != wanted.get(key)]
+        parts = [f"{key} was {there.get(key, 'not there')}, is {wanted.get(key, 'not there')}" for key in keys]
+        return f"{name}: {', '.join(parts)}" if parts else f"{name}: their order differs"
+    if name in ("rows", "scenes", "first_scene"):
+        return {
+            "rows": "values of the parameters differ", "scenes": "the scene differs",
+            "first_scene": "the scene of the first row differs",
+        }[name]  # fmt: skip
+    return f"{name} was {there}, is {wanted}"

@@ -1,0 +1,152 @@
+"""What a worker does with rows: build, run, read off what is wanted. It sends back answers, plain data and arrays.
+
+A row that cannot be run is an answer too, with its message; what is not answered is a worker that died, and a user who
+interrupts.
+"""
+
+from __future__ import annotations
+
+import logging
+import platform
+import socket
+import threading
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from warpffrf import __version__
+from warpffrf.model.errors import InputError
+from warpffrf.online.device import chosen_device
+from warpffrf.online.run import INTERRUPTED
+from warpffrf.output.files.quantities import NoQuantity
+from warpffrf.output.result import Result
+from warpffrf.output.simulate import equilibrium, simulate
+from warpffrf.study.sweeps.design import Row
+from warpffrf.study.sweeps.outputs import TIME, Output, Value
+from warpffrf.study.sweeps.scenes import Built, Scenes
+
+REFUSED, FAILED, LOST = "refused", "failed", "lost"  # statuses of rows beside those of results
+NO_QUANTITY, OTHER_VERSIONS = "no quantity", "other versions"  # of answers that are no rows
+CALLS = {"simulate": simulate, "equilibrium": equilibrium}
+OWN = ("progress", "device")  # options of the calls that a sweep says itself
+FILES = ("results", "record", "record_every", "overwrite", "resume", "keep_every")  # those about files of single runs
+
+Numbered = Sequence[tuple[int, Row]]
+
+_alone = threading.Lock()  # threads of a worker run one after the other: a process captures one graph at a time
+
+
+@dataclass
+class Answer:
+    """What came of row `number`: how it ended, what was wanted of it (name -> `Value`), what it took [s], and where."""
+
+    number: int
+    status: str
+    message: str = ""
+    values: dict[str, Value] = field(default_factory=dict)
+    time: np.ndarray | None = None
+    budget: dict[str, float] = field(default_factory=dict)
+    wall_seconds: float = 0.0
+    set_up_seconds: float = 0.0
+    device: str = ""
+    host: str = ""
+    versions: str = ""
+
+    @property
+    def ran(self) -> bool:
+        """Whether there was a run, however it ended."""
+        return bool(self.values)
+
+
+@cache
+def versions() -> dict[str, str]:
+    """What numbers depend on, name -> version; of Python without what does not matter to pickles."""
+    import scipy
+    import warp
+
+    numbers = {"warpffrf": __version__, "warp": warp.__version__, "numpy": np.__version__, "scipy": scipy.__version__}
+    return {**numbers, "Python": ".".join(platform.python_version_tuple()[:2])}
+
+
+@dataclass(frozen=True)
+class Job:
+    """A sweep without its rows. simulate, equilibrium: options of the call, None for those that come with the scene."""
+
+    scenes: Scenes
+    outputs: Mapping[str, Output]
+    simulate: Mapping[str, Any] | None = None
+    equilibrium: Mapping[str, Any] | None = None
+    error_budget: bool = False
+
+    def call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
+        """Which call is made of a scene, and its options. Raises `InputError` where nothing says it."""
+        if self.equilibrium is not None:
+            return "equilibrium", {**(built.equilibrium or {}), **self.equilibrium}
+        if self.simulate is not None or built.simulate is not None:
+            return "simulate", {**(built.simulate or {}), **(self.simulate or {})}
+        if built.equilibrium is not None:
+            return "equilibrium", dict(built.equilibrium)
+        raise InputError(
+            "sweep: nothing says how to run the scene; give simulate={'duration': ..., 'step': ...}, or equilibrium={}"
+        )
+
+    def answers(self, rows: Numbered, device: str | None) -> list[Answer]:
+        """Run `rows`, each with its number, one after the other. Raises KeyboardInterrupt where one is interrupted."""
+        with _alone, _only_errors():
+            return [self.answer(number, row, device) for number, row in rows]
+
+    def answer(self, number: int, row: Row, device: str | None) -> Answer:
+        """Run one row."""
+        begin = time.perf_counter()
+        answer = Answer(number, "", host=socket.gethostname())
+        answer.versions = ", ".join(f"{name} {version}" for name, version in versions().items())
+        try:
+            built = self.scenes.built(row)
+            call, options = self.call_of(built)
+            seconds = time.perf_counter() - begin
+            with built.running(call):
+                chosen = {name: value for name, value in options.items() if name not in FILES}
+                result = CALLS[call](built.scene, **chosen, device=device, progress=False)
+            if result.status == INTERRUPTED:
+                raise KeyboardInterrupt
+            answer.set_up_seconds = seconds + float(result.history.counters.get("build_seconds", 0.0))
+            answer.device = chosen_device(device)
+            self._read(answer, result)
+            answer.status, answer.message = result.status, result.message
+        except NoQuantity as error:
+            answer.status, answer.message = NO_QUANTITY, str(error)
+        except InputError as error:
+            answer.status, answer.message = REFUSED, str(error)
+        except Exception as error:  # a row that fails is no reason to lose the others
+            log = logging.getLogger("warpffrf")
+            log.debug("sweep: run %d failed", number, exc_info=True)
+            answer.status, answer.message = FAILED, f"{type(error).__name__}: {error}"
+        answer.wall_seconds = time.perf_counter() - begin
+        return answer
+
+    def _read(self, answer: Answer, result: Result) -> None:
+        found = {name: output.of(name, result) for name, output in self.outputs.items()}
+        if any(TIME in value.dims for value in found.values()):
+            answer.time = np.asarray(result.time, dtype=float)
+        if self.error_budget:
+            for line in result.error_budget():
+                largest = answer.budget.get(line.source, np.nan)
+                answer.budget[line.source] = float(np.nanmax([largest, line.size])) if line.found else largest
+        answer.values = found
+
+
+@contextmanager
+def _only_errors() -> Iterator[None]:
+    """What runs have to say goes into their rows."""
+    log = logging.getLogger("warpffrf")
+    before = log.level
+    log.setLevel(logging.ERROR)
+    try:
+        yield
+    finally:
+        log.setLevel(before)

@@ -1,0 +1,158 @@
+"""A sweep as users have it: its folder, opened; nothing is read before it is asked for."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from warpffrf.model import looks
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.named_arguments import named_arguments
+from warpffrf.study.sweeps.folder import Folder
+from warpffrf.study.sweeps.table import opened, values_of
+
+if TYPE_CHECKING:
+    import xarray
+
+COMPLETED = "completed"
+FIRST_FAILED = 5  # rows whose messages a report has
+
+
+@named_arguments
+class Sweep(looks.Shown):
+    """The rows of a sweep and what came of them, in the folder `path`.
+
+    `sweep["upper.load"]`, `sweep["peak"]`, `sweep["status"]`: one variable, (run, ...), read from the file alone;
+    unknown names raise InputError. Quantities have the units and frames of `Result.to_xarray`; where a run has no
+    value there is NaN.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path).expanduser()
+        self.definition: dict[str, Any] = Folder(self.path).definition()
+
+    @property
+    def count(self) -> int:
+        """Number of rows, those included that have not been run."""
+        return int(self.definition["count"])
+
+    @property
+    def parameter_names(self) -> list[str]:
+        """Names of the parameters."""
+        return list(self.definition["parameters"])
+
+    @property
+    def output_names(self) -> list[str]:
+        """Names of the outputs."""
+        return list(self.definition["outputs"])
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """How many rows have each status, "" for those not run yet."""
+        return dict(Counter(map(str, self["status"])))
+
+    @property
+    def status(self) -> str:
+        """completed, or unfinished where rows have not been run; failed rows have been."""
+        return "unfinished" if "" in self.counts else COMPLETED
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        with opened(Folder(self.path).table) as file:
+            if name in file:
+                return values_of(file, name)
+            if name in self.definition["outputs"]:
+                return np.full(self.count, np.nan)  # of no run so far
+            raise unknown_name("sweep: variable", name, [*self.parameter_names, *self.output_names, *file])
+
+    def failed(self) -> list[dict[str, Any]]:
+        """A dict for each row that was run and not completed: run, status, message, and its parameters."""
+        status, message = self["status"], self["message"]
+        columns = {name: self[name].tolist() for name in self.parameter_names}
+        return [
+            {"run": int(n), "status": status[n], "message": message[n], **{k: v[n] for k, v in columns.items()}}
+            for n in np.flatnonzero((status != COMPLETED) & (status != ""))
+        ]
+
+    def to_xarray(self) -> xarray.Dataset:
+        """An `xarray.Dataset` with the parameters as coordinates along `run`; variables are read when they are used.
+        Close it, or use it as a context, before the sweep goes on. Needs the optional packages xarray and h5netcdf,
+        without which it raises ImportError."""
+        try:
+            import h5netcdf  # noqa: F401
+            import xarray
+        except ImportError as error:
+            raise ImportError("to_xarray needs xarray and h5netcdf: pip install 'warpffrf[arrays]'") from error
+        table = Folder(self.path).table
+        opened(table).close()
+        return xarray.open_dataset(table, engine="h5netcdf").set_coords(self.parameter_names)
+
+    def to_dataframe(self) -> Any:
+        """A `pandas.DataFrame` of what has one value a row: index `run`, parameters first. Needs the optional package
+        pandas, without which it raises ImportError."""
+        try:
+            import pandas
+        except ImportError as error:
+            raise ImportError("to_dataframe needs pandas: pip install 'warpffrf[tables]'") from error
+        with opened(Folder(self.path).table) as file:
+            rest = [name for name in file if name not in self.parameter_names and file[name].shape == (self.count,)]
+            order = [*self.parameter_names, *(n for n in self.output_names if n in rest)]
+            order += [name for name in rest if name not in order and name != "run" and self._is_row(file[name])]
+            found = {name: values_of(file, name) for name in order}
+        return pandas.DataFrame(found, index=pandas.RangeIndex(self.count, name="run"))
+
+    @staticmethod
+    def _is_row(data: Any) -> bool:
+        """Whether an array runs along the rows, and not along something else of the same length."""
+        return not data.is_scale
+
+    def report(self) -> str:
+        """What was run, how it ended, how long it took, and the first messages of rows that failed."""
+        about, counts = self.definition, self.counts
+        seconds = self["wall_seconds"]
+        ran = seconds[np.isfinite(seconds)]
+        lines = [
+            f"sweep             {about['title']}, {self.count} rows of {about['call']}"
+            + (f", sample {about['sample']}, seed {about['seed']}" if about["sample"] else ""),
+            *(f"parameter         {name}: {text}" for name, text in about["parameters"].items()),
+            *(f"output            {name}: {text}" for name, text in about["outputs"].items()),
+            "rows              " + ", ".join(f"{n} {status or 'not run yet'}" for status, n in counts.items()),
+        ]
+        if len(ran):
+            lines.append(f"seconds of a run  median {np.median(ran):.3g}, largest {ran.max():.3g}, sum {ran.sum():.4g}")
+        failed = self.failed()
+        for row in failed[:FIRST_FAILED]:
+            values = ", ".join(f"{name}={row[name]}" for name in self.parameter_names)
+            lines.append(f"row {row['run']:<13} {row['status']} at {values}: {row['message']}")
+        if len(failed) > FIRST_FAILED:
+            lines.append(f"                  and {len(failed) - FIRST_FAILED} more; see Sweep.failed()")
+        return "\n".join(lines)
+
+    def _facts(self) -> dict[str, Any]:
+        rows = {status or "not run yet": n for status, n in self.counts.items()}
+        return {"path": str(self.path), "parameters": self.parameter_names, "outputs": self.output_names, **rows}
+
+    def __repr__(self) -> str:
+        return f"Sweep({str(self.path)!r}, rows={self.count}, parameters={self.parameter_names})"
+
+
+@named_arguments
+def open_sweep(path: str | os.PathLike[str]) -> Sweep:
+    """The sweep in the folder `path`, also one under way or interrupted. Runs that a stopped sweep has left beside its
+    table are put into it first; of one that another process runs the table is as that left it last. Raises InputError
+    for what is no sweep, and for a damaged table."""
+    folder = Folder(path)
+    folder.definition()
+    if folder.waiting():
+        try:
+            folder.hold()
+        except InputError:  # somebody runs it
+            return Sweep(path)
+        try:
+            folder.gather()
+        finally:
+            folder.release()
+    return Sweep(path)

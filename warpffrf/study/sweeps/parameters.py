@@ -1,0 +1,248 @@
+"""What a parameter of a sweep may be: a list of values, a range, or a distribution.
+
+    [0.1, 0.2, 0.3]               values, of any kind that the scene takes
+    "1000:5000:5"                 a range: first, last and how many, evenly
+    "log:1e-3:1:4"                the same in equal ratios
+    "normal(0.1, 0.02)"           mean and standard deviation
+    "uniform(0.1, 0.3)"           least and largest
+    "triangular(0.1, 0.2, 0.4)"   least, likeliest and largest
+    "lognormal(0.1, 0.5)"         median, and standard deviation of the logarithm
+
+or any distribution of scipy.stats with its numbers, `scipy.stats.weibull_min(1.5)`. A parameter says its values for a
+grid, and the value at a probability u in (0, 1) for a sample: of a distribution where its cumulative probability is u,
+of a range the point at u between its ends, of a list of n values number floor(n u).
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Protocol
+
+import numpy as np
+import scipy.stats
+
+from warpffrf.model.errors import InputError, require_count, unknown_name
+
+EVEN, RATIOS = "", "log"
+WHOLE = re.compile(r"[+-]?\d+")
+CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*")
+
+
+def normal(mean: float, deviation: float) -> Any:
+    """Gauss's distribution."""
+    _positive("normal", "deviation", deviation)
+    return scipy.stats.norm(mean, deviation)
+
+
+def uniform(least: float, largest: float) -> Any:
+    """All between two values alike."""
+    _positive("uniform", "largest less least", largest - least)
+    return scipy.stats.uniform(least, largest - least)
+
+
+def triangular(least: float, likeliest: float, largest: float) -> Any:
+    """A triangle with its peak at the likeliest value."""
+    _positive("triangular", "largest less least", largest - least)
+    if not least <= likeliest <= largest:
+        raise InputError(f"triangular: likeliest {likeliest:g} is not between {least:g} and {largest:g}")
+    return scipy.stats.triang((likeliest - least) / (largest - least), least, largest - least)
+
+
+def lognormal(median: float, deviation: float) -> Any:
+    """A positive value whose logarithm is normal."""
+    _positive("lognormal", "median", median)
+    _positive("lognormal", "deviation", deviation)
+    return scipy.stats.lognorm(deviation, scale=median)
+
+
+DISTRIBUTIONS: dict[str, Callable[..., Any]] = {
+    made.__name__: made for made in (normal, uniform, triangular, lognormal)
+}
+
+
+def _positive(name: str, what: str, value: float) -> None:
+    if not value > 0.0:
+        raise InputError(f"{name}: {what} must be greater than zero, got {value:g}")
+
+
+class Parameter(Protocol):
+    """One parameter."""
+
+    @property
+    def text(self) -> str:
+        """What it is, as it may be given."""
+        ...
+
+    def grid(self) -> list[Any]:
+        """Its values for all combinations. Raises `InputError` where it has none."""
+        ...
+
+    def at(self, u: np.ndarray) -> list[Any]:
+        """Its values at probabilities `u` (n,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class Listed:
+    """Values one by one."""
+
+    values: tuple[Any, ...]
+
+    @property
+    def text(self) -> str:
+        """As it may be given."""
+        return ", ".join(map(str, self.values))
+
+    def grid(self) -> list[Any]:
+        """The values."""
+        return list(self.values)
+
+    def at(self, u: np.ndarray) -> list[Any]:
+        """Each with the same probability."""
+        return [self.values[min(int(x * len(self.values)), len(self.values) - 1)] for x in u]
+
+
+@dataclass(frozen=True)
+class Range:
+    """`count` values from `first` to `last`, evenly or in equal `ratios`; `count` None: for samples alone."""
+
+    text: str
+    first: float
+    last: float
+    count: int | None
+    ratios: bool
+    whole: bool  # the ends were written without a point
+
+    def grid(self) -> list[Any]:
+        """The values, both ends included; whole numbers where the ends were and all are."""
+        if self.count is None:
+            raise InputError(f"a range {self.text!r} says no number of values; write {self.text}:5, or give sample=")
+        found = self._between(np.linspace(0.0, 1.0, self.count))
+        found[0], found[-1] = self.first, self.last if self.count > 1 else self.first
+        if self.whole and all(value == round(value) for value in found):
+            return [int(round(value)) for value in found]
+        return found
+
+    def at(self, u: np.ndarray) -> list[Any]:
+        """The points at `u` between the ends."""
+        return self._between(u)
+
+    def _between(self, u: np.ndarray) -> list[float]:
+        if self.ratios:
+            return (self.first * (self.last / self.first) ** u).tolist()
+        return (self.first + (self.last - self.first) * u).tolist()
+
+
+@dataclass(frozen=True)
+class Distributed:
+    """A distribution, as scipy.stats has it: `ppf` is the inverse of its cumulative probability."""
+
+    text: str
+    distribution: Any
+
+    def grid(self) -> list[Any]:
+        """A distribution has no values of its own."""
+        raise InputError(f"{self.text} is a distribution; give sample='latin:64' (--sample latin:64)")
+
+    def at(self, u: np.ndarray) -> list[Any]:
+        """The values at these probabilities."""
+        return np.asarray(self.distribution.ppf(u), dtype=float).tolist()
+
+
+def parameter(name: str, given: Any) -> Parameter:
+    """The parameter called `name` that was given in one of the forms of the module. Raises `InputError` naming it."""
+    try:
+        return _parameter(given)
+    except InputError as error:
+        raise InputError(f"sweep: parameter {name!r}: {error}") from None
+
+
+def parameters_of(given: Mapping[str, Any]) -> dict[str, Parameter]:
+    """All of them, name -> parameter. Raises `InputError`."""
+    if not given:
+        raise InputError("sweep: no parameter is given; give {name: values}, with --vary NAME=VALUES on a command line")
+    return {str(name): parameter(str(name), value) for name, value in given.items()}
+
+
+def _parameter(given: Any) -> Parameter:
+    if isinstance(given, str):
+        return _of_text(given)
+    if hasattr(given, "ppf"):
+        return Distributed(_told(given), given)
+    if isinstance(given, np.ndarray):
+        given = given.tolist()
+    if not isinstance(given, Sequence) or not len(given):
+        raise InputError(f"must be a list of values, a range 'first:last:count' or a distribution, got {given!r}")
+    values = [value.item() if isinstance(value, np.generic) else value for value in given]
+    for value in values:
+        if not isinstance(value, bool | int | float | str):
+            raise InputError(f"a value must be a number, a text, True or False, got {value!r}")
+        if isinstance(value, float) and not np.isfinite(value):
+            raise InputError(f"a value must be finite, got {value!r}")
+    if len({(type(value), value) for value in values}) < len(values):
+        raise InputError(f"has a value twice: {', '.join(map(str, values))}")
+    return Listed(tuple(values))
+
+
+def _of_text(text: str) -> Parameter:
+    call = CALL.fullmatch(text)
+    if call:
+        return _distribution(text, call[1], call[2])
+    parts = [part.strip() for part in text.split(":")]
+    ratios = parts[0] == RATIOS
+    ends = parts[1:] if ratios else parts
+    if len(ends) in (2, 3) and all(map(_number, ends[:2])):
+        return _range(text, ends, ratios)
+    return Listed(tuple(_parameter(values_of(text)).grid()))
+
+
+def values_of(text: str) -> list[Any]:
+    """`0.1,0.2,0.3` as values: numbers and truth values as TOML has them, else texts."""
+    try:
+        return list(tomllib.loads(f"v = [{text}]")["v"])
+    except tomllib.TOMLDecodeError:
+        return [value.strip() for value in text.split(",")]
+
+
+def _number(text: str) -> bool:
+    try:
+        return bool(np.isfinite(float(text)))
+    except ValueError:
+        return False
+
+
+def _range(text: str, ends: list[str], ratios: bool) -> Range:
+    first, last = float(ends[0]), float(ends[1])
+    if ratios and (first <= 0.0 or last <= 0.0):
+        raise InputError(f"range {text!r} goes in equal ratios; its ends must be greater than zero")
+    if first == last:
+        raise InputError(f"range {text!r} ends where it begins; write 'first:last:count'")
+    count = None
+    if len(ends) == 3:
+        count = require_count(ends[2] if not _number(ends[2]) else float(ends[2]), f"the number in range {text!r}", 2)
+    return Range(text, first, last, count, ratios, all(WHOLE.fullmatch(end) for end in ends[:2]))
+
+
+def _distribution(text: str, name: str, numbers: str) -> Distributed:
+    if name not in DISTRIBUTIONS:
+        raise unknown_name("distribution", name, DISTRIBUTIONS)
+    parts = [part.strip() for part in numbers.split(",")]
+    for part in parts:
+        if not _number(part):
+            raise InputError(f"{text!r}: {part!r} is no number")
+    try:
+        return Distributed(text, DISTRIBUTIONS[name](*map(float, parts)))
+    except TypeError:
+        names = DISTRIBUTIONS[name].__code__.co_varnames[: DISTRIBUTIONS[name].__code__.co_argcount]
+        raise InputError(f"{text!r}: write {name}({', '.join(names)})") from None
+
+
+def _told(distribution: Any) -> str:
+    """A distribution of scipy.stats with its numbers, in words."""
+    kind = getattr(getattr(distribution, "dist", distribution), "name", type(distribution).__name__)
+    numbers = [str(value) for value in getattr(distribution, "args", ())]
+    numbers += [f"{key}={value}" for key, value in getattr(distribution, "kwds", {}).items()]
+    return f"scipy.stats.{kind}({', '.join(numbers)})"

@@ -1,0 +1,137 @@
+"""Where the scene of a row comes from: a scene file with the parameters set, or a function that builds it from them."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import json
+import os
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.scene_file import load_scene
+from warpffrf.scene_file.document import merged_document, read_document
+from warpffrf.study.sweeps.design import Row
+
+
+@dataclass(frozen=True)
+class Built:
+    """The scene of a row, and the options of `simulate` and `equilibrium` that come with it, None where none do.
+    running: a context for the call, which says where in a file a refused option stands."""
+
+    scene: Any
+    simulate: Mapping[str, Any] | None
+    equilibrium: Mapping[str, Any] | None
+    running: Callable[[str], AbstractContextManager[None]]
+
+
+class Scenes(Protocol):
+    """What builds the scenes of a sweep."""
+
+    title: str
+
+    def check(self, row: Row) -> None:
+        """Raises `InputError` for a name that is no parameter of what builds the scene."""
+        ...
+
+    def digest(self) -> str:
+        """A word that is another one where scenes of the same parameters are others, as far as can be told."""
+        ...
+
+    def built(self, row: Row) -> Built:
+        """The scene of a row. Raises `InputError`."""
+        ...
+
+
+class FileScenes:
+    """A scene file; parameters are dotted names as of `--set`."""
+
+    def __init__(self, path: str | os.PathLike[str], settings: Sequence[str]) -> None:
+        self.path, self.settings = Path(path).expanduser().absolute(), tuple(settings)
+        if not self.path.is_file():
+            raise InputError(f"sweep: scene file {str(path)!r} does not exist; check the path")
+        self.title = str(merged_document(self.path, self.settings).values.get("title", self.path.stem))
+
+    def check(self, row: Row) -> None:
+        """Names, and the types of values, are held against the file."""
+        read_document(self.path, self._settings(row))
+
+    def digest(self) -> str:
+        """Of the file with all that it includes."""
+        values = merged_document(self.path, self.settings).values
+        return hashlib.sha256(json.dumps(values, sort_keys=True, default=str).encode()).hexdigest()
+
+    def built(self, row: Row) -> Built:
+        """Reads the file with the values of the row set."""
+        found = load_scene(self.path, settings=self._settings(row))
+        return Built(found.scene, found.simulate, found.equilibrium, found.running)
+
+    def _settings(self, row: Row) -> list[str]:
+        return [*self.settings, *(f"{name}={_toml(value)}" for name, value in row.items())]
+
+
+def _toml(value: Any) -> str:
+    """A value as `--set` takes it; of numbers every digit."""
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+class FunctionScenes:
+    """A function `build(**parameters)` that returns a Scene, or a Scene and options of `simulate`."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+        self.title = getattr(function, "__name__", type(function).__name__)
+
+    def check(self, row: Row) -> None:
+        """Its arguments are the parameters."""
+        try:
+            signature = inspect.signature(self.function)
+        except (TypeError, ValueError):  # of a callable that tells none, the first row will
+            return
+        known = [p.name for p in signature.parameters.values() if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)]
+        if not any(p.kind is p.VAR_KEYWORD for p in signature.parameters.values()):
+            for name in row:
+                if name not in known:
+                    raise unknown_name(f"sweep: parameter of {self.title}()", name, known)
+        try:
+            signature.bind(**row)
+        except TypeError as error:
+            raise InputError(f"sweep: {self.title}() cannot be called with the parameters alone: {error}") from None
+
+    def digest(self) -> str:
+        """Its name alone: what a function does is told by the scene of the first row."""
+        return f"{getattr(self.function, '__module__', '')}.{self.title}"
+
+    def built(self, row: Row) -> Built:
+        """Calls it."""
+        found = self.function(**row)
+        scene, options = found if isinstance(found, tuple) and len(found) == 2 else (found, None)
+        if not hasattr(scene, "content_hash") or not (options is None or isinstance(options, Mapping)):
+            raise InputError(
+                f"sweep: {self.title}() must return a Scene, or a Scene and the options of simulate as a dict, got "
+                f"{found!r}"
+            )
+        return Built(scene, options, None, _as_it_is)
+
+
+@contextmanager
+def _as_it_is(call: str) -> Iterator[None]:
+    yield
+
+
+def scenes_of(scene: Any, settings: Sequence[str]) -> Scenes:
+    """What builds scenes, from what the user gave; raises `InputError` for anything else."""
+    if isinstance(scene, str | os.PathLike):
+        return FileScenes(scene, settings)
+    if settings:
+        raise InputError("sweep: settings are those of a scene file; let the function have its values by itself")
+    if callable(scene):
+        return FunctionScenes(scene)
+    raise InputError(
+        f"sweep: give a scene file, or a function build(**parameters) that returns a Scene, got {scene!r}; a Scene "
+        "that is built has no parameters"
+    )

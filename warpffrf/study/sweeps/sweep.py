@@ -1,0 +1,249 @@
+"""`sweep`: rows go out to workers, answers come in and are kept.
+
+The first row is run before the others go out: an output that runs do not have, workers with other versions and a
+scene that cannot be run at all are told then, and kernels are compiled once. Every answer is kept as it comes, so that
+Ctrl-C, SIGTERM and a kill lose nothing that had ended.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections import Counter, deque
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, wait
+from typing import Any
+
+from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.interruption import deferred_interrupts, terminated_as_interrupted
+from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.progress import Progress
+from warpffrf.model.speech import speaking
+from warpffrf.study.sweeps.cluster import Cluster, client_at
+from warpffrf.study.sweeps.crews import Answers, Crew, Elsewhere, Here, Processes, WorkerDied, refuse_in_workers
+from warpffrf.study.sweeps.design import Design, Row, design_of
+from warpffrf.study.sweeps.folder import Folder
+from warpffrf.study.sweeps.job import FILES, LOST, NO_QUANTITY, OTHER_VERSIONS, OWN, Answer, Job, versions
+from warpffrf.study.sweeps.outcome import Sweep
+from warpffrf.study.sweeps.outputs import outputs_of
+from warpffrf.study.sweeps.parcel import packed
+from warpffrf.study.sweeps.scenes import scenes_of
+from warpffrf.study.sweeps.table import TAKEN
+
+MOST_TRIES = 3  # of a row whose worker dies
+UNPROVED = 3  # rows that are tried one by one until one of them has been run
+LOOK_EVERY = 0.5  # s: a wait without an end does not hear Ctrl-C on all systems
+
+log = logging.getLogger("warpffrf")
+
+
+@named_arguments
+def sweep(
+    scene: str | os.PathLike[str] | Callable[..., Any],
+    parameters: Mapping[str, Any] | Sequence[Mapping[str, Any]],
+    *,
+    outputs: Mapping[str, Any] | Sequence[str],
+    store: str | os.PathLike[str],
+    sample: str | None = None,
+    seed: int = 0,
+    settings: Sequence[str] = (),
+    simulate: Mapping[str, Any] | None = None,
+    equilibrium: Mapping[str, Any] | None = None,
+    workers: int = 1,
+    client: Any = None,
+    device: str | Sequence[str] | None = None,
+    error_budget: bool = False,
+    overwrite: bool = False,
+    resume: bool = False,
+    progress: bool = True,
+) -> Sweep:
+    """Run a scene at many values of its parameters and keep what is wanted of each run in one table.
+
+    scene: a scene file, or a function `build(**parameters)` that returns a Scene, or a Scene and options of `simulate`.
+    parameters: {name: values}, of a file dotted names as of `--set`; values are a list, a range "1000:5000:5" or
+    "log:1e-3:1:4", a distribution as "normal(0.1, 0.02)" or one of scipy.stats. All combinations are run, or a `sample`
+    "latin:64", "sobol:64", "random:64" or "saltelli:64" drawn with `seed`; or rows as they are, [{name: value}, ...] or
+    a table of pandas. outputs: {name: what} or a list of texts; what is "max(contact_peak_pressure[a-b])", a history by
+    its name in `Result.to_dataframe`, or a function of a Result that gives a number or an array
+    (`warpffrf.study.sweeps.outputs`). store: the folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`,
+    for all rows. simulate, equilibrium: options of these calls, beside those that come with the scene; equilibrium={}
+    for equilibria only.
+
+    workers: processes of this machine. client: instead, a `distributed.Client`, the address of its scheduler
+    "tcp://HOST:8786", or another executor with the `submit` of concurrent.futures. device: "cpu" or "cuda:0", a list of
+    them for workers in turn. error_budget: also the error budget of each run. Numbers are the same bit for bit whoever
+    runs a row.
+
+    A row that cannot be run is a row with its message. Ctrl-C and SIGTERM keep what has been run; resume: go on with a
+    sweep in the store, whose rows that have been run, failed ones too, are not run again. overwrite: begin anew.
+    progress: what is being done, on stderr. Raises InputError for unknown parameters and outputs, a store of another
+    sweep, a scheduler that does not answer, and workers with other versions.
+
+    >>> found = wf.study.sweep(  # doctest: +SKIP
+    ...     "press.toml", {"upper.load": "1000:5000:5", "radius": [0.04, 0.05]}, workers=2, store="press.sweep",
+    ...     outputs={"peak": "max(contact_peak_pressure[lower-upper])"},
+    ... )
+    >>> found.to_dataframe()  # doctest: +SKIP
+    """
+    refuse_in_workers()
+    workers = require_count(workers, "sweep: workers", 1)
+    with terminated_as_interrupted(), speaking(progress):
+        scenes = scenes_of(scene, settings)
+        design = design_of(parameters, sample, seed)
+        for name in design.names:
+            if name in TAKEN or "/" in name or not name:
+                raise InputError(f"sweep: a parameter cannot be called {name!r}; rename it in the scene")
+        wanted = outputs_of(outputs, (*TAKEN, *design.names))
+        scenes.check(design.rows[0])
+        job = Job(scenes, wanted, _options("simulate", simulate), _options("equilibrium", equilibrium), error_budget)
+        if simulate is not None and equilibrium is not None:
+            raise InputError("sweep: give simulate or equilibrium, not both; a row is one run")
+        devices = _devices(device, workers, client)
+        definition = _definition(job, design)
+        folder = Folder(store)
+        try:
+            done = folder.begin(definition, design, overwrite=overwrite, resume=resume)
+            left = [(n, row) for n, row in enumerate(design.rows) if n not in done]
+            if done:
+                log.info("sweep: %d of %d rows have been run", len(done), len(design.rows))
+            if left:
+                crew = _crew(job, folder, workers, client, devices)
+                _run(crew, left, folder, len(design.rows), progress)
+        finally:
+            folder.release()
+        return Sweep(store)
+
+
+def _options(call: str, given: Mapping[str, Any] | None) -> dict[str, Any] | None:
+    """Options of a call as they are given. Raises `InputError` for those that a sweep says itself."""
+    for name in given or {}:
+        if name in OWN:
+            raise InputError(f"sweep: {call}: {name} is an argument of sweep")
+        if name in FILES:
+            raise InputError(f"sweep: {call}: {name} is about files of single runs, which a sweep does not write")
+    return None if given is None else dict(given)
+
+
+def _devices(device: Any, workers: int, client: Any) -> list[str | None]:
+    if device is None or isinstance(device, str):
+        return [device]
+    devices = list(device)
+    if not devices or not all(isinstance(one, str) for one in devices):
+        raise InputError(f"sweep: device must be 'cpu', 'cuda:0', or a list of such, got {device!r}")
+    if client is not None:
+        raise InputError("sweep: several devices are for workers=; of a cluster start one worker for each device")
+    if workers < len(devices):
+        raise InputError(f"sweep: {len(devices)} devices need as many workers; give workers={len(devices)}")
+    return devices
+
+
+def _definition(job: Job, design: Design) -> dict[str, Any]:
+    """What tells a sweep from others, as plain data; the first scene is None where it cannot be built."""
+    first, call = None, "simulate" if job.equilibrium is None else "equilibrium"
+    try:
+        built = job.scenes.built(design.rows[0])
+        call, options = job.call_of(built)
+        first = built.scene.content_hash()
+    except InputError as error:
+        if job.simulate is None and job.equilibrium is None and "nothing says how" in str(error):
+            raise
+        options = job.simulate or job.equilibrium or {}
+    return {
+        "kind": "warpffrf sweep", "title": job.scenes.title, "count": len(design.rows), "parameters": design.texts,
+        "sample": design.sample, "seed": design.seed, "rows": design.digest(), "call": call,
+        "options": {name: repr(value) for name, value in options.items() if name not in FILES},
+        "outputs": {name: output.text for name, output in job.outputs.items()}, "error_budget": job.error_budget,
+        "scenes": job.scenes.digest(), "first_scene": first, "versions": versions(),
+    }  # fmt: skip
+
+
+def _crew(job: Job, folder: Folder, workers: int, client: Any, devices: list[str | None]) -> Crew:
+    """Who runs the rows. Raises `InputError`."""
+    if client is None and workers == 1:
+        return Here(job, devices[0])
+    if client is not None and workers != 1:
+        raise InputError("sweep: give workers or a client, not both; a cluster has the workers that it was given")
+    own = isinstance(client, str)
+    if own:
+        client = client_at(client)
+    parcel = packed(job, folder.bodies)
+    if client is None:
+        return Processes(parcel, workers, devices)
+    if hasattr(client, "get_executor") and hasattr(client, "scheduler_info"):
+        return Cluster(parcel, client, devices[0], own)
+    if not hasattr(client, "submit"):
+        raise InputError(
+            f"sweep: client must be a distributed.Client, the address of a scheduler, or an executor, got {client!r}"
+        )
+    return Elsewhere(parcel, client, devices[0])
+
+
+def _run(crew: Crew, left: list[tuple[int, Row]], folder: Folder, count: int, progress: bool) -> None:
+    """Have the rows that are left run, and keep their answers."""
+    bar = Progress("sweep", count, enabled=progress, unit="run")
+    bar.update(count - len(left))
+    keeping = _Keeping(folder, bar, count - len(left))
+    try:
+        _dispatch(crew, left, keeping)
+    except KeyboardInterrupt:
+        log.warning(
+            "sweep: interrupted, %d of %d rows have been run; go on with resume=True (--resume)", keeping.done, count
+        )
+    finally:
+        bar.close()
+        with deferred_interrupts():
+            crew.close()
+            folder.gather()
+
+
+class _Keeping:
+    """Keeps answers, and tells how far the sweep is."""
+
+    def __init__(self, folder: Folder, bar: Progress, done: int) -> None:
+        self.folder, self.bar, self.done = folder, bar, done
+        self.proved, self.answers = False, 0  # whether a row has been run; answers so far
+
+    @property
+    def open(self) -> bool:
+        """Whether rows may go out beside one another."""
+        return self.proved or self.answers >= UNPROVED
+
+    def take(self, answer: Answer) -> None:
+        """Keep a row. Raises `InputError` where its worker has other versions, and where no run has had what is
+        wanted."""
+        if answer.status == OTHER_VERSIONS:
+            raise InputError(
+                f"sweep: the worker on {answer.host} has other versions ({answer.message}), and its numbers would be "
+                "others; install the same on all workers, and go on with resume=True (--resume)"
+            )
+        if answer.status == NO_QUANTITY and not self.proved:
+            raise InputError(f"sweep: outputs: {answer.message}")
+        with deferred_interrupts():
+            self.folder.keep(answer)
+            self.done, self.answers, self.proved = self.done + 1, self.answers + 1, self.proved or answer.ran
+        self.bar.update(self.done)
+
+
+def _dispatch(crew: Crew, left: list[tuple[int, Row]], keeping: _Keeping) -> None:
+    waiting = deque(left)
+    out: dict[Answers, tuple[int, Row]] = {}
+    deaths: Counter[int] = Counter()
+    while waiting or out:
+        while waiting and len(out) < (crew.capacity if keeping.open else 1):
+            numbered = waiting.popleft()
+            out[crew.submit([numbered])] = numbered
+        ended, _ = wait(out, timeout=LOOK_EVERY, return_when=FIRST_COMPLETED)
+        for future in ended:
+            number, row = out.pop(future)
+            try:
+                answers = crew.collect(future)
+            except WorkerDied:
+                deaths[number] += 1
+                if deaths[number] < MOST_TRIES:
+                    log.warning("sweep: a worker died at row %d; the row is run again", number)
+                    waiting.appendleft((number, row))
+                    continue
+                message = f"its worker died {MOST_TRIES} times; memory may be short, or try it by itself"
+                answers = [Answer(number, LOST, message)]
+            for answer in answers:
+                keeping.take(answer)

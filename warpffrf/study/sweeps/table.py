@@ -1,0 +1,274 @@
+"""All rows of a sweep in one HDF5 file, laid out as netCDF-4 does, so that xarray opens it lazily.
+
+    import xarray
+    xarray.open_dataset("crown.sweep/table.h5", engine="h5netcdf")
+
+Every variable has the dimension `run`: parameters, which are coordinates; status, message, wall_seconds,
+set_up_seconds, device, host and versions; outputs, those with times as (run, time, ...). `time` is a coordinate where
+all runs were saved at the same times, as far as each got, `saved_steps`; else `time_of_run` (run, time) has those of
+each. Numbers that a run does not have are NaN, and arrays are as large as the largest run's. `error_budget`
+(run, error_source) is the largest size of each source over the quantities of a run.
+
+HDF5 and not Zarr: h5py is needed by results and bodies already; 100,000 runs of ten histories are one file instead of
+some thousands, which moves, copies and is checked as one, with the seal of all our HDF5 files
+(`model/sealed_file.py`). What Zarr is better at, many writers at once, is not needed, for one process writes
+(`folder.py`); what HDF5 is worse at, a kill in the middle of writing, cannot happen, for the file is made in memory and
+renamed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model import hdf5_parts
+from warpffrf.model.errors import InputError
+from warpffrf.model.sealed_file import require_seal, verify, written_sealed
+from warpffrf.output.files.fields import COMPONENTS
+from warpffrf.study.sweeps.design import Row
+from warpffrf.study.sweeps.job import FAILED, Answer
+from warpffrf.study.sweeps.outputs import TIME
+
+MARK, SCHEMA = "warpffrf sweep table", 1
+RUN, TIME_OF_RUN, SAVED, BUDGET, SOURCE = "run", "time_of_run", "saved_steps", "error_budget", "error_source"
+TEXTS = ("status", "message", "device", "host", "versions")
+SECONDS = ("wall_seconds", "set_up_seconds")
+TAKEN = (RUN, TIME, TIME_OF_RUN, SAVED, BUDGET, SOURCE, *TEXTS, *SECONDS, *COMPONENTS)  # names that outputs cannot have
+NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."  # netCDF's mark of a dimension without coordinate
+PACKED_FROM = 4096  # bytes of an array that is worth packing
+
+
+@dataclass
+class Column:
+    """One output of all runs: `array` (run, ...) and what its further axes are."""
+
+    array: np.ndarray
+    dims: tuple[str, ...]
+    units: str
+    frame: str
+
+
+@dataclass
+class Table:
+    """All rows, in memory. A row that has not been run has the status ""."""
+
+    parameters: dict[str, np.ndarray]
+    texts: dict[str, np.ndarray]  # (run,) of texts
+    seconds: dict[str, np.ndarray]
+    columns: dict[str, Column] = field(default_factory=dict)
+    time: np.ndarray | None = None  # (run, time)
+    budget: dict[str, np.ndarray] = field(default_factory=dict)  # source of errors -> (run,)
+
+    @classmethod
+    def empty(cls, names: Sequence[str], rows: Sequence[Row]) -> Table:
+        """The table of rows that are still to be run."""
+        texts = {name: np.full(len(rows), "", dtype=object) for name in TEXTS}
+        seconds = {name: np.full(len(rows), np.nan) for name in SECONDS}
+        return cls({name: _values([row[name] for row in rows]) for name in names}, texts, seconds)
+
+    @property
+    def count(self) -> int:
+        """Rows in all."""
+        return len(self.texts["status"])
+
+    def done(self) -> set[int]:
+        """Numbers of the rows that have been run."""
+        return {int(n) for n in np.flatnonzero(self.texts["status"] != "")}
+
+    def add(self, answer: Answer) -> None:
+        """Put a run into its row. A run whose arrays have other axes than those before counts as failed."""
+        n = answer.number
+        for name in (*TEXTS, *SECONDS):
+            (self.texts if name in TEXTS else self.seconds)[name][n] = getattr(answer, name)
+        for name, value in answer.values.items():
+            column = self.columns.get(name)
+            if column is not None and column.array.ndim != value.array.ndim + 1:
+                self.texts["status"][n] = FAILED
+                self.texts["message"][n] = f"output {name!r} has {value.array.ndim} axes, earlier runs have others"
+                return
+        for name, value in answer.values.items():
+            column = self.columns.get(name)
+            if column is None:
+                empty = np.full((self.count, *value.array.shape), np.nan)
+                column = self.columns[name] = Column(empty, value.dims, value.units, value.frame)
+            column.array = _with_row(column.array, n, value.array)
+        if answer.time is not None:
+            if self.time is None:
+                self.time = np.full((self.count, len(answer.time)), np.nan)
+            self.time = _with_row(self.time, n, answer.time)
+        for source, size in answer.budget.items():
+            self.budget.setdefault(source, np.full(self.count, np.nan))[n] = size
+
+    # --- the file
+
+    def write(self, path: Path) -> None:
+        """Write the table as `path`, whole or not at all. Raises OSError."""
+        with written_sealed(path) as file:
+            file.attrs.update({"format": MARK, "schema": SCHEMA})
+            file.attrs["coordinates"] = " ".join(name for name in self.parameters if not any(map(str.isspace, name)))
+            writer = _Writer(file)
+            writer.coordinate(RUN, np.arange(self.count))
+            for name, values in self.parameters.items():
+                writer.variable(name, values, (RUN,), {"parameter": "yes"})
+            for name, texts in self.texts.items():
+                writer.variable(name, texts, (RUN,), {})
+            for name, values in self.seconds.items():
+                writer.variable(name, values, (RUN,), {"units": "s"})
+            if self.time is not None:
+                self._write_times(writer, self.time)
+            for name, column in self.columns.items():
+                about = {"units": column.units, "frame": column.frame, "output": "yes"}
+                writer.variable(name, column.array, (RUN, *column.dims), about)
+            if self.budget:
+                writer.coordinate(SOURCE, np.array(list(self.budget), dtype=object))
+                sizes = np.stack(list(self.budget.values()), axis=1)
+                writer.variable(BUDGET, sizes, (RUN, SOURCE), {"units": "1"})
+
+    def _write_times(self, writer: _Writer, times: np.ndarray) -> None:
+        writer.variable(SAVED, np.isfinite(times).sum(axis=1), (RUN,), {})
+        longest = times[np.argmax(np.isfinite(times).sum(axis=1))]
+        if np.all(np.isnan(times) | (times == longest)):
+            writer.coordinate(TIME, longest, {"units": "s"})
+        else:
+            writer.variable(TIME_OF_RUN, times, (RUN, TIME), {"units": "s"})
+
+    @classmethod
+    def read(cls, path: Path, count: int) -> Table:
+        """The table in `path`, which has `count` rows. Raises `InputError` for another file."""
+        subject = f"sweep: {path}"
+        with opened(path) as file:
+            try:
+                kinds: dict[str, dict[str, Any]] = {"parameter": {}, "output": {}}
+                for name in file:
+                    for kind in kinds:
+                        if kind in file[name].attrs:
+                            kinds[kind][name] = file[name]
+                texts = {name: texts_of(file, name) for name in TEXTS}
+                seconds = {name: hdf5_parts.read(file, name) for name in SECONDS}
+                found = cls({name: values_of(file, name) for name in kinds["parameter"]}, texts, seconds)
+                for name, data in kinds["output"].items():
+                    dims = tuple(str(data.dims[axis][0].name).lstrip("/") for axis in range(1, data.ndim))
+                    units, frame = str(data.attrs["units"]), str(data.attrs["frame"])
+                    found.columns[name] = Column(hdf5_parts.read(file, name), dims, units, frame)
+                if TIME_OF_RUN in file:
+                    found.time = hdf5_parts.read(file, TIME_OF_RUN)
+                elif TIME in file:
+                    found.time = _common_times(hdf5_parts.read(file, TIME), hdf5_parts.read(file, SAVED))
+                if BUDGET in file:
+                    sizes = hdf5_parts.read(file, BUDGET)
+                    found.budget = dict(zip(texts_of(file, SOURCE), sizes.T.copy(), strict=True))
+            except (KeyError, ValueError, IndexError, TypeError) as error:
+                raise InputError(f"{subject} is damaged ({error}); run the sweep again") from None
+        lengths = {len(v) for part in (found.parameters, found.texts, found.seconds) for v in part.values()}
+        lengths |= {len(column.array) for column in found.columns.values()}
+        if lengths != {count}:
+            raise InputError(f"{subject} does not have the {count} rows of the sweep; run the sweep again")
+        return found
+
+
+class _Writer:
+    """Writes variables of one file with their dimensions."""
+
+    def __init__(self, file: Any) -> None:
+        self.file = file
+
+    def coordinate(self, name: str, values: np.ndarray, about: Mapping[str, Any] | None = None) -> None:
+        """A dimension with a value for each of its places."""
+        data = _dataset(self.file, name, values, about or {})
+        data.make_scale(name)
+
+    def variable(self, name: str, values: np.ndarray, dims: tuple[str, ...], about: Mapping[str, Any]) -> None:
+        """An array along dimensions, which are made where they are not there."""
+        for dim, size in zip(dims, values.shape, strict=True):
+            if dim not in self.file and dim in COMPONENTS:
+                self.coordinate(dim, np.array(COMPONENTS[dim], dtype=object))
+            elif dim not in self.file:
+                self.file.create_dataset(dim, (size,), dtype=">f4").make_scale(f"{NO_VARIABLE}{size:10d}")
+        data = _dataset(self.file, name, values, about)
+        for axis, dim in enumerate(dims):
+            data.dims[axis].attach_scale(self.file[dim])
+
+
+def _dataset(file: Any, name: str, values: np.ndarray, about: Mapping[str, Any]) -> Any:
+    import h5py
+
+    if values.dtype == object:
+        data = file.create_dataset(name, values.shape, dtype=h5py.string_dtype())
+        data[...] = values
+    else:
+        plain = values.astype(np.int8) if values.dtype == bool else values
+        packing = {"compression": "gzip", "compression_opts": 1, "shuffle": True} if plain.nbytes > PACKED_FROM else {}
+        data = file.create_dataset(name, data=plain, **packing)
+    data.attrs.update(about)
+    if values.dtype == bool:
+        data.attrs["dtype"] = "bool"  # as xarray writes them
+    return data
+
+
+def _common_times(times: np.ndarray, saved: np.ndarray) -> np.ndarray:
+    """(run, time) of runs that have the first `saved` (run,) of the common times."""
+    return np.where(np.arange(len(times)) < saved[:, None], times, np.nan)
+
+
+def _values(values: Sequence[Any]) -> np.ndarray:
+    """Values of a parameter as one array: truth values, whole numbers, numbers, else texts."""
+    kinds = {type(value) for value in values}
+    if kinds in ({bool}, {int}, {float}):
+        return np.array(values)
+    if kinds == {int, float}:
+        return np.array(values, dtype=float)
+    return np.array([str(value) for value in values], dtype=object)
+
+
+def _with_row(array: np.ndarray, n: int, row: np.ndarray) -> np.ndarray:
+    """`array` with `row` in place n; it grows where the row is larger."""
+    if any(have < wanted for have, wanted in zip(array.shape[1:], row.shape, strict=True)):
+        shape = [max(sizes) for sizes in zip(array.shape[1:], row.shape, strict=True)]
+        grown = np.full((len(array), *shape), np.nan)
+        grown[tuple(slice(0, size) for size in array.shape)] = array
+        array = grown
+    array[n] = np.nan
+    array[(n, *(slice(0, size) for size in row.shape))] = row
+    return array
+
+
+def opened(path: Path) -> Any:
+    """The open `h5py.File` of a table whose seal holds. Raises `InputError`."""
+    import h5py
+
+    subject, cure = f"sweep: {path}", "take the table of another copy, or run the sweep again"
+    if not path.is_file():
+        raise InputError(f"{subject} is missing; {cure}")
+    require_seal(verify(path, subject, cure), SCHEMA, 1, subject, cure)
+    try:
+        file = h5py.File(path, "r")
+    except OSError as error:
+        raise InputError(f"{subject} cannot be read ({error}); {cure}") from None
+    schema = file.attrs.get("schema", 0)
+    if file.attrs.get("format") != MARK or schema > SCHEMA:
+        file.close()
+        raise InputError(
+            f"{subject} is no table of a sweep" if schema <= SCHEMA else f"{subject} is of a newer version; update"
+        )
+    return file
+
+
+def values_of(file: Any, name: str) -> np.ndarray:
+    """The variable `name` of an open table, texts as texts."""
+    data = hdf5_parts.member(file, name)
+    if data.dtype.kind == "O":
+        return texts_of(file, name)
+    found = hdf5_parts.read(file, name)
+    return found.astype(bool) if data.attrs.get("dtype") == "bool" else found
+
+
+def texts_of(file: Any, name: str) -> np.ndarray:
+    """The texts (n,) called `name`."""
+    data = hdf5_parts.member(file, name)
+    if data.dtype.kind != "O" or data.ndim != 1:
+        raise InputError(f"{name} holds no texts")
+    return np.array(data.asstr()[...], dtype=object)
