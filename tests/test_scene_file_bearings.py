@@ -97,6 +97,32 @@ def test_what_is_wrong_is_named(tmp_path: Path, old: str, new: str, said: str) -
         loaded(tmp_path, BALL.replace(old, new))
 
 
+def test_elements_of_a_reduced_body(tmp_path: Path) -> None:
+    roller = """
+[meshes.roller]
+kind = "roller"
+outer_radius = 0.004
+inner_radius = 0.0
+width = 0.01
+sectors = 8
+layers = 1
+axial = 1
+order = 1
+
+[reduced_bodies.roller]
+mesh = "roller"
+material = "steel"
+interfaces = { ends = "average" }
+contact = { rim = { kind = "cylinder" } }
+traction_spacing = 0.01
+"""
+    text = BALL.replace('flanges = { kind = "flanges", clearance = 5e-5 }', 'element_body = "roller"')
+    elements = loaded(tmp_path, text + roller).bearing("b").elements
+    assert len({id(element.reduced) for element in elements}) == 1 and elements[0].reduced is not None
+    with pytest.raises(InputError, match=r"there is no 'rollers' in \[reduced_bodies\]; did you mean 'roller'"):
+        loaded(tmp_path, text.replace('"roller"', '"rollers"').replace('kind = "rollers"', 'kind = "roller"') + roller)
+
+
 def test_the_example_is_read() -> None:
     scene = load_scene(path("ball-bearing") / "ball_bearing.toml").scene
     assert len(scene.bearing("main").elements) == 9

@@ -7,7 +7,8 @@ load: the roller there gives its load to the neighbours, and five carry.
 
 The outer ring is a flexible body of quadratic cells, its contact with the rollers distributed: pressures on cells that
 travel with each patch. Inner ring and rollers are rigid, with Palmgren's law between them; rollers reach over the
-whole width of the outer ring. Lips keep rollers in place along the axis (joints `lip`).
+whole width of the outer ring. Nothing stops them along the axis: they are left where they are, and the notes say what
+little drives them.
 
 **References.** The rigid housing: Palmgren's law at both rings, the equations of the load zone. The ring on feet: full
 finite elements assembled by scikit-fem, pressed by line loads, with Weber's approach of a cylinder and a wall
@@ -81,8 +82,7 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
         scene.add(wf.joints.Fixed(scene.ground, outer[foot], name=foot))
     bearing = _rollers(scene, outer["bore"], law=wf.laws.PalmgrenLine(LENGTH, 3))
     for roller in bearing.elements:
-        center, out = roller.at((0, 0, 0)), roller.position / np.linalg.norm(roller.position)
-        scene.add(wf.joints.PointInPlane(scene.ground.at((0, 0, 0)), center, axis=(0, 1, 0), name=f"{roller.name} lip"))
+        out = roller.position / np.linalg.norm(roller.position)
         roller.position = roller.position + max(0.0, -SINKS[0] * out[2]) * out
     return scene
 

@@ -280,7 +280,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.output.simulate import equilibrium, simulate
 
     paths: dict[str, str] = dict.fromkeys(PATHS, "path")
-    rings: dict[str, str] = dict.fromkeys(("inner", "outer"), "port")
+    rings: dict[str, str] = {"inner": "port", "outer": "port", "element_body": "reduced_bodies"}
     found = {
         "materials": {"": form_of("material", Material, {}, ("name",))},
         "meshes": {

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from warpffrf.model import laws, surfaces
 from warpffrf.model.arguments import Vector
-from warpffrf.model.bearings.bearing import Bearing
+from warpffrf.model.bearings.bearing import ELEMENT_SURFACE, Bearing
 from warpffrf.model.bearings.build import (
     assemble,
     checked_deviations,
@@ -16,6 +16,7 @@ from warpffrf.model.bearings.build import (
     refuse_name,
 )
 from warpffrf.model.bearings.cage import STANDING, Cage
+from warpffrf.model.bearings.elements import RigidElements, checked_elements
 from warpffrf.model.bearings.geometry import BallRaceways
 from warpffrf.model.bearings.parts import BALL_WIDTH, STEEL, Place, RingSize, solid_ball
 from warpffrf.model.bearings.preload import Preload, checked_preload, sense_of
@@ -26,11 +27,14 @@ from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.material import Material
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.reduced_body import ReducedBody
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
 OSCULATION = 0.52  # of groove radius over ball diameter, where nothing is given: a deep-groove bearing's
+
+KINDS = ("sphere", "crowned_cylinder")  # of surfaces of flexible elements
 
 
 @named_arguments
@@ -58,6 +62,7 @@ def add_ball_bearing(
     diameter_deviations: Any = None,
     material: Material = STEEL,
     element_material: Material | None = None,
+    element_body: ReducedBody | None = None,
     shoulders: float | tuple[float, float] | None = None,
     width: float | None = None,
     bore: float | None = None,
@@ -81,8 +86,10 @@ def add_ball_bearing(
     laws.RegularisedCoulomb for a traction that grows with the slip speed up to its bound.
     inner_form, outer_form: how a raceway deviates around its axis, of `warpffrf.films`, positive where material is
     missing, angles from the first ball: films.Lobes(5e-6, 2) is oval; of rigid rings. diameter_deviations (elements,)
-    [m]: what each ball is thicker by. material: of rings and balls, element_material: of other balls. shoulders [m]:
-    height over the bottom of the groove, one or (inner, outer), with which results say how much of a patch is cut off.
+    [m]: what each ball is thicker by. material: of rings and balls, element_material: of other balls. element_body:
+    the reduced body of every ball, None for rigid ones (`warpffrf.model.bearings.elements`); its contact is
+    distributed. shoulders [m]: height over the bottom of the groove, one or (inner, outer), with which results say how
+    much of a patch is cut off.
 
     Raises `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
     """
@@ -113,11 +120,14 @@ def add_ball_bearing(
         return (*solid_ball(diameter, materials[0]), ball)
 
     breadth = BALL_WIDTH * D if width is None else require_number(width, f"{label}: width [m]", positive=True)
+    different = checked_deviations(label, raceways, diameter_deviations)
+    rigid = RigidElements(ELEMENT_SURFACE, element_of)
+    made = checked_elements(label, element_body, rigid, D, KINDS, different)
     assemble(
         scene, bearing, rings={"inner": inner, "outer": outer}, raceway_of=raceway_of,
         forms={"inner": inner_form, "outer": outer_form},
-        deviations=checked_deviations(label, raceways, diameter_deviations),
-        size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), element_of=element_of,
+        deviations=different,
+        size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), elements=made,
         laws=checked_laws(label, law, laws.HertzPoint(*materials)), friction=friction, cage=cage,
     )  # fmt: skip
     pressed.press(scene, bearing, sense)

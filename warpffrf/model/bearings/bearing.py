@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import looks
+from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.geometry import BallRaceways, RollerRaceways
 from warpffrf.model.bearings.parts import SIDES, Place
 from warpffrf.model.bearings.rolling import Rolling, rolling
@@ -20,7 +21,7 @@ from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.signals import Constant
 
-ELEMENT_SURFACE = "skin"
+ELEMENT_SURFACE = "skin"  # of rigid elements
 
 
 @dataclass(eq=False, repr=False)
@@ -28,7 +29,7 @@ class Bearing(looks.Shown):
     """A bearing as `scene.add_ball_bearing` and `scene.add_roller_bearing` make it, of parts that are the scene's own
     and may be changed.
 
-    kind: "ball" or "roller". elements: rigid bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
+    kind: "ball" or "roller". elements: bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
     "pocket_1", "cage_axle"; forces: "preload_inner", "preload_outer". name: as given; element_surface: what the surface
     of each element is called. cage: its body, drive: of its speed, None without. raceways: the geometry; place: where
@@ -125,11 +126,17 @@ class Bearing(looks.Shown):
             "moduli": [m.plane_strain_modulus for m in self.materials], "shoulders": list(self.shoulders),
             "elements": [element.name for element in self.elements], "inner": self.inner.name,
             "outer": self.outer.name, "poses": {ring.name: _pose(ring) for ring in (self.inner, self.outer)},
-            "inertia": [float(self.place.axes[0] @ body.inertia @ self.place.axes[0]) for body in self.elements],
+            "inertia": [self._across(body) for body in self.elements],
             "cage": None if self.cage is None else self.cage.name,
             "contacts": {key: contact.name for key, contact in self.contacts.items()},
+            "rings_first": [c.name for c in self.contacts.values() if c.a.body in (self.inner, self.outer)],
             "joints": {key: joint.name for key, joint in self.joints.items()},
         }  # fmt: skip
+
+    def _across(self, element: Body) -> float:
+        """Moment of inertia [kg m2] of an element about the direction outwards."""
+        direction = rot.matrix(element.rotation).T @ self.place.axes[0]
+        return float(direction @ element.inertia @ direction)
 
     def contacts_of(self, side: str) -> list[LumpedContact | Contact]:
         """Those with the ring of a side, "inner" or "outer", in the order of the elements."""

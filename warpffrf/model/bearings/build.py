@@ -9,6 +9,7 @@ import numpy as np
 
 from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.cage import Cage
+from warpffrf.model.bearings.elements import Elements
 from warpffrf.model.bearings.geometry import Raceways
 from warpffrf.model.bearings.parts import SIDES, RingSize, contact_of, ring_surface
 from warpffrf.model.bodies import Body, Ground
@@ -83,21 +84,22 @@ def assemble(
     deviations: np.ndarray,
     raceway_of: Callable[[str, Body | Ground], Any],
     size: RingSize,
-    element_of: Callable[[float], tuple[float, Any, Any]],
+    elements: Elements,
     laws: tuple[LumpedLaw, LumpedLaw],
     friction: FrictionLike,
     cage: Cage | None,
 ) -> Bearing:
     """Add the parts of `bearing` to the scene and return it.
 
-    raceway_of: shape of the raceway of a side in user axes of the ring's body, forms: deviations of them; element_of:
-    mass, inertia and shape of an element of a diameter [m] about its centre, world axes; deviations: of the diameters.
+    raceway_of: shape of the raceway of a side in user axes of the ring's body, forms: deviations of them; deviations:
+    of the elements' diameters.
     """
     if cage is not None and not isinstance(cage, Cage):
         raise InputError(
             f"bearing {bearing.name!r}: cage must be bearings.Spaced(...), bearings.Pockets(...) or None, got {cage!r}"
         )
     place, raceways = bearing.place, bearing.raceways
+    bearing.element_surface = elements.surface
     ports = {}
     for side in SIDES:
         body, ports[side] = ring_surface(
@@ -108,11 +110,9 @@ def assemble(
     if bearing.inner is bearing.outer:
         raise InputError(f"bearing {bearing.name!r}: inner and outer are both {bearing.inner.name!r}; name two bodies")
     for i, angle in enumerate(raceways.angles, start=1):
-        mass, inertia, shape = element_of(raceways.diameter + float(deviations[i - 1]))
-        element = scene.add_rigid_body(
-            mass, inertia, name=f"{bearing.name} {bearing.kind} {i}",
-            position=place.center + 0.5 * raceways.pitch_diameter * place.outward(angle),
-            surfaces={bearing.element_surface: shape},
+        element = elements.add(
+            scene, f"{bearing.name} {bearing.kind} {i}", place, 0.5 * raceways.pitch_diameter, float(angle),
+            raceways.diameter + float(deviations[i - 1]),
         )  # fmt: skip
         bearing.elements.append(element)
         for side, law in zip(SIDES, laws, strict=True):

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from warpffrf.model import laws, surfaces
+from warpffrf.model.bearings.elements import centre_of
 from warpffrf.model.bodies import Body, Ground, Port, as_port
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.friction import FrictionLike
@@ -98,7 +99,7 @@ class Spaced(Cage):
         place = bearing.place
         for i, element in enumerate(bearing.elements, start=1):
             angle = bearing.raceways.angles[i - 1]
-            ports = body.at((0.0, 0.0, 0.0)), element.at((0.0, 0.0, 0.0))
+            ports = body.at((0.0, 0.0, 0.0)), centre_of(element, f"bearing {bearing.name!r}: Spaced")
             name, across = f"{bearing.name} pocket {i}", place.around(angle)
             if bearing.kind == "roller":
                 joint = LineInPlane(*ports, axis=across, line=place.axis, name=name)
@@ -146,6 +147,11 @@ class Pockets(Cage):
         if bearing.kind == "roller" and not self.guided:
             raise InputError(
                 f"{label}: rollers do not carry a cage along their axes, nor keep it upright; leave guided=True"
+            )
+        if any(element.reduced is not None for element in bearing.elements):
+            raise InputError(
+                f"{label}: pockets are of rigid elements, these are flexible; take cage=bearings.Spaced(...), with the "
+                "speed of bearing.orbit_speed(...)"
             )
         body = self._body(scene, bearing)
         if self.inertia is not None:

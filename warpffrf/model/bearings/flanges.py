@@ -76,6 +76,8 @@ class Flanges:
                 f"{label}: end_radius {radius:g} m must exceed half the length of a roller, {half:g} m, or the ends "
                 "are more than half a ball"
             )
+        if any(element.reduced is not None for element in bearing.elements):
+            raise InputError(f"{label}: ribs stop rigid rollers, these are flexible; leave flanges or element_body out")
         ribs = self._ribs(label)
         if not ribs:
             raise InputError(f"{label}: neither outer nor inner has a rib; leave flanges out")

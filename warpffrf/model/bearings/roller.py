@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 from warpffrf.model import laws, surfaces
 from warpffrf.model.arguments import Vector
-from warpffrf.model.bearings.bearing import Bearing
+from warpffrf.model.bearings.bearing import ELEMENT_SURFACE, Bearing
 from warpffrf.model.bearings.build import assemble, checked_deviations, checked_laws, checked_materials, refuse_name
 from warpffrf.model.bearings.cage import STANDING, Cage
+from warpffrf.model.bearings.elements import RigidElements, checked_elements
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import RollerRaceways
 from warpffrf.model.bearings.parts import ROLLER_OVERHANG, STEEL, Place, RingSize, hollow_cylinder
@@ -19,9 +20,12 @@ from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.material import Material
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.reduced_body import ReducedBody
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
+
+KINDS = ("cylinder", "crowned_cylinder", "profiled_cylinder")  # of surfaces of flexible elements
 
 
 @named_arguments
@@ -49,6 +53,7 @@ def add_roller_bearing(
     diameter_deviations: Any = None,
     material: Material = STEEL,
     element_material: Material | None = None,
+    element_body: ReducedBody | None = None,
     width: float | None = None,
     bore: float | None = None,
     outside_diameter: float | None = None,
@@ -63,9 +68,9 @@ def add_roller_bearing(
     unless one is given here. flanges: `bearings.Flanges(...)`, ribs that stop the rollers
     along their axes, None for rollers that are free along them.
     As of `add_ball_bearing`: scene, name, position [m], axis and first (3,), directions in the world, inner, outer,
-    cage, friction, inner_form, outer_form, diameter_deviations (elements,) [m], material, element_material, and width,
-    bore and outside_diameter [m]. Raises `InputError` for what does not fit together
-    (`warpffrf.model.bearings.geometry`).
+    cage, friction, inner_form, outer_form, diameter_deviations (elements,) [m], material, element_material,
+    element_body, which has a profile of its own, and width, bore and outside_diameter [m]. Raises `InputError` for what
+    does not fit together (`warpffrf.model.bearings.geometry`).
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)
@@ -90,11 +95,14 @@ def add_roller_bearing(
     default = laws.IsoLamina(raceways.length, profile=profile is None)
     if flanges is not None and not isinstance(flanges, Flanges):
         raise InputError(f"{label}: flanges must be bearings.Flanges(...) or None, got {flanges!r}")
+    different = checked_deviations(label, raceways, diameter_deviations)
+    rigid = RigidElements(ELEMENT_SURFACE, element_of)
+    made = checked_elements(label, element_body, rigid, D, KINDS, different)
     assemble(
         scene, bearing, rings={"inner": inner, "outer": outer}, raceway_of=raceway_of,
         forms={"inner": inner_form, "outer": outer_form},
-        deviations=checked_deviations(label, raceways, diameter_deviations),
-        size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), element_of=element_of,
+        deviations=different,
+        size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), elements=made,
         laws=checked_laws(label, law, default), friction=friction, cage=cage,
     )  # fmt: skip
     if flanges is not None:

@@ -21,8 +21,14 @@ holding a body would move by metres under the load alone, of which the slips of 
 with eight digits less.
 
 Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
-`motion`), beside which it stays where it is. What acts along it must be next to nothing: a load that drives it finds no
-equilibrium, and is not held.
+`motion`), beside which it stays where it is. What acts along it must be next to nothing, PULLED of the largest force:
+a load that drives it finds no equilibrium, and is not held.
+
+**Slopes.** Free to first order is also what a gap leans on by up to FREE; there a force F drives by slope times F. It
+may be what the cells of a patch leave, 1e-7 of F, or real: the loads Q on a roller that is off the middle of a ring by
+y tilt it by Q y/K, and press it further out along its axis by as much of Q. Such motions are followed, as a ball finds
+the bottom of its groove in this way, until a proximal step fails (`hold_driven`). Then those driven by less than FREE
+of the largest force are held as well, and named with what drives them.
 """
 
 from __future__ import annotations
@@ -63,13 +69,16 @@ class FreeMotions:
     bears = False  # whether what is free is held against loads, once something that rubs is under pressure
     weakens = True  # what friction resists, from round to round
     first = NEARLY  # of the largest force left over: what is held from then on
+    holds_driven = False  # whether what slopes drive is held
 
     def __init__(self, engine: Engine, *, rubs: bool = False) -> None:
         self.engine, self.rubs = engine, rubs
         none = np.zeros((0, 6 * len(engine.scene.bodies)))
         self.found: list[np.ndarray] = [none] * engine.worlds
+        self._sloping: list[np.ndarray] = [none] * engine.worlds  # the same with those that slopes drive
         self.resisted: list[np.ndarray] = [none] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
+        self._slope: dict[str, float] = {}  # largest force on what is held although slopes drive it, by body
 
     @property
     def possible(self) -> bool:
@@ -85,14 +94,13 @@ class FreeMotions:
 
     def look(self) -> None:
         """Find the free motions at the state of the last step."""
-        self._drive = None
+        self._drive, self._slope = None, {}
         if not self.told:
             return
         for world in range(self.engine.worlds):
             weight = self._weight()
             motions = free_motions(self.engine, world, weight)
-            if not self.possible:
-                motions = without_stiff(self.engine, world, weight, motions)
+            motions = without_stiff(self.engine, world, weight, motions)
             if self.rubs:
                 _, motions = parted(self.engine, world, weight, motions)
             if self.rubs and self._presses(world):
@@ -102,11 +110,37 @@ class FreeMotions:
             along = (motions @ (self._forces(world) / weight)) * scale
             force = np.abs(along)
             sliding = np.array([np.sum(n.reshape(-1, 6)[:, :3] ** 2) for n in motions])
-            allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest_force(self.engine, world)
-            self.found[world] = motions[(force <= allowed) | (self.bears and self._presses(world))]
+            largest = largest_force(self.engine, world)
+            allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest
+            all_of_them = self.bears and self._presses(world)
+            self._sloping[world] = motions[(force <= FREE * largest) | all_of_them]
+            if self.holds_driven:
+                self._remember(world, motions[(force > allowed) & (force <= FREE * largest)])
+                allowed = np.maximum(allowed, FREE * largest)
+            self.found[world] = motions[(force <= allowed) | all_of_them]
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
                 self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))
+
+    def hold_driven(self) -> bool:
+        """Hold from now on what slopes drive, too; False where that is nothing more than what is held."""
+        more = any(len(a) > len(b) for a, b in zip(self._sloping, self.found, strict=True))
+        if self.holds_driven or not more or not self.possible:
+            return False
+        self.holds_driven, self.found = True, list(self._sloping)
+        self.hold()
+        return True
+
+    def _remember(self, world: int, motions: np.ndarray) -> None:
+        """Of held motions that slopes drive: what is left over on the bodies that take part, along them."""
+        left, least = self._forces(world).reshape(-1, 6)[:, :3], PULLED * largest_force(self.engine, world)
+        for n in motions:
+            parts = n.reshape(-1, 6)[:, :3]
+            for b, body in enumerate(self.engine.scene.bodies):
+                size = float(np.linalg.norm(parts[b]))
+                drive = abs(float(left[b] @ parts[b])) / max(size, STANDS)
+                if size**2 > TAKES_PART and drive > least:
+                    self._slope[body.name] = max(drive, self._slope.get(body.name, 0.0))
 
     def hold(self) -> None:
         """Hold what `look` found from the next step on."""
@@ -153,9 +187,17 @@ class FreeMotions:
         told = []
         for clause, names in clauses.items():
             left = "it is" if len(names) == 1 else "they are"
-            unpressed = self._unpressed(names) if clause.startswith(SLIDE) else ""
-            told.append(f"equilibrium: {_named(names)} free to {clause}, and left where {left}{unpressed}")
+            more = f"{self._unpressed(names)}{self._against(names)}" if clause.startswith(SLIDE) else ""
+            told.append(f"equilibrium: {_named(names)} free to {clause}, and left where {left}{more}")
         return told
+
+    def _against(self, names: list[str]) -> str:
+        """Of bodies that slide freely: the largest force that slopes drive one with, which nothing balances."""
+        driven = {name: self._slope[name] for name in names if name in self._slope}
+        if not driven:
+            return ""
+        worst = max(driven, key=lambda name: driven[name])
+        return f", although {driven[worst]:.2g} N drive {worst!r}; friction, a rib or a joint would hold it"
 
     def _unpressed(self, names: list[str]) -> str:
         """Of bodies that slide freely: the contacts of those that touch nothing, and what would press them together."""

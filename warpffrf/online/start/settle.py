@@ -93,6 +93,9 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
                 engine.control(downhill=0)
                 rubs, too_long, tau = False, np.inf, FIRST * length
                 continue
+            if free.hold_driven():
+                engine.state.ctl.assign(words)
+                continue
             can_be_shorter = not np.any(status & ~int(k.NOT_CONVERGED | k.ENERGY)) and tau > least
             if retreats == 0 and not (settled or balanced or can_be_shorter):
                 return False

@@ -348,8 +348,9 @@ class BearingResult(looks.Shown):
         for name in self._names(side):
             if name in self.history.lumped_contacts:
                 found.append(self.history.lumped_contacts[name].force)
-            else:  # a flexible ring is the first body
-                found.append(-self.history.contacts[name].force)
+            else:
+                sign = -1.0 if name in self.description.get("rings_first", [name]) else 1.0
+                found.append(sign * self.history.contacts[name].force)
         return found
 
     def _loads(self, side: str) -> np.ndarray:

@@ -1,0 +1,62 @@
+"""A roller between a rigid inner ring and a flexible outer one: nothing stops it along its axis, and it stays there.
+
+Off the middle of the outer ring by y, the load Q on its two lines is a couple Q y, which tilts the roller by phi. The
+outer line leans with it, and presses it outwards by Q phi along its axis. The state is unstable, and the force a real
+one, next to nothing beside Q.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from warpffrf import mesh, offline
+from warpffrf.model import forces, joints, laws, surfaces
+from warpffrf.model.material import Material
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.online import History, find_equilibrium
+
+STEEL = Material(206e9, 0.3, 7850.0)
+D, LENGTH, PITCH, WALL = 0.01, 9.6e-3, 0.034, 8e-3  # m
+BORE = 0.5 * (PITCH + D)
+LOAD = 500.0  # N, on one of three rollers
+OFF = 2e-6  # m
+STAYS = 0.1 * OFF  # it is followed until a step fails
+
+
+@pytest.fixture(scope="module")
+def ring() -> ReducedBody:
+    sleeve = mesh.sleeve(BORE, BORE + WALL, 8e-3, sectors=24, axial=2, layers=1)
+    return offline.reduce(
+        sleeve, STEEL, interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4, cache=False,
+        progress=False,
+    )  # fmt: skip
+
+
+def at_rest(ring: ReducedBody, off: float) -> History:
+    scene = Scene()
+    outer = scene.add_body(ring, name="outer")
+    scene.add(joints.Fixed(scene.ground, outer["outside"], name="housing"))
+    bearing = scene.add_roller_bearing(
+        "r", elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, first=(0, 0, -1),
+        outer=outer["bore"], law=laws.PalmgrenLine(LENGTH, 3), material=STEEL,
+    )  # fmt: skip
+    bearing.elements[0].position = bearing.elements[0].position + np.array([0.0, off, 0.0])
+    inner = bearing.inner.at((0, 0, 0))
+    scene.add(joints.Prismatic(scene.ground.at((0, 0, 0)), inner, axis=(0, 0, 1), name="guide"))
+    scene.add(forces.PointForce(inner, (0, 0, -LOAD), name="load"))
+    return find_equilibrium(scene)
+
+
+def test_rollers_off_the_middle_stay_and_are_named_with_what_drives_them(ring: ReducedBody) -> None:
+    middle, off = at_rest(ring, 0.0), at_rest(ring, OFF)
+    for found in (middle, off):
+        assert found.status == "completed", found.message
+        assert np.linalg.norm(found.contacts["r outer 1"].force[0]) == pytest.approx(LOAD, rel=1e-6)
+    roller = off.bodies["r roller 1"]
+    assert roller.position[0, 1] == pytest.approx(OFF, abs=STAYS)
+    drive = -off.contacts["r outer 1"].force[0, 1]
+    assert drive == pytest.approx(LOAD * abs(2.0 * roller.rotation[0, 0]), rel=1e-3)  # the tilt about x
+    note = next(note for note in off.notes if "free to slide along" in note)
+    assert "'r roller 1'" in note and f"although {drive:.2g} N drive 'r roller 1'" in note

@@ -1,0 +1,88 @@
+"""Bearings with flexible rolling elements: solid rollers between rigid rings, two patches on the rim of each."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+
+STEEL = wf.Material(206e9, 0.3, 7850.0)
+D, LENGTH, PITCH, LOAD = 0.01, 9.6e-3, 0.034, 1500.0
+AXIS, FIRST = np.array([0.0, 0.0, 1.0]), np.array([0.0, 1.0, 0.0])  # other than the axis y of the mesh
+HERTZ = 0.02  # of the peak pressure: ends, which carry less; a core of eight cells around
+BALANCE = 1e-6
+
+
+@pytest.fixture(scope="module")
+def roller() -> wf.ReducedBody:
+    return wf.reduce(
+        wf.mesh.roller(0.5 * D, 0.0, LENGTH, sectors=16, layers=2, axial=2), STEEL, interfaces={"ends": "average"},
+        contact={"rim": wf.surfaces.Cylinder()}, modes=0, patch_grid=True, cache=False, progress=False,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def rest(roller: wf.ReducedBody) -> wf.Result:
+    scene = wf.Scene()
+    bearing = scene.add_roller_bearing(
+        "r", elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, outer=scene.ground, axis=AXIS,
+        first=FIRST, material=STEEL, element_body=roller,
+    )  # fmt: skip
+    inner = bearing.inner.at((0, 0, 0))
+    scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), inner, axis=FIRST, name="guide"))
+    scene.add(wf.forces.PointForce(inner, LOAD * FIRST, name="load"))
+    return wf.equilibrium(scene, progress=False)
+
+
+def test_rollers_stand_with_their_axes_along_the_bearing(rest: wf.Result) -> None:
+    for angle, element in zip(rest.scene.bearing("r").raceways.angles, rest.scene.bearing("r").elements, strict=True):
+        shape = element["rim"].surface.shape
+        np.testing.assert_allclose(element.to_world(shape.e_a) - element.position, AXIS, atol=1e-12)
+        out = np.cos(angle) * FIRST + np.sin(angle) * np.cross(AXIS, FIRST)
+        np.testing.assert_allclose(element.position, 0.5 * PITCH * out, atol=1e-12)
+
+
+def hertz_line(line: float, R: float) -> tuple[float, float]:
+    """Half-width [m] and peak pressure [Pa] against a rigid partner; line [N/m]."""
+    E = STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2)
+    a = np.sqrt(4.0 * line * R / (np.pi * E))
+    return a, 2.0 * line / (np.pi * a)
+
+
+def test_a_solid_roller_between_rigid_rings(rest: wf.Result) -> None:
+    """The centre of a solid cylinder that is loaded at both ends of a diameter approaches a rigid partner by
+    P'(1 - nu^2)/(pi E) (2 ln(4R/a) - 1) in plane strain (Johnson, Contact Mechanics, 5.57) and by the same without
+    (1 - nu^2) in plane stress; a roller as long as it is thick is in between. Peak pressures are Hertz's."""
+    assert rest.status == "completed", rest.message
+    found = rest.bearing("r")
+    np.testing.assert_allclose(found.inner_load[0], (LOAD, 0.0, 0.0), rtol=BALANCE, atol=1e-9)
+    np.testing.assert_allclose(found.outer_load[0], found.inner_load[0], rtol=BALANCE, atol=1e-9)
+    assert abs(found.outer_angle[0, 0]) < BALANCE
+    line, bounds = LOAD / LENGTH, np.zeros(2)
+    for side, R in (("inner", 1.0 / (2.0 / D + 2.0 / (PITCH - D))), ("outer", 1.0 / (2.0 / D - 2.0 / (PITCH + D)))):
+        a, peak = hertz_line(line, R)
+        assert rest.history.contacts[f"r {side} 1"].pressure[0].max() == pytest.approx(peak, rel=HERTZ)
+        softness = line / (np.pi * STEEL.youngs_modulus) * (2.0 * np.log(2.0 * D / a) - 1.0)
+        bounds += softness * np.array([1.0 - STEEL.poisson_ratio**2, 1.0])
+    assert bounds[0] < found.displacement[0, 0] < bounds[1]
+    assert any("'r roller 2', 'r roller 3' are free" in note for note in rest.history.notes)
+
+
+def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
+    def bearing(**changed: object) -> None:
+        arguments = {"elements": 3, "roller_diameter": D, "roller_length": LENGTH, "pitch_diameter": PITCH}
+        wf.Scene().add_roller_bearing("r", **({"element_body": roller} | arguments | changed))  # type: ignore[arg-type]
+
+    bearing()
+    for changed, message in (
+        ({"roller_diameter": 0.011}, "a cylinder of diameter 0.01 m, and the elements have 0.011 m"),
+        ({"element_body": 3}, "must be a reduced body"),
+        ({"diameter_deviations": (1e-6, 0.0, 0.0)}, "diameter_deviations are of rigid elements"),
+        ({"cage": wf.bearings.Pockets(1e-4)}, "pockets are of rigid elements"),
+        ({"flanges": wf.bearings.Flanges(1e-4)}, "ribs stop rigid rollers"),
+    ):
+        with pytest.raises(wf.InputError, match=message):
+            bearing(**changed)
+    with pytest.raises(wf.InputError, match="a cylinder of diameter 0.01 m, .* are one of sphere"):
+        wf.Scene().add_ball_bearing("b", elements=3, ball_diameter=D, pitch_diameter=PITCH, element_body=roller)
