@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from warpffrf.output.contact.hertz_patch import hertz_point
 
 STEEL = wf.Material(206e9, 0.3, 7850.0)
 D, LENGTH, PITCH, LOAD = 0.01, 9.6e-3, 0.034, 1500.0
@@ -86,3 +87,53 @@ def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
             bearing(**changed)
     with pytest.raises(wf.InputError, match="a cylinder of diameter 0.01 m, .* are one of sphere"):
         wf.Scene().add_ball_bearing("b", elements=3, ball_diameter=D, pitch_diameter=PITCH, element_body=roller)
+
+
+BALL, BALL_PITCH, GROOVE = 12.7e-3, 64.9985e-3, 6.6e-3  # m
+LIGHT, HEAVY = 1500.0, 15000.0  # N: half-axes of 0.22 and 0.46 of the ball's radius
+PARABOLA = 0.015  # of Hertz's peak pressures, whose surfaces are parabolas
+
+
+@pytest.fixture(scope="module")
+def ball() -> wf.ReducedBody:
+    mesh = wf.mesh.roller(
+        0.5 * BALL, 0.0, 0.9 * BALL, crown_radius=0.5 * BALL, sectors=16, layers=3, axial=2, tread=6e-3
+    )
+    return wf.reduce(
+        mesh, STEEL, interfaces={"ends": "average"}, contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))},
+        modes=0, patch_grid=True, cache=False, progress=False,
+    )  # fmt: skip
+
+
+def under(ball: wf.ReducedBody, load: float) -> wf.Result:
+    scene = wf.Scene()
+    bearing = scene.add_ball_bearing(
+        "b", elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL, outer=scene.ground,
+        first=(0, 0, -1), material=STEEL, element_body=ball,
+    )  # fmt: skip
+    inner = bearing.inner.at((0, 0, 0))
+    scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), inner, axis=(0, 0, 1), name="guide"))
+    scene.add(wf.forces.PointForce(inner, (0, 0, -load), name="load"))
+    return wf.equilibrium(scene, progress=False)
+
+
+def test_a_ball_in_rigid_grooves(ball: wf.ReducedBody) -> None:
+    """Hertz's point contact at both sides, with the modulus of the ball alone; patches reach far up the groove. Its
+    half-spaces move each other's origin apart by u = (1 + nu)(3 - 2 nu) F/(4 pi E R) each (Boussinesq, at the distance
+    2 R), of which the ball's free surface gives a part back. Patches that cells cannot follow are named."""
+    rest = under(ball, LIGHT)
+    assert rest.status == "completed", rest.message
+    found, modulus, approach = rest.bearing("b"), STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2), 0.0
+    for side in ("inner", "outer"):
+        curvatures = found.raceways.curvatures(side, 0.0)
+        hertz = hertz_point(LIGHT, np.diag([float(k) for k in curvatures]), modulus)
+        approach += hertz.approach
+        assert rest.history.contacts[f"b {side} 1"].pressure[0].max() == pytest.approx(
+            hertz.peak_pressure, rel=PARABOLA
+        )
+    nu, R = STEEL.poisson_ratio, 0.5 * BALL
+    apart = 2.0 * (1.0 + nu) * (3.0 - 2.0 * nu) * LIGHT / (4.0 * np.pi * STEEL.youngs_modulus * R)
+    assert approach - apart < found.displacement[0, 0] < approach
+    assert not any("than its cells may be" in note for note in rest.history.notes)
+    heavy = under(ball, HEAVY)
+    assert [note[:21] for note in heavy.history.notes if "than its cells may be" in note] == ["contact 'b outer 1': "]

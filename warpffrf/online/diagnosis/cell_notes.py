@@ -9,7 +9,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patch_plan import end_places, rows_follow
+from warpffrf.online.compile.patch_plan import end_places, rows_follow, widest
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 
@@ -19,6 +19,7 @@ FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 forces 
 APART, APART_ON_SPHERES = 1.5, 6.0
 ROLLED = 0.1  # of W: less is a contact that does not roll
 WIDE = 0.9  # of WHOLE that a patch may span without a word
+ROUND_OFF = 1e-6  # of W
 CLEAR = 2.0  # half-lengths of the patch of a point contact from an end: nearer, what the end adds varies over the patch
 
 
@@ -45,16 +46,35 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
         )
     middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
     curvature = max(abs(float(np.max(np.abs(port.surface.shape.curvatures(0.0, middle))))) for port in contact.ports)
-    widest = 2.0 * float(np.max(cells.half_width)) * curvature
-    if widest > WIDE * WHOLE:
+    spans = 2.0 * float(np.max(cells.half_width)) * curvature
+    if spans > WIDE * WHOLE:
         notes.append(
-            f"contact {contact.name!r}: the patch spans {widest:.2g} rad of a surface, and the half-space under it is "
+            f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
             f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="material", with a finer mesh'
         )
+    notes += _too_large(contact, found)
     notes += _unsymmetric(contact)
     half_width = strips * float(cells.half_width[last]) / found.pressure.shape[1]
     notes += normal_notes(contact, half_width, {})
     return notes + (_near_end(contact, found) if rows_follow(contact) else _travelled(contact, found, history))
+
+
+def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
+    """A patch that is larger than its cells may become, whose outermost ones bear what lies beyond."""
+    cells, p = found.cells, found.pressure
+    if cells is None:
+        return []
+    edge = np.any(p[:, [0, -1]] > 0.0, axis=(1, 2))
+    if rows_follow(contact):
+        edge |= np.any(p[:, :, [0, -1]] > 0.0, axis=(1, 2))
+    cut = edge & (np.asarray(cells.half_width) >= widest(contact) * (1.0 - ROUND_OFF))
+    if not cut.any():
+        return []
+    return [
+        f"contact {contact.name!r}: at {np.count_nonzero(cut)} saved steps the patch is larger than its cells may be, "
+        f"half-widths of {widest(contact):.3g} m, beyond which the half-space under them is not what the bodies are: "
+        'pressures at its edges, and peak pressures, are too high; use grid="material", with a finer mesh'
+    ]
 
 
 def _unsymmetric(contact: Contact) -> list[str]:

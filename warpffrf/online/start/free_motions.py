@@ -27,8 +27,9 @@ a load that drives it finds no equilibrium, and is not held.
 **Slopes.** Free to first order is also what a gap leans on by up to FREE; there a force F drives by slope times F. It
 may be what the cells of a patch leave, 1e-7 of F, or real: the loads Q on a roller that is off the middle of a ring by
 y tilt it by Q y/K, and press it further out along its axis by as much of Q. Such motions are followed, as a ball finds
-the bottom of its groove in this way, until a proximal step fails (`hold_driven`). Then those driven by less than FREE
-of the largest force are held as well, and named with what drives them.
+the bottom of its groove in this way, until a proximal step fails, or some of the longest have not brought them to rest
+(`hold_driven`). Then those driven by less than FREE of the largest force are held as well, and named with what drives
+them.
 """
 
 from __future__ import annotations

@@ -30,8 +30,8 @@ class BearingResult(looks.Shown):
     each element.
 
     Directions are those of the bearing's frame, that of the outer ring: towards where the first element began, a
-    quarter turn on, and along the axis. Of contact with flexible rings there are loads and contact angles, the patches
-    are in `result.contact(name)`.
+    quarter turn on, and along the axis. Of distributed contact, where a ring or the elements are flexible, there are
+    loads, contact angles, peak pressures and what friction takes; the patches are in `result.contact(name)`.
     """
 
     _hidden = frozenset({"history", "description"})
@@ -107,9 +107,22 @@ class BearingResult(looks.Shown):
         return self._patches("outer")
 
     @cached_property
+    def peak_pressure(self) -> dict[str, np.ndarray]:
+        """ "inner" and "outer" -> (T, Z) Pa: Hertz's at the load of lumped contact, of distributed contact the largest
+        in its patch."""
+        pairs = self.history.contacts
+        return {
+            side: self._patches(side).peak_pressure
+            if self._lumped(side)
+            else np.stack([pairs[name].pressure.max(axis=(1, 2)) for name in self._names(side)], axis=1)
+            for side in SIDES
+        }
+
+    @cached_property
     def slip_speed(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z) m/s, of the element's surface against the raceway where the force acts."""
-        return {side: self._of_lumped(side, "slip_velocity", norm=True) for side in SIDES}
+        """ "inner" and "outer" -> (T, Z) m/s, of the element's surface against the raceway where the force acts; of
+        the sides in lumped contact."""
+        return {side: self._of_lumped(side, "slip_velocity", norm=True) for side in SIDES if self._lumped(side)}
 
     @cached_property
     def orbit_speed(self) -> np.ndarray:
@@ -181,10 +194,11 @@ class BearingResult(looks.Shown):
 
     @cached_property
     def cut_off(self) -> dict[str, np.ndarray]:
-        """ "inner" and "outer" -> (T, Z) -, share of the ellipse beyond the ring's shoulder, where that is known."""
+        """ "inner" and "outer" -> (T, Z) -, share of the ellipse beyond the ring's shoulder, where that is known, of
+        sides in lumped contact."""
         found = {}
         for side, height in zip(SIDES, self.description["shoulders"], strict=True):
-            if height is not None and isinstance(self.raceways, BallRaceways):
+            if height is not None and isinstance(self.raceways, BallRaceways) and self._lumped(side):
                 angle = np.nan_to_num(self._angles(side))
                 found[side] = cut_off(self.raceways, side, self._patches(side), angle, height)
         return found
@@ -222,15 +236,16 @@ class BearingResult(looks.Shown):
             if name in self.history.lumped_contacts:
                 contact = self.history.lumped_contacts[name]
                 total -= np.cross(contact.place - center, contact.friction_force)
-            else:  # a flexible ring is the first body
-                contact, origin = self.history.contacts[name], np.zeros(3) if body is None else body.position
-                total += contact.torque + np.cross(origin - center, contact.force)
+            else:
+                force, torque = self._on_ring(name)
+                origin = np.zeros(3) if body is None else body.position
+                total += torque + np.cross(origin - center, force)
         return np.einsum("ti,ti->t", along, total)
 
     @cached_property
     def friction_power(self) -> dict[str, np.ndarray]:
-        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed; lumped contact
-        only. Of the cage in its pockets, 0 without."""
+        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed, of distributed
+        contact summed over its patch. Of the cage in its pockets, 0 without."""
         names = {side: [[name] for name in self._names(side)] for side in SIDES}
         known = self.description["contacts"]
         names["cage"] = [
@@ -241,13 +256,11 @@ class BearingResult(looks.Shown):
         for side, each in names.items():
             for i, contacts in enumerate(each):
                 for name in contacts:
-                    if name not in self.history.lumped_contacts:
-                        raise InputError(
-                            f"bearing {self.name!r}: the power of friction in distributed contact is in "
-                            "result.contact(name)"
-                        )
-                    one = self.history.lumped_contacts[name]
-                    found[side][:, i] -= np.einsum("ti,ti->t", one.friction_force, one.slip_velocity)
+                    if name in self.history.lumped_contacts:
+                        one = self.history.lumped_contacts[name]
+                        found[side][:, i] -= np.einsum("ti,ti->t", one.friction_force, one.slip_velocity)
+                    elif (friction := self.history.contacts[name].friction) is not None:
+                        found[side][:, i] += friction.power
         return found
 
     # --- the whole
@@ -277,15 +290,15 @@ class BearingResult(looks.Shown):
             "inner angle [deg]": np.degrees(self.inner_angle[row]),
             "outer angle [deg]": np.degrees(self.outer_angle[row]),
         }  # fmt: skip
-        if self._lumped:
-            for side in SIDES:
+        for side in SIDES:
+            columns[f"{side} peak [MPa]"] = MPA * self.peak_pressure[side][row]
+            if self._lumped(side):
                 patches = self._patches(side)
-                columns[f"{side} peak [MPa]"] = MPA * patches.peak_pressure[row]
                 columns[f"{side} a [mm]"] = MM * patches.half_axis_across[row]
                 columns[f"{side} b [mm]"] = MM * patches.half_axis_around[row]
                 columns[f"{side} slip [m/s]"] = self.slip_speed[side][row]
-            power = [self.friction_power[where][row] for where in (*SIDES, "cage")]
-            columns["friction [W]"] = np.sum(power, axis=0)
+        power = [self.friction_power[where][row] for where in (*SIDES, "cage")]
+        columns["friction [W]"] = np.sum(power, axis=0)
         columns["cage force [N]"] = self.cage_force[row]
         columns |= {f"{side} cut off [%]": 100.0 * share[row] for side, share in self.cut_off.items()}
         return columns
@@ -334,10 +347,8 @@ class BearingResult(looks.Shown):
 
     # --- from the histories
 
-    @property
-    def _lumped(self) -> bool:
-        names = self.description["contacts"].values()
-        return all(name in self.history.lumped_contacts for name in names)
+    def _lumped(self, side: str) -> bool:
+        return all(name in self.history.lumped_contacts for name in self._names(side))
 
     def _names(self, side: str) -> list[str]:
         return [self.description["contacts"][f"{side}_{i + 1}"] for i in range(len(self.elements))]
@@ -349,9 +360,16 @@ class BearingResult(looks.Shown):
             if name in self.history.lumped_contacts:
                 found.append(self.history.lumped_contacts[name].force)
             else:
-                sign = -1.0 if name in self.description.get("rings_first", [name]) else 1.0
-                found.append(sign * self.history.contacts[name].force)
+                found.append(-self._on_ring(name)[0])
         return found
+
+    def _on_ring(self, name: str) -> tuple[np.ndarray, np.ndarray]:
+        """(T, 3) N, N m about its origin, world axes: of a distributed contact on the ring; files of before flexible
+        elements have the ring first."""
+        contact = self.history.contacts[name]
+        if name in self.description.get("rings_first", [name]):
+            return contact.force, contact.torque
+        return contact.force_second, contact.torque_second
 
     def _loads(self, side: str) -> np.ndarray:
         lumped, pairs = self.history.lumped_contacts, self.history.contacts
@@ -370,7 +388,7 @@ class BearingResult(looks.Shown):
         return np.where(load > LOADED * load.max(initial=0.0), angle, np.nan)
 
     def _patches(self, side: str) -> Patches:
-        if not self._lumped:
+        if not self._lumped(side):
             raise InputError(
                 f"bearing {self.name!r}: patches of distributed contact are those of the pairs, result.contact(name)"
             )
@@ -382,7 +400,7 @@ class BearingResult(looks.Shown):
 
     def _laminae(self, side: str) -> np.ndarray:
         """(T, Z, n) N, loads of the rollers' laminae."""
-        if not self._lumped:
+        if not self._lumped(side):
             raise InputError(f"bearing {self.name!r}: rollers in distributed contact have no laminae; take basic_life")
         return np.stack([self.history.lumped_contacts[name].lamina_force for name in self._names(side)], axis=1)
 
