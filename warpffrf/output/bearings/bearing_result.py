@@ -213,7 +213,8 @@ class BearingResult(looks.Shown):
 
     @cached_property
     def friction_torque(self) -> np.ndarray:
-        """(T,) N m, of the elements on the inner ring about its own axis, against a positive speed negative."""
+        """(T,) N m, of the elements on the inner ring about its own axis by friction, rolling resistance and pivoting,
+        against a positive speed negative."""
         body = self._body(self.description["inner"])
         along = self._turned(self.description["inner"]) @ np.asarray(self.description["axes"])[2]
         center = self._carried(self.description["inner"])
@@ -221,7 +222,7 @@ class BearingResult(looks.Shown):
         for name in self._names("inner"):
             if name in self.history.lumped_contacts:
                 contact = self.history.lumped_contacts[name]
-                total -= np.cross(contact.place - center, contact.friction_force)
+                total -= np.cross(contact.place - center, contact.friction_force) + contact.moment
             else:  # a flexible ring is the first body
                 contact, origin = self.history.contacts[name], np.zeros(3) if body is None else body.position
                 total += contact.torque + np.cross(origin - center, contact.force)
@@ -229,8 +230,8 @@ class BearingResult(looks.Shown):
 
     @cached_property
     def friction_power(self) -> dict[str, np.ndarray]:
-        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed; lumped contact
-        only. Of the cage in its pockets, 0 without."""
+        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed and moment times
+        angular velocity; lumped contact only. Of the cage in its pockets, 0 without."""
         names = {side: [[name] for name in self._names(side)] for side in SIDES}
         known = self.description["contacts"]
         names["cage"] = [
@@ -248,7 +249,15 @@ class BearingResult(looks.Shown):
                         )
                     one = self.history.lumped_contacts[name]
                     found[side][:, i] -= np.einsum("ti,ti->t", one.friction_force, one.slip_velocity)
+                    if side in SIDES:
+                        found[side][:, i] -= np.einsum("ti,ti->t", one.moment, self._turning(i, side))
         return found
+
+    def _turning(self, i: int, side: str) -> np.ndarray:
+        """(T, 3) rad/s, of an element against a ring, world axes."""
+        ring = self._body(self.description[side])
+        element = self.history.bodies[self.elements[i]].angular_velocity
+        return element if ring is None else element - ring.angular_velocity
 
     # --- the whole
 
