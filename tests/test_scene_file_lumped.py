@@ -38,6 +38,8 @@ a = "ball.skin"
 b = "ground.floor"
 law = { kind = "hertz_point", material_a = "steel", material_b = "steel", damping = 0.5 }
 friction = { kind = "regularised_coulomb", coefficient = 0.2, slip_velocity = 1e-3 }
+rolling_resistance = { kind = "rolling_hysteresis", loss = 0.02, rolling_speed = 0.1 }
+spin = true
 
 [simulate]
 duration = 1e-3
@@ -58,7 +60,12 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
     skin = surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0))
     ball = scene.add_rigid_body(0.03, (1.2e-6,) * 3, name="ball", position=(0, 0, 0.0101), surfaces={"skin": skin})
     law, friction = laws.HertzPoint(steel, steel, damping=0.5), laws.RegularisedCoulomb(0.2, 1e-3)
-    scene.add(LumpedContact(ball["skin"], floor, law=law, friction=friction, name="landing"))
+    resistance = laws.RollingHysteresis(0.02, 0.1)
+    scene.add(
+        LumpedContact(
+            ball["skin"], floor, law=law, friction=friction, rolling_resistance=resistance, spin=True, name="landing"
+        )
+    )
     file = written(tmp_path, TEXT)
     assert load_scene(file).scene.content_hash() == scene.content_hash()
     result = run_scene(file, out=tmp_path, progress=False)["simulate"]
@@ -75,6 +82,12 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
             'kind = "linear_layer", stiffness = 1e9',
             "kind",
         ),
+        (
+            "rolling_resistance = { kind",
+            "rolling_resistance = { kin",
+            "a table {kind = ...}, kind one of 'rolling_lever'",
+        ),
+        ("loss = 0.02", "loss = 2.0", "loss must be at most 1"),
         ("coefficient = 0.2", "coefficient = -0.2", "coefficient"),
         ('b = "ground.floor"', 'b = "ground.flor"', "floor"),
     ],

@@ -35,6 +35,7 @@ VECTOR = re.compile(r"\((?:T, |n, |m, |k, )?3,?\)")
 
 # Laws, methods and formulas that someone has published: the docstring of each, or of its module, says who and when.
 PHYSICS = [
+    "wf.laws.RollingHysteresis",
     "wf.GeneralizedAlpha", "wf.integrators.HHT", "wf.integrators.Newmark", "wf.integrators.EnergyMomentum",
     "wf.laws.GreenwoodTripp", "wf.laws.HertzPoint", "wf.laws.HuntCrossley", "wf.laws.IsoLamina",
     "wf.laws.PalmgrenLine", "wf.laws.StribeckCoulomb", "wf.laws.TractionCurve", "wf.oils.Barus",
@@ -190,7 +191,7 @@ def test_laws_of_all_kinds_are_in_the_list_of_physics_or_are_definitions() -> No
         "wf.laws.Coulomb", "wf.laws.RegularisedCoulomb", "wf.laws.TableCoulomb", "wf.laws.ExponentialAsperities",
         "wf.laws.LinearLayer", "wf.laws.NonlinearLayer", "wf.laws.TableLayer", "wf.laws.Unilateral", "wf.laws.Law",
         "wf.laws.FrictionLaw", "wf.laws.LumpedLaw", "wf.laws.ForceTable", "wf.laws.PowerForce", "wf.oils.Newtonian",
-        "wf.oils.Oil",
+        "wf.oils.Oil", "wf.laws.RollingLever", "wf.laws.RollingResistance",
     }  # fmt: skip
     laws = {one.label for one in EVERYTHING if re.match(r"wf\.(laws|oils)\.[A-Z]\w*[a-z]\w*$", one.label)}
     classes = {

@@ -3,6 +3,8 @@ places of the kernels against those of a search on the host."""
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from lumped_scenes import MEETINGS, STEEL, pair
@@ -22,18 +24,27 @@ REGIMES = {
     "stick": (0.4, 0.02, 0.0), "slip": (0.2, 10.0, 0.0), "creep": (0.3, 0.1, 0.5), "rub": (0.3, 3.0, 0.01),
     "none": (0.0, 1.0, 0.0), "traction": (0.3, 3.0, 0.01),
 }  # fmt: skip
+# lever [m] and rolling speed [rad/s], slip velocity [m/s] of friction that resists pivoting: below and at the bounds
+MOMENTS = {"turns slowly": (1e-3, 1e3, 1.0), "turns fast": (1e-3, 0.1, 1e-5)}
 ALL_REGIMES = ("ball on groove", "crossed cylinders", "roller by laminae in bore")
-CASES = [(name, r) for name in MEETINGS for r in (REGIMES if name in ALL_REGIMES else ("slip",))]
+MANY = {**REGIMES, **MOMENTS}
+CASES = [(name, r) for name in MEETINGS for r in (MANY if name in ALL_REGIMES else ("slip",))]
 
 
 def engine_of(name: str, regime: str) -> tuple[Engine, np.ndarray, np.ndarray]:
     """In a step that ends with some slip; and the increments of that step."""
-    mu, fast, creep = REGIMES[regime]
+    options: dict[str, Any] = {}
+    if regime in MOMENTS:
+        lever, rolling_speed, creep = MOMENTS[regime]
+        mu, fast = 0.3, 3.0
+        options = {"rolling_resistance": laws.RollingLever(lever, rolling_speed), "spin": "laminae" not in name}
+    else:
+        mu, fast, creep = REGIMES[regime]
     friction = laws.RegularisedCoulomb(mu, creep) if creep else mu
     if regime == "traction":
         friction = laws.TractionCurve(mu, creep, 0.1, 0.2)
     law = laws.PalmgrenLine(0.01, 3, damping=0.3) if "laminae" in name else laws.HertzPoint(STEEL, damping=0.3)
-    scene = pair(name, APPROACH, mass=1e-9, friction=friction, law=law)
+    scene = pair(name, APPROACH, mass=1e-9, friction=friction, law=law, **options)
     engine = Engine(scene)
     rng = np.random.default_rng(5)
     slow = 1e-7 * fast if regime in ("stick", "slip") else 1e-6
@@ -73,9 +84,14 @@ def evaluated(engine: Engine, dx: np.ndarray, psi: np.ndarray) -> np.ndarray:
 def test_the_tangent_is_that_of_the_residuals(name: str, regime: str) -> None:
     engine, dx, psi = engine_of(name, regime)
     evaluated(engine, dx, psi)
-    regimes = engine.scratch.lumped_load.numpy()["regime"]
-    number = {"none": 0, "traction": list(REGIMES).index("rub") + 1}.get(regime, list(REGIMES).index(regime) + 1)
-    assert set(regimes.ravel()) == {number}
+    if regime in MOMENTS:
+        moments = engine.scratch.lumped_moment.numpy()[0]
+        assert set(moments["rolls_on"]) == {int(regime == "turns fast")}
+        assert "laminae" in name or set(moments["pivots_on"]) == {int(regime == "turns fast")}
+    else:
+        regimes = engine.scratch.lumped_load.numpy()["regime"]
+        number = {"none": 0, "traction": list(REGIMES).index("rub") + 1}.get(regime, list(REGIMES).index(regime) + 1)
+        assert set(regimes.ravel()) == {number}
     engine.graph.assemble()
     tangent = engine.scratch.tangent.numpy()[0].copy()
     inverse = engine.scratch.psi_inverse.numpy()[0].copy()
@@ -97,10 +113,10 @@ def test_the_tangent_is_that_of_the_residuals(name: str, regime: str) -> None:
     assert np.abs(off).max() < AGREE * np.abs(found / np.outer(lever, lever)).max()
 
 
-@pytest.mark.parametrize("name", MEETINGS)
-def test_action_equals_reaction(name: str) -> None:
+@pytest.mark.parametrize(("name", "regime"), [*((name, "slip") for name in MEETINGS), (ALL_REGIMES[0], "turns fast")])
+def test_action_equals_reaction(name: str, regime: str) -> None:
     """In force, and in moment about any point."""
-    engine, dx, psi = engine_of(name, "slip")
+    engine, dx, psi = engine_of(name, regime)
     residual = -evaluated(engine, dx, psi)
     at = engine.scratch.r1.numpy()[0]
     axes = engine.scratch.axes.numpy()[0]

@@ -27,6 +27,7 @@ LACKING = {
     "film_ef98a2e": ["film_asperity", "film_asperity_force", "film_largest_asperity_pressure"],
     "lap_1c9c54a": ["lap_partner", "lap_partner_frame", "lap_share", "lap_share_cell"],
     "lap_8550b66": ["lap_partner_frame", "lap_share", "lap_share_cell"],
+    "lumped_5b7e4a4": ["lumped_moment"],
 }
 SCHEMAS = {  # results, bodies
     "rollers_da78f9a": (1, 1), "rubbing_118e139": (1, 4), "lumped_5b7e4a4": (1, None), "film_ef98a2e": (2, 8),

@@ -17,6 +17,13 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike, as_lumped_friction
 from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
+from warpffrf.model.moments import (
+    NO_RESISTANCE,
+    Resistance,
+    RollingResistance,
+    as_rolling_resistance,
+    spin_resistance,
+)
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.nearest import Nearest, curvature_around, lamina_gap, nearest
 
@@ -30,9 +37,11 @@ class LumpedContact(looks.Item):
 
     a, b: `body["tread"]`, named in `add_rigid_body(surfaces=...)` or by `body.surface(shape, name=)`. law: one of
     `laws.LUMPED_LAWS`; by laminae the first surface is the roller. friction: the coefficient, or a friction law
-    (`warpffrf.model.friction`), at the place of the force. Forces are reported on the first body. overlap [m]: how deep
-    the surfaces may lie in one another at the start of a run, None for a hundredth of their radius. name: default
-    "<first body>-<second body>". Raises `InputError`.
+    (`warpffrf.model.friction`), at the place of the force. rolling_resistance: None, or a law of the moment against
+    rolling (`warpffrf.model.moments`), laws.RollingLever(lever, rolling_speed). spin: whether friction resists pivoting
+    about the normal as well, of regularised friction on Hertz's ellipse. Forces are reported on the first body.
+    overlap [m]: how deep the surfaces may lie in one another at the start of a run, None for a hundredth of their
+    radius. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "lumped_contacts"
@@ -45,6 +54,8 @@ class LumpedContact(looks.Item):
         *,
         law: LumpedLaw,
         friction: FrictionLike = 0.0,
+        rolling_resistance: RollingResistance | None = None,
+        spin: bool = False,
         overlap: float | None = None,
         name: str | None = None,
     ) -> None:
@@ -69,8 +80,13 @@ class LumpedContact(looks.Item):
                 )
         self.law: LumpedLaw = as_lumped_law(law, label)
         self.friction = as_lumped_friction(friction, label)
+        self.rolling_resistance = as_rolling_resistance(rolling_resistance, label)
+        if not isinstance(spin, bool):
+            raise InputError(f"{label}: spin must be True or False, got {spin!r}")
+        self.spin = spin
         self.overlap = None if overlap is None else require_number(overlap, f"{label}: overlap", non_negative=True)
         self._require_shapes()
+        self._moments(Meeting(label, (1.0, 1.0), 1.0))  # refuses what no pose would do for
 
     @property
     def label(self) -> str:
@@ -94,6 +110,15 @@ class LumpedContact(looks.Item):
         curvatures = (0.0, 0.0) if self.law.by_laminae else self._curvatures()
         return self.law.approach(Meeting(self.label, curvatures, radius))
 
+    def moments(self) -> tuple[Resistance, Resistance] | None:
+        """What each place resists rolling and pivoting with, from the initial pose as it is now; None where it does
+        not."""
+        if self.rolling_resistance is None and not self.spin:
+            return None
+        line = self.law.by_laminae
+        curvatures = self.nearest().curvatures if line else self._curvatures()
+        return self._moments(Meeting(self.label, curvatures, float(self.a.surface.shape.radius) if line else 0.0))
+
     def gap(self) -> float:
         """Smallest gap [m] at the initial pose as it is now, negative where the surfaces overlap."""
         if not self.law.by_laminae:
@@ -104,8 +129,22 @@ class LumpedContact(looks.Item):
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
-        laws = {"law": self.law.describe(), "friction": self.friction.describe()}
+        laws: dict[str, Any] = {"law": self.law.describe(), "friction": self.friction.describe()}
+        if self.rolling_resistance is not None:
+            laws["rolling_resistance"] = self.rolling_resistance.describe()
+        if self.spin:
+            laws["spin"] = True
         return {"name": self.name, **surfaces, **laws, "overlap": self.overlap}
+
+    def _moments(self, meeting: Meeting) -> tuple[Resistance, Resistance]:
+        """Raises `InputError` for what needs a patch that the law of the force does not know, or other friction."""
+        patch = self.law.patch(meeting)
+        rolling = pivoting = NO_RESISTANCE
+        if self.rolling_resistance is not None:
+            rolling = self.rolling_resistance.resistance(patch, self.label)
+        if self.spin:
+            pivoting = spin_resistance(self.friction, patch, self.label)
+        return rolling, pivoting
 
     def _curvatures(self) -> tuple[float, float]:
         small, large = self.nearest().curvatures

@@ -198,8 +198,8 @@ def signal_kinds() -> dict[str, Form]:
 @cache
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
-    laws, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators, treatments of local
-    modes, the monolithic method, stress points, parts of bearings."""
+    laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators,
+    treatments of local modes, the monolithic method, stress points, parts of bearings."""
     from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
@@ -207,6 +207,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laps import LapCells
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
+    from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
@@ -218,7 +219,7 @@ def value_kinds() -> dict[str, Form]:
     found = dict(signal_kinds())
     registered = {
         **SHAPES, **BASES, **DAMPINGS, **LAWS, **LUMPED_LAWS, **FRICTION_LAWS, **CHARACTERISTICS, **OILS, **FEEDS,
-        **FORMS, **ROUGHNESSES,
+        **FORMS, **ROUGHNESSES, **ROLLING_LAWS,
     }  # fmt: skip
     found.update({kind: form_of(kind, cls, {}) for kind, cls in registered.items()})
     found.update({snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in others})
@@ -252,6 +253,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     from warpffrf.model.films import FORMS, ROUGHNESSES
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
+    from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS
 
     contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "laps": LAWS, "bearings": LUMPED_LAWS}
@@ -261,6 +263,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     taken = {("films", name): kinds for name, kinds in of_films.items()}
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}
+    taken |= {(section, "rolling_resistance"): ROLLING_LAWS for section in ("lumped_contacts", "bearings")}
     taken |= {("bearings", name): FORMS for name in ("inner_form", "outer_form")}
     taken |= {("bearings", name): dict(kinds) for name, kinds in bearing_parts().items()}
     return {at: {kind: value_kinds()[kind] for kind in kinds} for at, kinds in taken.items()}

@@ -449,6 +449,19 @@ class Lumped:
 
 
 @topic
+class Moments:
+    """Places of lumped contacts that resist rolling and pivoting, in this order, see `lumped.moments`: by
+    min(bound F^bound_power, slope F^slope_power w)."""
+
+    count: int
+    place: DeviceArray = integers("lumped_moment", note="of a lumped contact")
+    bound: DeviceArray = reals("lumped_moment", 2, unit="N m/N^p", note="0 without")
+    bound_power: DeviceArray = reals("lumped_moment", 2, note="p")
+    slope: DeviceArray = reals("lumped_moment", 2, unit="N m s/N^q", note="0 without")
+    slope_power: DeviceArray = reals("lumped_moment", 2, note="q")
+
+
+@topic
 class Limits:
     """Tolerances and counts at which an attempt ends."""
 
@@ -563,6 +576,7 @@ class Elements:
     slip_speeds: SlipSpeeds
     layers: Layers
     lumped: Lumped
+    moments: Moments
     patches: Patches
     rolling: Rolling
     films: wp.array(dtype=Films)  # one, as these would make the elements larger than that

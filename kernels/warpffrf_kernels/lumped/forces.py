@@ -331,10 +331,14 @@ def push_lumped(
 
 @wp.struct
 class Answer:
-    """What a small motion makes of a place: its shift, and the change of the force on the first body."""
+    """What a small motion makes of a place: its shift, that of its normal, and the change of the force on the first
+    body, of its normal part, and of the angular velocity of the first body against the second."""
 
     x: vec3
+    n: vec3
     f: vec3
+    force: real
+    turning: vec3
 
 
 @wp.func
@@ -392,7 +396,10 @@ def answer_to(
     dF = load.by_approach * da + load.by_rate * drate
     out = Answer()
     out.x = ds
+    out.n = dn
     out.f = dF * n + load.force * dn
+    out.force = dF
+    out.turning = sign * domega
     mu = model.elements[0].lumped.friction[contact]
     if load.regime == STICKS or load.regime == SLIPS:
         dslip = sign * (dr + wp.cross(dturn, own.lever) - own.share * wp.cross(own.turn, dr))

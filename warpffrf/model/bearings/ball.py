@@ -18,7 +18,7 @@ from warpffrf.model.bearings.build import (
 from warpffrf.model.bearings.cage import STANDING, Cage
 from warpffrf.model.bearings.elements import RigidElements, checked_elements
 from warpffrf.model.bearings.geometry import BallRaceways
-from warpffrf.model.bearings.parts import BALL_WIDTH, STEEL, Place, RingSize, solid_ball
+from warpffrf.model.bearings.parts import BALL_WIDTH, STEEL, Losses, Place, RingSize, solid_ball
 from warpffrf.model.bearings.preload import Preload, checked_preload, sense_of
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_number
@@ -26,6 +26,7 @@ from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.material import Material
+from warpffrf.model.moments import RollingResistance
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.reduced_body import ReducedBody
 
@@ -57,6 +58,8 @@ def add_ball_bearing(
     cage: Cage | None = STANDING,
     law: LumpedLaw | tuple[LumpedLaw, LumpedLaw] | None = None,
     friction: FrictionLike = 0.0,
+    rolling_resistance: RollingResistance | None = None,
+    spin: bool = False,
     inner_form: Form | None = None,
     outer_form: Form | None = None,
     diameter_deviations: Any = None,
@@ -83,7 +86,9 @@ def add_ball_bearing(
     `bearings.Pockets(...)` or None.
 
     law: of the contacts, or (inner, outer), None for laws.HertzPoint of the materials; friction: as of `LumpedContact`,
-    laws.RegularisedCoulomb for a traction that grows with the slip speed up to its bound.
+    laws.RegularisedCoulomb for a traction that grows with the slip speed up to its bound. rolling_resistance, spin: of
+    lumped contacts with the raceways, moments against rolling and pivoting, as of `LumpedContact`; distributed contact
+    has the friction of pivoting in its tractions.
     inner_form, outer_form: how a raceway deviates around its axis, of `warpffrf.films`, positive where material is
     missing, angles from the first ball: films.Lobes(5e-6, 2) is oval; of rigid rings. diameter_deviations (elements,)
     [m]: what each ball is thicker by. material: of rings and balls, element_material: of other balls. element_body:
@@ -128,7 +133,8 @@ def add_ball_bearing(
         forms={"inner": inner_form, "outer": outer_form},
         deviations=different,
         size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), elements=made,
-        laws=checked_laws(label, law, laws.HertzPoint(*materials)), friction=friction, cage=cage,
+        laws=checked_laws(label, law, laws.HertzPoint(*materials)), losses=Losses(friction, rolling_resistance, spin),
+        cage=cage,
     )  # fmt: skip
     pressed.press(scene, bearing, sense)
     return bearing

@@ -11,11 +11,10 @@ from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.cage import Cage
 from warpffrf.model.bearings.elements import Elements
 from warpffrf.model.bearings.geometry import Raceways
-from warpffrf.model.bearings.parts import SIDES, RingSize, contact_of, ring_surface
+from warpffrf.model.bearings.parts import SIDES, Losses, RingSize, contact_of, ring_surface
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.form_deviations import Form
-from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw, as_lumped_law
 from warpffrf.model.material import Material
 
@@ -86,7 +85,7 @@ def assemble(
     size: RingSize,
     elements: Elements,
     laws: tuple[LumpedLaw, LumpedLaw],
-    friction: FrictionLike,
+    losses: Losses,
     cage: Cage | None,
 ) -> Bearing:
     """Add the parts of `bearing` to the scene and return it.
@@ -117,7 +116,7 @@ def assemble(
         bearing.elements.append(element)
         for side, law in zip(SIDES, laws, strict=True):
             name = f"{bearing.name} {side} {i}"
-            contact = contact_of(element[bearing.element_surface], ports[side], law, friction, name)
+            contact = contact_of(element[bearing.element_surface], ports[side], law, losses, name)
             bearing.contacts[f"{side}_{i}"] = scene.add(contact)
     if cage is not None:
         cage.hold(scene, bearing)

@@ -23,6 +23,7 @@ from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
+from warpffrf.model.moments import RollingResistance
 from warpffrf.model.round_form import RoundForm
 from warpffrf.model.surface_fit import reference_direction
 from warpffrf.model.surfaces import Shape
@@ -168,14 +169,33 @@ def ring_surface(
     return given, given.surface(shape, name=f"{name} {side} raceway", form=round_form)
 
 
+@dataclass(frozen=True)
+class Losses:
+    """What takes power where elements meet raceways: friction, rolling resistance and friction of pivoting, as of
+    `LumpedContact`."""
+
+    friction: FrictionLike
+    rolling_resistance: RollingResistance | None = None
+    spin: bool = False
+
+
 def contact_of(
-    element: SurfacePort, ring: SurfacePort, law: LumpedLaw, friction: FrictionLike, name: str
+    element: SurfacePort, ring: SurfacePort, law: LumpedLaw, losses: Losses, name: str
 ) -> LumpedContact | Contact:
-    """Between an element and a raceway: lumped where both are rigid, else distributed, the flexible one first."""
+    """Between an element and a raceway: lumped where both are rigid, else distributed, the flexible one first. Raises
+    `InputError` for losses that distributed contact does not have."""
     if element.rigid and ring.rigid:
-        return LumpedContact(element, ring, law=law, friction=friction, name=name)
+        return LumpedContact(
+            element, ring, law=law, friction=losses.friction, rolling_resistance=losses.rolling_resistance,
+            spin=losses.spin, name=name,
+        )  # fmt: skip
     first, second = (element, ring) if ring.rigid else (ring, element)
-    return Contact(first, second, friction=friction, name=name)
+    if losses.rolling_resistance is not None:
+        raise InputError(
+            f"bearing contact {name!r}: {first.label} is flexible, and distributed contact has no rolling_resistance; "
+            "leave it out, or make both rings and the elements rigid"
+        )
+    return Contact(first, second, friction=losses.friction, name=name)
 
 
 def _refuse_other_raceway(label: str, port: SurfacePort, wanted: Shape) -> None:

@@ -12,13 +12,14 @@ from warpffrf.model.bearings.cage import STANDING, Cage
 from warpffrf.model.bearings.elements import RigidElements, checked_elements
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.geometry import RollerRaceways
-from warpffrf.model.bearings.parts import ROLLER_OVERHANG, STEEL, Place, RingSize, hollow_cylinder
+from warpffrf.model.bearings.parts import ROLLER_OVERHANG, STEEL, Losses, Place, RingSize, hollow_cylinder
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.material import Material
+from warpffrf.model.moments import RollingResistance
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.reduced_body import ReducedBody
 
@@ -48,6 +49,7 @@ def add_roller_bearing(
     flanges: Flanges | None = None,
     law: LumpedLaw | tuple[LumpedLaw, LumpedLaw] | None = None,
     friction: FrictionLike = 0.0,
+    rolling_resistance: RollingResistance | None = None,
     inner_form: Form | None = None,
     outer_form: Form | None = None,
     diameter_deviations: Any = None,
@@ -68,9 +70,9 @@ def add_roller_bearing(
     unless one is given here. flanges: `bearings.Flanges(...)`, ribs that stop the rollers
     along their axes, None for rollers that are free along them.
     As of `add_ball_bearing`: scene, name, position [m], axis and first (3,), directions in the world, inner, outer,
-    cage, friction, inner_form, outer_form, diameter_deviations (elements,) [m], material, element_material,
-    element_body, which has a profile of its own, and width, bore and outside_diameter [m]. Raises `InputError` for what
-    does not fit together (`warpffrf.model.bearings.geometry`).
+    cage, friction, rolling_resistance, inner_form, outer_form, diameter_deviations (elements,) [m], material,
+    element_material, element_body, which has a profile of its own, and width, bore and outside_diameter [m]. Raises
+    `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)
@@ -103,7 +105,7 @@ def add_roller_bearing(
         forms={"inner": inner_form, "outer": outer_form},
         deviations=different,
         size=RingSize(label, raceways.pitch_diameter, D, bore, outside_diameter, breadth), elements=made,
-        laws=checked_laws(label, law, default), friction=friction, cage=cage,
+        laws=checked_laws(label, law, default), losses=Losses(friction, rolling_resistance), cage=cage,
     )  # fmt: skip
     if flanges is not None:
         flanges.hold(scene, bearing)

@@ -92,11 +92,15 @@ _TAKERS = (
 
 
 def friction_notes(scene: Any, state: str, cure: str = "") -> list[str]:
-    """A note of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out; `cure`:
-    what has it."""
+    """Notes of the pairs, and the joints, whose friction and rolling resistance a static `state` (words for the reader)
+    leaves out; `cure`: what has friction."""
     contacts = (*scene.contacts, *scene.lumped_contacts)
     rubbing = [repr(contact.name) for contact in contacts if contact.friction.acts]
     rubbing += [repr(force.name) for force in scene.forces if hasattr(force, "slip")]
-    if not rubbing:
-        return []
-    return [f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer{cure and f'; {cure}'}"]
+    rolling = [repr(contact.name) for contact in scene.lumped_contacts if contact.rolling_resistance is not None]
+    left_out = {
+        f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer{cure and f'; {cure}'}":
+            rubbing,
+        f"rolling resistance of {', '.join(rolling)} does not act in {state}: nothing turns": rolling,
+    }  # fmt: skip
+    return [note for note, names in left_out.items() if names]

@@ -10,7 +10,8 @@ With the gap g [m] between the deformed surfaces, the depth d = -g and the press
     GreenwoodTripp           p = K E* F(g/s), asperities with Gaussian heights
     HuntCrossley             p = k d^n (1 + chi d_dot)
 
-Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too.
+Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too, and so are
+those of their rolling resistance, in `warpffrf.model.moments`.
 A law of one's own is a subclass of `Law` with a curve of `warpffrf.model.laws.curves`. The laws of friction are in
 `warpffrf.model.friction` and named here too.
 """
@@ -46,6 +47,7 @@ from warpffrf.model.laws.lumped import (
 from warpffrf.model.laws.nonlinear_layer import NonlinearLayer
 from warpffrf.model.laws.table_layer import TableLayer
 from warpffrf.model.laws.unilateral import Unilateral
+from warpffrf.model.moments import RollingHysteresis, RollingLever, RollingResistance
 
 LAWS = {
     law.kind: law
@@ -57,8 +59,8 @@ LAWS = {
 __all__ = [
     "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw", "GreenwoodTripp",
     "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
-    "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb", "TableLayer", "TractionCurve", "Unilateral", "as_law",
-    "curves",
+    "RegularisedCoulomb", "RollingHysteresis", "RollingLever", "RollingResistance", "StribeckCoulomb", "TableCoulomb",
+    "TableLayer", "TractionCurve", "Unilateral", "as_law", "curves",
 ]  # fmt: skip
 
 

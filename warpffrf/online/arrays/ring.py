@@ -88,6 +88,9 @@ class SavedLumped(Arrays, carried=True):
         "world", "ring_row", "lumped_place", NUMBERS,
         note="place, force, friction (both on the first body) and slip velocity, world axes; approach, normal force",
     )  # fmt: skip
+    saved_lumped_moment: DeviceArray = vectors(
+        "world", "ring_row", "lumped_moment", unit="N m", note="against rolling and pivoting, on the first body, world"
+    )
 
 
 class SavedFilms(Arrays, carried=True):

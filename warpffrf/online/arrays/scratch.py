@@ -12,6 +12,7 @@ from warpffrf_kernels.films.sampling import HAT_LINE, PULL
 from warpffrf_kernels.films.sampling import LINE as FILM_LINE
 from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
+from warpffrf_kernels.lumped.moments import Moment
 from warpffrf_kernels.patch.cells import Row
 
 from warpffrf.online.arrays.axes import Sizes
@@ -465,6 +466,7 @@ class LumpedContacts(Arrays):
     lumped_taken: DeviceArray = reals(
         "world", "lumped_place", 2, unit="J", note="by damping and by friction in the step", zero_without=True
     )
+    lumped_moment: DeviceArray = structs(Moment, "world", "lumped_moment", note="on the first body, see `moments`")
 
 
 class Films(Arrays):

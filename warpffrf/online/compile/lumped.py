@@ -39,6 +39,7 @@ def fill_lumped(collector: Collector) -> None:
         form_begin=[0.0 if form is None else form.start for form in forms],
         form_piece=np.concatenate([np.zeros((0, 4)), *pieces]),
     )  # fmt: skip
+    _fill_moments(collector, np.cumsum([0, *counts]))
     hertz = [law.stiffness for contact, law in zip(contacts, laws, strict=True) if isinstance(contact.law, HertzPoint)]
     if hertz:
         low, high = f"{min(hertz):.6g}", f"{max(hertz):.6g}"
@@ -46,6 +47,18 @@ def fill_lumped(collector: Collector) -> None:
             f"lumped contacts: Hertz's stiffness ({low if low == high else f'{low} to {high}'} N/m^1.5) is that of the "
             "curvatures where the surfaces are nearest at the initial pose, and stays"
         )
+
+
+def _fill_moments(collector: Collector, start: np.ndarray) -> None:
+    """Of the places that resist rolling or pivoting; start: first place of each contact."""
+    places, found = [], []
+    for i, contact in enumerate(collector.scene.lumped_contacts):
+        if (moments := contact.moments()) is not None:
+            places += range(start[i], start[i + 1])
+            found += [moments] * int(start[i + 1] - start[i])
+    names = ("bound", "bound_power", "slope", "slope_power")
+    numbers = {name: np.array([[getattr(m, name) for m in both] for both in found]).reshape(-1, 2) for name in names}
+    collector.fill(collector.elements.moments, count=len(places), place=places, **numbers)
 
 
 def _with_energy(table: np.ndarray) -> np.ndarray:

@@ -184,10 +184,11 @@ class LumpedHistory(looks.Rows):
     nearest.
 
     On the first body: force (T, 3) [N], normal and friction, torque (T, 3) [N m] about its user origin, friction_force
-    (T, 3) [N]. place (T, 3) [m]: where the force acts, by laminae the mean of their places weighed by their forces.
-    approach (T,) [m] of the undeformed surfaces, the largest of all laminae, negative where apart. normal_force (T,)
-    [N]; slip_velocity (T, 3) [m/s] of the first surface against the second at the place, tangential; lamina_force (T,
-    laminae) [N], the normal force of each, one column of a law that has none.
+    (T, 3) [N], moment (T, 3) [N m] against rolling and pivoting, which is in the torque. place (T, 3) [m]: where the
+    force acts, by laminae the mean of their places weighed by their forces. approach (T,) [m] of the
+    undeformed surfaces, the largest of all laminae, negative where apart. normal_force (T,) [N]; slip_velocity (T, 3)
+    [m/s] of the first surface against the second at the place, tangential; lamina_force (T, laminae) [N], the normal
+    force of each, one column of a law that has none.
     """
 
     force: np.ndarray
@@ -198,6 +199,7 @@ class LumpedHistory(looks.Rows):
     friction_force: np.ndarray
     slip_velocity: np.ndarray
     lamina_force: np.ndarray
+    moment: np.ndarray
 
 
 @dataclass(repr=False)

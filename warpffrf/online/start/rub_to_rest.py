@@ -64,6 +64,12 @@ def refuse_without_rest(scene: Scene) -> None:
                 f"equilibrium: regularised friction of {name!r} holds nothing at rest, it needs a slip velocity; give "
                 "laws.Coulomb, or leave friction=True out"
             )
+    for contact in scene.lumped_contacts:
+        if contact.rolling_resistance is not None:
+            raise InputError(
+                f"equilibrium: the rolling resistance of {contact.name!r} holds nothing at rest, it needs a velocity; "
+                "leave it out, or friction=True"
+            )
 
 
 def rub_to_rest(engine: Engine) -> bool:

@@ -1,8 +1,9 @@
-"""Lumped contacts of rigid surfaces: forces at their nearest places, their tangent, and what a step keeps of them."""
+"""Lumped contacts of rigid surfaces: forces at their nearest places, moments against rolling and pivoting where a scene
+has some, their tangents, and what a step keeps of them."""
 
 from __future__ import annotations
 
-from warpffrf_kernels.lumped import forces
+from warpffrf_kernels.lumped import forces, moments
 from warpffrf_kernels.step import leaps
 
 from warpffrf.online.step.launches import threads
@@ -16,4 +17,12 @@ LUMPED = Participant(
     judge=[threads(leaps.refuse_leaps_of_places)],
     keep=[threads(forces.keep_lumped, "lumped_place")],
     record=[threads(forces.record_lumped, "lumped_place")],
+)
+
+MOMENTS = Participant(
+    "moments of lumped contacts",
+    when="lumped_moment",
+    load=[threads(moments.find_moments, "lumped_moment"), threads(moments.push_moments)],
+    assemble=[threads(moments.stiffen_moments)],
+    record=[threads(moments.record_moments, "lumped_moment")],
 )

@@ -18,14 +18,15 @@ from warpffrf.online.step.lap import LAP
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.step.layers import LAYERS
 from warpffrf.online.step.ledger import LEDGER
-from warpffrf.online.step.lumped import LUMPED
+from warpffrf.online.step.lumped import LUMPED, MOMENTS
 from warpffrf.online.step.motion import MOTION
 from warpffrf.online.step.outer import OUTER
 from warpffrf.online.step.pretension import PRETENSION
 from warpffrf.online.step.snapshot import SNAPSHOT
 
 PARTICIPANTS = (
-    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, SECOND, FILM, LAP, CONTACT, FRICTION, LAYERS, SNAPSHOT, LEDGER,
+    MOTION, OUTER, JOINT_FRICTION, PRETENSION, LUMPED, MOMENTS, SECOND, FILM, LAP, CONTACT, FRICTION, LAYERS, SNAPSHOT,
+    LEDGER,
 )  # fmt: skip
 WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 

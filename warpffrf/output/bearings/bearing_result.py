@@ -227,7 +227,8 @@ class BearingResult(looks.Shown):
 
     @cached_property
     def friction_torque(self) -> np.ndarray:
-        """(T,) N m, of the elements on the inner ring about its own axis, against a positive speed negative."""
+        """(T,) N m, of the elements on the inner ring about its own axis by friction, rolling resistance and pivoting,
+        against a positive speed negative."""
         body = self._body(self.description["inner"])
         along = self._turned(self.description["inner"]) @ np.asarray(self.description["axes"])[2]
         center = self._carried(self.description["inner"])
@@ -235,7 +236,7 @@ class BearingResult(looks.Shown):
         for name in self._names("inner"):
             if name in self.history.lumped_contacts:
                 contact = self.history.lumped_contacts[name]
-                total -= np.cross(contact.place - center, contact.friction_force)
+                total -= np.cross(contact.place - center, contact.friction_force) + contact.moment
             else:
                 force, torque = self._on_ring(name)
                 origin = np.zeros(3) if body is None else body.position
@@ -244,8 +245,8 @@ class BearingResult(looks.Shown):
 
     @cached_property
     def friction_power(self) -> dict[str, np.ndarray]:
-        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed, of distributed
-        contact summed over its patch. Of the cage in its pockets, 0 without."""
+        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed and moment times
+        angular velocity, of distributed contact summed over its patch. Of the cage in its pockets, 0 without."""
         names = {side: [[name] for name in self._names(side)] for side in SIDES}
         known = self.description["contacts"]
         names["cage"] = [
@@ -259,9 +260,17 @@ class BearingResult(looks.Shown):
                     if name in self.history.lumped_contacts:
                         one = self.history.lumped_contacts[name]
                         found[side][:, i] -= np.einsum("ti,ti->t", one.friction_force, one.slip_velocity)
+                        if side in SIDES:
+                            found[side][:, i] -= np.einsum("ti,ti->t", one.moment, self._turning(i, side))
                     elif (friction := self.history.contacts[name].friction) is not None:
                         found[side][:, i] += friction.power
         return found
+
+    def _turning(self, i: int, side: str) -> np.ndarray:
+        """(T, 3) rad/s, of an element against a ring, world axes."""
+        ring = self._body(self.description[side])
+        element = self.history.bodies[self.elements[i]].angular_velocity
+        return element if ring is None else element - ring.angular_velocity
 
     # --- the whole
 

@@ -10,8 +10,8 @@ central differences of equilibria, of second order in h. Torques are about the c
 symmetric, as forces have a potential, but for the turns, which do not commute: a torque M at hand leaves entries of its
 size there. `asymmetry` says how far K is from that, which is a check of what was found. Contact laws stay those of the
 machine: Hertz's stiffness is not taken anew from the displaced pose. Elements rest under contact forces alone:
-friction, gravity, other loads on them and the centrifugal force of a state that turns are left out, and `left_out`
-names those that there are.
+friction, rolling resistance, gravity, other loads on them and the centrifugal force of a state that turns are left out,
+and `left_out` names those that there are.
 """
 
 from __future__ import annotations
@@ -81,6 +81,7 @@ def _left_out(scene: Scene, bearing: Bearing, history: History, row: int) -> tup
     loads = [port.body for load in scene.forces for port in load.ports]
     present = {
         "friction": any(contact.friction.acts for contact in bearing.contacts.values()),
+        "rolling resistance": any(getattr(c, "rolling_resistance", None) for c in bearing.contacts.values()),
         "gravity": bool(np.any(scene.gravity)),
         "forces on elements": any(body is element for body in loads for element in bearing.elements),
         "centrifugal forces": any(np.any(history.bodies[e.name].velocity[row]) for e in bearing.elements),
@@ -140,6 +141,7 @@ def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
     alone.drives, alone.forces, alone.contacts, alone.films, alone.laps, alone.sensors = [], [], [], [], [], []
     alone.lumped_contacts = [c for c in bearing.contacts.values() if isinstance(c, LumpedContact)]
     for contact in alone.lumped_contacts:
+        contact.rolling_resistance, contact.spin = None, False
         if isinstance(contact.law, HertzPoint):
             law = laws[contact.name]
             contact.law = PowerForce(law.stiffness, law.exponent, shear=law.shear)

@@ -124,6 +124,7 @@ LUMPED_FIELDS = (
     Field("lumped_friction_force", "friction_force", "N", "world, on the first body", AXIS),
     Field("lumped_slip_velocity", "slip_velocity", "m/s", "world, of the first surface against the second", AXIS),
     Field("lumped_lamina_force", "lamina_force", "N", "along the normals", ("lamina",), stacked=False),
+    Field("lumped_moment", "moment", "N m", "world, on the first body, against rolling and pivoting", AXIS),
 )
 
 FILM_GRID = "contact grid of the first surface"

@@ -27,6 +27,7 @@ LATER: dict[str, tuple[int, float]] = {
     "lap_partner_frame": (3, np.nan),
     "lap_share": (3, 0.0),
     "lap_share_cell": (3, 0),
+    "lumped_moment": (4, 0.0),  # lumped contacts had none
 }
 
 

@@ -100,7 +100,7 @@ from warpffrf.output.geometry.scene_view import (
 )
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 3  # 3: asperities of films, partners of laps; 2: sealed; older ones are read
+SCHEMA_VERSION = 4  # 4: lumped moments; 3: asperities of films, partners of laps; 2: sealed; older ones are read
 SEALED_SINCE = 2
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}

@@ -74,6 +74,8 @@ def _lumped(name: str, contact: Any) -> str:
     line += f"; approach {approach[-1]:.5g} um (largest {np.max(approach):.5g})"
     if np.any(contact.friction_force != 0.0):
         line += f"; friction {_size(contact.friction_force, 'N')}, slip {_size(contact.slip_velocity, 'm/s')}"
+    if np.any(contact.moment != 0.0):
+        line += f"; moment against rolling and pivoting {_size(contact.moment, 'N m')}"
     return line
 
 

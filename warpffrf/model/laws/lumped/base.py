@@ -22,6 +22,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.hunt_crossley import chi_times_speed
+from warpffrf.model.moments.patch import Patch
 
 STEEL_SHEAR = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # kappa of like materials with nu = 0.3
 
@@ -93,6 +94,11 @@ class LumpedLaw(ABC):
     def approach(self, meeting: Meeting) -> Approach:
         """The law between two surfaces that meet as `meeting` says. Raises `InputError` where it does not hold for
         them."""
+
+    def patch(self, meeting: Meeting) -> Patch | None:
+        """Size of the patch of each place between two surfaces that meet as `meeting` says, None of a law that is not
+        about one. Raises `InputError` as `approach`."""
+        return None
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""

@@ -24,9 +24,11 @@ from scipy.special import elliprd, elliprf
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
 from warpffrf.model.material import Material
+from warpffrf.model.moments.patch import Patch
 from warpffrf.model.named_arguments import named_arguments
 
 SLENDEREST = 1e-4  # ratio of the half-axes down to which an ellipse is looked for; it is a line beyond
+AHEAD = 3.0 / 16.0  # moment of the pressure ahead of the middle of an ellipse, over F and the half-axis ahead
 ROUND = 1e-12  # difference of the curvatures, of the larger one, below which the patch is a circle
 
 
@@ -52,13 +54,25 @@ class HertzPoint(LumpedLaw):
 
     def approach(self, meeting: Meeting) -> Approach:
         small, large = meeting.curvatures
-        materials = [m for m in (self.material_a, self.material_b) if m is not None]
-        modulus = 1.0 / sum(1.0 / m.plane_strain_modulus for m in materials)
-        shear = 1.0 / sum((2.0 - m.poisson_ratio) / m.lame[1] for m in materials)
+        modulus = self._modulus()
+        shear = 1.0 / sum((2.0 - m.poisson_ratio) / m.lame[1] for m in self._materials())
         k2 = _ratio_squared(small, large, meeting.label)
         R_x, R_D, R_F = 1.0 / small, float(elliprd(0.0, k2, 1.0)), float(elliprf(0.0, 1.0, k2))
         stiffness = np.pi * modulus * np.sqrt(R_x * R_D) / (1.5 * R_F) ** 1.5
         return Approach(float(stiffness), 1.5, shear=4.0 * shear / modulus)
+
+    def patch(self, meeting: Meeting) -> Patch:
+        small, large = meeting.curvatures
+        k2 = _ratio_squared(small, large, meeting.label)
+        a = (float(elliprd(0.0, k2, 1.0)) / (np.pi * self._modulus() * small)) ** (1.0 / 3.0)
+        return Patch(float(a * np.sqrt(k2)), float(a), growth=1.0 / 3.0, ahead=AHEAD)
+
+    def _materials(self) -> list[Material]:
+        return [m for m in (self.material_a, self.material_b) if m is not None]
+
+    def _modulus(self) -> float:
+        """E* [Pa]."""
+        return 1.0 / sum(1.0 / m.plane_strain_modulus for m in self._materials())
 
 
 def _ratio_squared(small: float, large: float, label: str) -> float:

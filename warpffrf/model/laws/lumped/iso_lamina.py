@@ -24,7 +24,8 @@ import numpy as np
 
 from warpffrf.model.errors import require_count, require_number
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
-from warpffrf.model.laws.lumped.palmgren_line import MM, laminae
+from warpffrf.model.laws.lumped.palmgren_line import MM, laminae, line_patch
+from warpffrf.model.moments.patch import Patch
 from warpffrf.model.named_arguments import named_arguments
 
 CONSTANT, LENGTH_POWER, EXPONENT = 35948.0, 8.0 / 9.0, 10.0 / 9.0  # of c_L [N/mm^(10/9)], L in mm
@@ -60,6 +61,9 @@ class IsoLamina(LumpedLaw):
         x = laminae(self.length, self.laminae)
         drop = iso_profile(x, self.length, 2.0 * meeting.radius) if self.profile else np.zeros(len(x))
         return Approach(stiffness, EXPONENT, z=x, drop=drop)
+
+    def patch(self, meeting: Meeting) -> Patch:
+        return line_patch(meeting, self.length / self.laminae)
 
 
 def iso_profile(x: np.ndarray, length: float, diameter: float) -> np.ndarray:

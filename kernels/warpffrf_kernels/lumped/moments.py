@@ -1,0 +1,276 @@
+r"""Moments of lumped contacts: what resists rolling, and pivoting about the normal.
+
+At a place with the force F along its normal n, where body 1 turns against body 2 with omega = omega_1 - omega_2,
+
+    omega_r = omega - (n . omega) n,      omega_s = (n . omega) n        (rolling, pivoting)
+    M = -m_r(|omega_r|) omega_r/|omega_r| - m_s(|omega_s|) omega_s/|omega_s|        on body 1, -M on body 2,
+
+each with a bound that is reached where its slope from rest meets it,
+
+    m(w) = min(c F^p, d F^q w).
+
+c, p, d and q are those of the contact (`warpffrf.model.moments`): a lever e has c = e, p = 1. Neither moment has a
+potential nor remembers anything; the power -M . omega = sum m w >= 0 is booked as friction, a mean of both ends of a
+step. Like regularised friction they act at the velocities at the end of the step. In static steps nothing turns, and
+there is none.
+
+Where an iteration takes a part from its bound past rest to the other bound, the next one would take it back, and so on
+for ever: there the moment goes on along its slope for once, which leads to where the motion ends. The first iteration
+has the bound, unlike that of friction (`forces`): elements roll at it all the time, and a moment without bound would
+ask for more friction than there is.
+
+**Tangent.** With dF, dn and d(omega) of a small motion from `forces`,
+
+    d(omega_r) = T d(omega) - (n . omega) dn - (dn . omega) n,      T = 1 - n n^T,
+    d(omega_s) = (dn . omega + n . d(omega)) n + (n . omega) dn,
+
+and for each part w e = omega_x: below the bound dM = -d (q F^(q-1) dF omega_x + F^q d(omega_x)), at it
+dM = -c (p F^(p-1) dF e + F^p/w (1 - e e^T) d(omega_x)).
+"""
+
+import warp as wp
+
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.lumped.forces import RUBBED, Load, answer_to, motion_of, tangential
+from warpffrf_kernels.lumped.places import side_in_world
+
+wp.set_module_options(MODULE_OPTIONS)
+
+ROLLING = wp.constant(0)
+PIVOTING = wp.constant(1)
+
+
+@wp.struct
+class Moment:
+    """On the first body at a place, and what its tangent needs: omega, and which parts are at their bound."""
+
+    total: vec3
+    turning: vec3
+    rolls_on: int
+    pivots_on: int
+
+
+@wp.func
+def part_of(turning: vec3, n: vec3, kind: int) -> vec3:
+    """omega_r or omega_s."""
+    if kind == ROLLING:
+        return tangential(n, turning)
+    return wp.dot(n, turning) * n
+
+
+@wp.func
+def bound_of(model: Model, i: int, kind: int, force: real) -> real:
+    """c F^p [N m]."""
+    power = model.elements[0].moments.bound_power[i, kind]
+    return model.elements[0].moments.bound[i, kind] * wp.pow(force, power)
+
+
+@wp.func
+def slope_of(model: Model, i: int, kind: int, force: real) -> real:
+    """d F^q [N m s/rad]."""
+    power = model.elements[0].moments.slope_power[i, kind]
+    return model.elements[0].moments.slope[i, kind] * wp.pow(force, power)
+
+
+@wp.kernel
+def find_moments(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    axes: wp.array2d(dtype=mat33),
+    omega1: wp.array2d(dtype=vec3),
+    lumped_load: wp.array2d(dtype=Load),
+    lumped_power: changed(wp.array4d(dtype=real)),
+    lumped_taken: changed(wp.array3d(dtype=real)),
+    lumped_moment: inout(wp.array2d(dtype=Moment)),
+):
+    """Per (world, place with moments): these at the trial state, and what they take."""
+    w, i = wp.tid()
+    model = models[w]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    place = model.elements[0].moments.place[i]
+    contact = model.elements[0].lumped.contact[place]
+    load = lumped_load[w, place]
+    before = lumped_moment[w, i]  # of the last iteration
+    out = Moment()
+    one = model.surfaces.body[model.elements[0].lumped.first[contact]]
+    two = model.surfaces.body[model.elements[0].lumped.second[contact]]
+    if one >= 0:
+        out.turning = axes[w, one] * omega1[w, one]
+    if two >= 0:
+        out.turning = out.turning - axes[w, two] * omega1[w, two]
+    if load.force > real(0.0) and ctl[w].mode != k.STATIC:
+        for kind in range(2):
+            part = part_of(out.turning, load.touch.n, kind)
+            speed = wp.length(part)
+            slope = slope_of(model, i, kind, load.force)
+            bound = bound_of(model, i, kind, load.force)
+            beyond = before.rolls_on
+            if kind == PIVOTING:
+                beyond = before.pivots_on
+            past = ctl[w].iteration > 0 and beyond != 0
+            past = past and wp.dot(part, part_of(before.turning, load.touch.n, kind)) < real(0.0)
+            if slope * speed > bound and not past:
+                slope = bound / speed
+                if kind == ROLLING:
+                    out.rolls_on = 1
+                else:
+                    out.pivots_on = 1
+            out.total = out.total - slope * part
+    power = -wp.dot(out.total, out.turning)
+    lumped_power[w, 1, place, RUBBED] = lumped_power[w, 1, place, RUBBED] + power
+    if ctl[w].mode != k.LOADING:  # nothing has a velocity there
+        lumped_taken[w, place, RUBBED] = lumped_taken[w, place, RUBBED] + real(0.5) * clk[w].h * power
+    lumped_moment[w, i] = out
+
+
+@wp.kernel
+def push_moments(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    axes: wp.array2d(dtype=mat33),
+    lumped_moment: wp.array2d(dtype=Moment),
+    residual: changed(wp.array2d(dtype=real)),
+):
+    """Per world: subtract the moments of all places from the residuals of their bodies."""
+    w = wp.tid()
+    model = models[w]
+    if ctl[w].run == 0 or ctl[w].moved == 0:
+        return
+    i = int(0)
+    while i < model.elements[0].moments.count:
+        contact = model.elements[0].lumped.contact[model.elements[0].moments.place[i]]
+        moment = lumped_moment[w, i].total
+        for side in range(2):
+            s = model.elements[0].lumped.first[contact]
+            if side == 1:
+                s = model.elements[0].lumped.second[contact]
+                moment = -moment
+            b = model.surfaces.body[s]
+            if b >= 0:
+                own = wp.transpose(axes[w, b]) * moment
+                for c in range(3):
+                    residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - own[c]
+        i += 1
+
+
+@wp.func
+def change_of(model: Model, i: int, load: Load, moment: Moment, force: real, n: vec3, turning: vec3) -> vec3:
+    """dM on the first body by dF, dn and d(omega)."""
+    total = vec3(real(0.0))
+    pivoting = wp.dot(load.touch.n, moment.turning)
+    along = wp.dot(n, moment.turning)
+    for kind in range(2):
+        part = part_of(moment.turning, load.touch.n, kind)
+        change = tangential(load.touch.n, turning) - pivoting * n - along * load.touch.n
+        beyond = moment.rolls_on
+        if kind == PIVOTING:
+            change = (along + wp.dot(load.touch.n, turning)) * load.touch.n + pivoting * n
+            beyond = moment.pivots_on
+        if beyond == 0:
+            slope = slope_of(model, i, kind, load.force)
+            power = model.elements[0].moments.slope_power[i, kind]
+            total -= slope * (change + (power * force / load.force) * part)
+        else:
+            bound = bound_of(model, i, kind, load.force)
+            power = model.elements[0].moments.bound_power[i, kind]
+            speed = wp.length(part)
+            e = part / speed
+            total -= bound * (tangential(e, change) / speed + (power * force / load.force) * e)
+    return total
+
+
+@wp.kernel
+def stiffen_moments(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    clk: wp.array(dtype=Clock),
+    r: wp.array2d(dtype=vec3),
+    p: wp.array2d(dtype=quat),
+    r1: wp.array2d(dtype=vec3),
+    axes: wp.array2d(dtype=mat33),
+    v1: wp.array2d(dtype=vec3),
+    omega1: wp.array2d(dtype=vec3),
+    dx: wp.array2d(dtype=vec3),
+    psi: wp.array2d(dtype=vec3),
+    psi_inverse: wp.array2d(dtype=mat33),
+    lumped_force: wp.array3d(dtype=real),
+    lumped_normal: wp.array3d(dtype=vec3),
+    lumped_at: wp.array3d(dtype=vec3),
+    lumped_load: wp.array2d(dtype=Load),
+    lumped_moment: wp.array2d(dtype=Moment),
+    tangent: changed(wp.array3d(dtype=real)),
+):
+    """Per world: add the tangent of the moments of all places that touch to the outer matrix."""
+    w = wp.tid()
+    model = models[w]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or ctl[w].mode == k.STATIC:
+        return
+    vel = clk[w].outer.vel
+    i = int(0)
+    while i < model.elements[0].moments.count:
+        place = model.elements[0].moments.place[i]
+        load = lumped_load[w, place]
+        moment = lumped_moment[w, i]
+        if load.force > real(0.0):
+            contact = model.elements[0].lumped.contact[place]
+            first = side_in_world(model, w, model.elements[0].lumped.first[contact], r1, axes)
+            second = side_in_world(model, w, model.elements[0].lumped.second[contact], r1, axes)
+            known = int(0)
+            if lumped_force[w, 0, place] > real(0.0):
+                known = int(1)
+            x = load.touch.x
+            before = lumped_at[w, 0, place]
+            one = motion_of(first, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+            two = motion_of(second, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+            old_normal = lumped_normal[w, 0, place]
+            moved = int(0)
+            while moved < 12:
+                coordinate = moved % 6
+                moves = moved / 6
+                side = first
+                if moves == 1:
+                    side = second
+                if side.body >= 0:
+                    by = answer_to(
+                        model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel
+                    )  # fmt: skip
+                    dM = change_of(model, i, load, moment, by.force, by.n, by.turning)
+                    column = 6 * side.body + coordinate
+                    for other in range(2):
+                        body = first
+                        M = moment.total
+                        if other == 1:
+                            body = second
+                            M = -moment.total
+                            dM = -dM
+                        if body.body >= 0:
+                            turn = dM
+                            if other == moves and coordinate >= 3:  # in the body's axes, which turn
+                                turn += wp.cross(M, vec3(
+                                    side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3]
+                                ))  # fmt: skip
+                            own = wp.transpose(body.A) * turn
+                            row = 6 * body.body + 3
+                            for c in range(3):
+                                tangent[w, row + c, column] = tangent[w, row + c, column] - own[c]
+                moved += 1
+        i += 1
+
+
+@wp.kernel
+def record_moments(
+    ctl: wp.array(dtype=Control),
+    lumped_moment: wp.array2d(dtype=Moment),
+    saved_lumped_moment: out(wp.array3d(dtype=vec3)),
+):
+    """Per (world, place with moments): the moment on the first body of the accepted state."""
+    w, i = wp.tid()
+    if ctl[w].record == 0:
+        return
+    saved_lumped_moment[w, ctl[w].saved % saved_lumped_moment.shape[1], i] = lumped_moment[w, i].total
