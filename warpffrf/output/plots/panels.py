@@ -86,6 +86,11 @@ def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwr
     Raises `InputError` for no panels, a path that cannot be written, an unknown ending, and a file that exists where
     `overwrite` is not set.
     """
+    return write_picture(panels_figure(panels), path, "panels", overwrite=overwrite)
+
+
+def panels_figure(panels: Sequence[Drawn], title: str = "") -> Any:
+    """A matplotlib Figure with the panels, `COLUMNS` of them side by side. Raises `InputError` for none."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
@@ -95,6 +100,8 @@ def save_panels(panels: Sequence[Drawn], path: str | os.PathLike[str], *, overwr
     columns = -(-len(panels) // rows)
     figure = Figure(figsize=(PANEL_SIZE[0] * columns, PANEL_SIZE[1] * rows), dpi=DPI, layout="constrained")
     FigureCanvasAgg(figure)
+    if title:
+        figure.suptitle(title, fontsize=11)
     for n, panel in enumerate(panels):
         panel.draw(figure.add_subplot(rows, columns, n + 1, projection=getattr(panel, "projection", None)))
-    return write_picture(figure, path, "panels", overwrite=overwrite)
+    return figure

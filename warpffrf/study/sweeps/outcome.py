@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,10 +14,13 @@ from warpffrf.model import looks
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.study.sweeps.folder import Folder
-from warpffrf.study.sweeps.table import opened, values_of
+from warpffrf.study.sweeps.table import axes_of, opened, values_of
 
 if TYPE_CHECKING:
     import xarray
+
+    from warpffrf.study.sweeps.reading.sensitivities import Sensitivities
+    from warpffrf.study.sweeps.reading.surface import Surface
 
 COMPLETED = "completed"
 FIRST_FAILED = 5  # rows whose messages a report has
@@ -68,6 +72,15 @@ class Sweep(looks.Shown):
                 return np.full(self.count, np.nan)  # of no run so far
             raise unknown_name("sweep: variable", name, [*self.parameter_names, *self.output_names, *file])
 
+    def about(self, name: str) -> tuple[tuple[str, ...], str]:
+        """Names of the axes of a variable behind `run`, and its unit; neither of an output that no run has so far.
+        Raises InputError for an unknown name."""
+        with opened(Folder(self.path).table) as file:
+            if name in file:
+                return axes_of(file[name]), str(file[name].attrs.get("units", ""))
+        self[name]
+        return (), ""
+
     def failed(self) -> list[dict[str, Any]]:
         """A dict for each row that was run and not completed: run, status, message, and its parameters."""
         status, message = self["status"], self["message"]
@@ -108,6 +121,62 @@ class Sweep(looks.Shown):
     def _is_row(data: Any) -> bool:
         """Whether an array runs along the rows, and not along something else of the same length."""
         return not data.is_scale
+
+    def plot(
+        self, output: str, *, x: str | None = None, y: str | None = None, hue: str | None = None,
+        style: str | None = None, col: str | None = None, kind: str | None = None, component: str | int | None = None,
+        where: Mapping[str, Any] | None = None, path: str | os.PathLike[str] | None = None, overwrite: bool = False,
+    ) -> Any:  # fmt: skip
+        """A matplotlib Figure of an output: over the parameter `x` or over time, or over `x` and `y`.
+
+        x, hue, style, col: parameters along the axis, by colour, by dashes, and with a panel for each value; x left
+        out: the first that varies; hue left out: of rows that share values of x the next one. Rows that differ in x
+        alone are joined. An output over time has a line a row. kind: "map", or y=: cells of a whole grid, triangles
+        between the rows of a sample, and points where further parameters vary; the rows with the least and the largest
+        value are marked. component: of a vector, "x", "y", "z", or a number. where: {parameter: value}, only those
+        rows. Rows without a value are marked with a cross, and the title counts them. path: also written there, .png,
+        .pdf or .svg. Raises InputError for unknown names, values that no row has, and outputs of several numbers a row.
+        """
+        from warpffrf.study.sweeps.reading.plot import plot
+
+        return plot(self, output, x, y, hue, style, col, kind, component, where, path, overwrite)
+
+    def response(
+        self, output: str, *, component: str | int | None = None, where: Mapping[str, Any] | None = None
+    ) -> Surface:
+        """A surface of an output between the rows: called with {parameter: value} it gives the output there, and it has
+        `error`, `minimum()`, `maximum()` and `report()`.
+
+        Splines through a whole grid, thin-plate splines through other rows (`warpffrf.study.sweeps.reading.surface`);
+        rows without a value are left out, and its note says how many. component, where: as of `plot`. Raises InputError
+        for outputs over time and of several numbers a row, parameters that are texts, and too few rows.
+        """
+        from warpffrf.study.sweeps.reading.surface import surface
+
+        return surface(self, output, component, where)
+
+    def sensitivities(
+        self, output: str, *, component: str | int | None = None, where: Mapping[str, Any] | None = None
+    ) -> Sensitivities:
+        """Sobol indices of an output, first and total order, with confidence intervals: of a sample "saltelli:N" from
+        its rows, else from the response surface, which the result says
+        (`warpffrf.study.sweeps.reading.sensitivities`).
+
+        component, where: as of `plot`. Raises InputError where rows of a "saltelli:N" have no value, where all values
+        are one, and as `response` does.
+        """
+        from warpffrf.study.sweeps.reading.sensitivities import sensitivities
+
+        return sensitivities(self, output, component, where)
+
+    def page(self, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
+        """Write the sweep as one HTML page with its pictures in it: what was swept, how rows ended, those that failed,
+        outputs over parameters, maps, sensitivities, times, versions, and the call. Returns its path. Raises InputError
+        for a path that does not end in .html, that cannot be written, and a page that is there, unless overwrite is
+        set."""
+        from warpffrf.study.sweeps.reading.page import write_page
+
+        return write_page(self, path, overwrite=overwrite)
 
     def report(self) -> str:
         """What was run, how it ended, how long it took, and the first messages of rows that failed."""

@@ -151,9 +151,8 @@ class Table:
                 seconds = {name: hdf5_parts.read(file, name) for name in SECONDS}
                 found = cls({name: values_of(file, name) for name in kinds["parameter"]}, texts, seconds)
                 for name, data in kinds["output"].items():
-                    dims = tuple(str(data.dims[axis][0].name).lstrip("/") for axis in range(1, data.ndim))
                     units, frame = str(data.attrs["units"]), str(data.attrs["frame"])
-                    found.columns[name] = Column(hdf5_parts.read(file, name), dims, units, frame)
+                    found.columns[name] = Column(hdf5_parts.read(file, name), axes_of(data), units, frame)
                 if TIME_OF_RUN in file:
                     found.time = hdf5_parts.read(file, TIME_OF_RUN)
                 elif TIME in file:
@@ -255,6 +254,11 @@ def opened(path: Path) -> Any:
             f"{subject} is no table of a sweep" if schema <= SCHEMA else f"{subject} is of a newer version; update"
         )
     return file
+
+
+def axes_of(data: Any) -> tuple[str, ...]:
+    """Names of the axes of a variable behind `run`."""
+    return tuple(str(data.dims[axis][0].name).lstrip("/") for axis in range(1, data.ndim))
 
 
 def values_of(file: Any, name: str) -> np.ndarray:

@@ -1,0 +1,55 @@
+"""An output over time, a line a row, coloured by a parameter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from warpffrf.output.plots.figure import REFERENCE
+from warpffrf.study.sweeps.reading.hues import Hue
+from warpffrf.study.sweeps.reading.values import Values, shown_in
+
+
+@dataclass(frozen=True, eq=False)
+class Histories:
+    """`values` (run, time) of the `rows` (run,) over time, a line a row, coloured by `hue`. A row that ended early is
+    dotted, with a cross where it ended; one without any value is told in the title."""
+
+    title: str
+    values: Values
+    rows: np.ndarray
+    hue: Hue
+
+    def draw(self, ax: Any) -> None:
+        """Draw on matplotlib axes."""
+        factor, label = self.values.shown()
+        times = np.asarray(self.values.time)
+        to_unit, unit = shown_in("s", times[self.rows])
+        early = False
+        for row in np.flatnonzero(self.rows):
+            there = np.isfinite(self.values.numbers[row])
+            if not there.any():
+                continue
+            t, y = times[row][there] * to_unit, self.values.numbers[row][there] * factor
+            hue = 0.0 if self.hue.axis is None else float(self.hue.axis.positions[row])
+            ended = not self.values.has[row]
+            early |= ended
+            ax.plot(t, y, ":" if ended else "-", lw=1.2, color=self.hue.color(hue))
+            if ended:
+                ax.plot(t[-1:], y[-1:], "x", ms=7.0, mew=1.6, color=REFERENCE)
+        ax.set(xlabel=f"time [{unit}]", ylabel=label)
+        missing = self.values.missing(self.rows)
+        ax.set_title("\n".join(filter(None, (self.title, missing))), fontsize=10)
+        ax.grid(alpha=0.25, lw=0.5)
+        named = []
+        if self.hue.is_few and self.hue.axis is not None:
+            at = np.unique(self.hue.axis.positions[self.rows])
+            named = [({"color": self.hue.color(v)}, self.hue.label(v)) for v in at]
+        if early:
+            named.append(({"color": REFERENCE, "ls": "none", "marker": "x"}, "ended early"))
+        handles = [ax.plot([], [], label=text, **look)[0] for look, text in named]
+        if handles:
+            ax.legend(handles=handles, frameon=False, fontsize=8)
+        self.hue.bar(ax)

@@ -1,0 +1,262 @@
+r"""A response surface: an output between the rows of a sweep, and how far it is off there.
+
+Parameters are scaled to 0 to 1 over their ranges, u = (p - p_least)/(p_largest - p_least).
+
+**Whole grids**, all of whose rows have values: the tensor product of interpolating splines, of degree min(3, n - 1)
+along a parameter of n values (`scipy.interpolate.NdBSpline`). The error is that of held-out values: each inner value of
+each parameter is left out in turn with all rows that have it, and they are predicted from the others. Cells are twice
+as wide there as they are in the surface that is used, whose error is smaller, of smooth outputs by 2^(degree + 1).
+
+**Other rows**: thin-plate splines with a linear part (`scipy.interpolate.RBFInterpolator`),
+
+    s(u) = sum_i w_i |u - u_i|^2 log|u - u_i| + a + b.u,    s(u_i) = y_i.
+
+The error is that of leave-one-out: each row is predicted from all others; of more than `MOST_FOLDS` rows, groups of
+them that are drawn once for all. Rows at the rim are extrapolated when they are left out, so that it is larger than the
+error between rows.
+
+Both errors are root mean squares of prediction less value, in the unit of the output, and `relative_error` is that over
+the standard deviation of the values: 0 is a surface through everything, 1 no better than their mean.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.interpolate import NdBSpline, RBFInterpolator, make_interp_spline
+from scipy.optimize import minimize
+
+from warpffrf.model import looks
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.study.sweeps.reading.axes import Axis, axes_of, grid_places
+from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, shown_in, values_of
+from warpffrf.study.sweeps.samples import sobol
+
+MOST_FOLDS = 100  # surfaces that are made to find an error
+DEGREE = 3  # of splines along a parameter with enough values
+OUTSIDE = 1e-9  # of a range: round-off by which a point may lie beyond it
+STARTS, BEST = 512, 6  # points where a least value is looked for, and of the best of them to its bottom
+SEED = 0  # of the groups of rows and of these points
+
+Unit = Callable[[np.ndarray], np.ndarray]  # (n, d) of 0 to 1 -> (n,)
+
+
+@dataclass(frozen=True)
+class Extremum:
+    """The least or largest `value` of a surface, and the parameters where it has it; `error` is that of the surface."""
+
+    value: float
+    parameters: dict[str, float]
+    error: float
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Surface(looks.Shown):
+    """An output between the rows of a sweep; a point is {parameter: value, or an array of them}.
+
+    ranges: least and largest value of each parameter, between which it may be asked; at corners that no row of a sample
+    is near it goes beyond them. error: root mean square of predictions of left-out rows less their values, in the unit
+    of the output, NaN where too few rows are there to leave one out; `relative_error` is that over the standard
+    deviation of the values. method, note: how it was made, and what was left out.
+    """
+
+    name: str
+    unit: str
+    ranges: dict[str, tuple[float, float]]
+    rows: int
+    method: str
+    error: float
+    error_method: str
+    relative_error: float
+    note: str
+    of_unit: Unit
+    points: np.ndarray  # (rows, d) of 0 to 1
+    values: np.ndarray
+
+    def __call__(self, point: Mapping[str, Any]) -> Any:
+        """The output [SI] at a point, a number, or an array of the shape that its values broadcast to. Raises
+        InputError for a parameter that is missing or unknown, and outside of `ranges`."""
+        for name in point:
+            if name not in self.ranges:
+                raise unknown_name(f"response of {self.name!r}: parameter", str(name), self.ranges)
+        columns = []
+        for name, (low, high) in self.ranges.items():
+            if name not in point:
+                raise InputError(f"response of {self.name!r}: say {name} too, between {low:g} and {high:g}")
+            u = (np.asarray(point[name], dtype=float) - low) / (high - low)
+            if not np.all((u >= -OUTSIDE) & (u <= 1.0 + OUTSIDE)):
+                raise InputError(
+                    f"response of {self.name!r}: {name} is swept from {low:g} to {high:g}, and nothing is known "
+                    f"outside; got {point[name]}"
+                )
+            columns.append(np.clip(u, 0.0, 1.0))
+        u = np.stack(np.broadcast_arrays(*columns), axis=-1)
+        found = self.of_unit(u.reshape(-1, len(columns))).reshape(u.shape[:-1])
+        return float(found) if found.ndim == 0 else found
+
+    def minimum(self) -> Extremum:
+        """The least value within the ranges."""
+        return self._extremum(1.0)
+
+    def maximum(self) -> Extremum:
+        """The largest value within the ranges."""
+        return self._extremum(-1.0)
+
+    def _extremum(self, sign: float) -> Extremum:
+        """From the rows and evenly spread points downhill: of several valleys the deepest that was met."""
+        spread = sobol(STARTS, len(self.ranges), SEED)
+        starts = np.concatenate([self.points, spread])
+        heights = sign * np.concatenate([self.values, self.of_unit(spread)])
+        best, at = np.inf, starts[0]
+        for n in np.argsort(heights, kind="stable")[:BEST]:
+            found = minimize(
+                lambda u: sign * float(self.of_unit(u[None])[0]), starts[n], method="L-BFGS-B",
+                bounds=[(0.0, 1.0)] * len(self.ranges),
+            )  # fmt: skip
+            height, end = min(((float(found.fun), found.x), (float(heights[n]), starts[n])), key=lambda pair: pair[0])
+            if height < best:
+                best, at = height, end
+        where = {name: float(a + u * (b - a)) for (name, (a, b)), u in zip(self.ranges.items(), at, strict=True)}
+        return Extremum(sign * best, where, self.error)
+
+    def report(self) -> str:
+        """How it was made, how far it is off, and where it is least and largest."""
+        factor, unit = shown_in(self.unit, self.values)
+        said = f"{self.error * factor:.4g} {unit}".strip() + f", {self.relative_error:.2g} of the standard deviation"
+        lines = [
+            f"response of {self.name}",
+            f"  made of         {self.rows} rows, {self.method}",
+            f"  error           {said if np.isfinite(self.error) else 'not known'}; {self.error_method}",
+        ]
+        for name, found in (("least", self.minimum()), ("largest", self.maximum())):
+            where = ", ".join(f"{key} = {value:.4g}" for key, value in found.parameters.items())
+            lines.append(f"  {name:<15} {found.value * factor:.5g} {unit}".rstrip() + f" at {where}")
+        return "\n".join([*lines, *([f"  note            {self.note}"] if self.note else [])])
+
+    def _facts(self) -> dict[str, Any]:
+        return {"name": self.name, "rows": self.rows, "parameters": list(self.ranges), "error": f"{self.error:.3g}"}
+
+
+def surface(
+    table: Table, output: str, component: str | int | None = None, where: Mapping[str, Any] | None = None
+) -> Surface:
+    """The surface of an output, as `Sweep.response` says."""
+    values, rows = values_of(table, output, component), chosen_rows(table, where)
+    if values.time is not None:
+        raise InputError(f"response of {output!r}: it is over time; sweep one number of it, as 'max({values.text})'")
+    axes = axes_of(table, rows)
+    for axis in axes:
+        if axis.words is not None:
+            raise InputError(
+                f"response of {output!r}: {axis.name} is a text, and nothing lies between "
+                f"{' and '.join(axis.words[:2])}; choose one with where={{{axis.name!r}: {axis.words[0]!r}}}"
+            )
+    if not axes:
+        raise InputError(f"response of {output!r}: no parameter varies in these rows, one row says it all")
+    return _through(values, rows, axes)
+
+
+def _through(values: Values, rows: np.ndarray, axes: Sequence[Axis]) -> Surface:
+    has = rows & values.has
+    ranges = {a.name: (float(a.positions[rows].min()), float(a.positions[rows].max())) for a in axes}
+    columns = [(a.positions - low) / (high - low) for a, (low, high) in zip(axes, ranges.values(), strict=True)]
+    scaled = np.stack(columns, axis=1)
+    u, y = scaled[has], values.numbers[has]
+    missing = values.missing(rows)
+    note = f"rows without a value are left out: {missing}" if missing else ""
+    grid = grid_places(axes, rows) if not missing else None
+    if grid is not None:
+        places = grid[1]
+        field = np.empty([len(v) for v in grid[0]])
+        field[tuple(places.T)] = y
+        at = [(v - low) / (high - low) for v, (low, high) in zip(grid[0], ranges.values(), strict=True)]
+        of_unit, misses = _splines(at, field), _held_out(at, field)
+        degrees = ", ".join(f"{min(DEGREE, len(v) - 1)}" for v in at)
+        method = f"a whole grid, splines of degree {degrees} along {', '.join(ranges)}"
+        error_method = "inner values of each parameter left out in turn, cells twice as wide"
+        if not len(misses):
+            error_method = "no parameter has an inner value to leave out; give three values of one, or more"
+    else:
+        u, y = _once(u, y)
+        if len(y) < u.shape[1] + 1:
+            raise InputError(
+                f"response of {values.name!r}: {len(y)} rows have values, a surface over {u.shape[1]} parameters needs "
+                f"{u.shape[1] + 1} at least" + (f" ({missing})" if missing else "")
+            )
+        of_unit, (misses, error_method) = _plates(values.name, u, y), _left_out(values.name, u, y)
+        method = "thin-plate splines"
+    error = float(np.sqrt(np.mean(misses**2))) if len(misses) else np.nan
+    deviation = float(np.std(y))
+    relative = error / deviation if deviation > 0.0 else 0.0 if error == 0.0 else np.inf
+    return Surface(
+        values.name,
+        values.unit,
+        ranges,
+        int(has.sum()),
+        method,
+        error,
+        error_method,
+        float(relative),
+        note,
+        of_unit,
+        u,
+        y,
+    )
+
+
+def _splines(at: Sequence[np.ndarray], field: np.ndarray) -> Unit:
+    """The tensor product of splines through `field` (n_1, ..., n_d) at rising places (n_i,)."""
+    knots, degrees = [], []
+    for axis, places in enumerate(at):
+        degree = min(DEGREE, len(places) - 1)
+        spline = make_interp_spline(places, np.moveaxis(field, axis, 0), k=degree)
+        field = np.moveaxis(spline.c, 0, axis)
+        knots.append(spline.t)
+        degrees.append(degree)
+    return NdBSpline(tuple(knots), field, tuple(degrees))
+
+
+def _held_out(at: Sequence[np.ndarray], field: np.ndarray) -> np.ndarray:
+    """Prediction less value where each inner value of each axis is left out in turn."""
+    misses = []
+    for axis, places in enumerate(at):
+        for n in range(1, len(places) - 1):
+            rest = [np.delete(v, n) if k == axis else v for k, v in enumerate(at)]
+            of_unit = _splines(rest, np.delete(field, n, axis=axis))
+            asked = np.meshgrid(*[places[n : n + 1] if k == axis else v for k, v in enumerate(at)], indexing="ij")
+            found = of_unit(np.stack(asked, axis=-1).reshape(-1, len(at)))
+            misses.append(found - np.take(field, n, axis=axis).ravel())
+    return np.concatenate(misses) if misses else np.empty(0)
+
+
+def _once(u: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Each point once, with the mean of what rows have there."""
+    points, of_point, counts = np.unique(u, axis=0, return_inverse=True, return_counts=True)
+    return points, np.bincount(of_point.ravel(), y) / counts
+
+
+def _plates(name: str, u: np.ndarray, y: np.ndarray) -> Unit:
+    """Thin-plate splines through y (n,) at u (n, d). Raises `InputError` where the points do not span the space."""
+    try:
+        return RBFInterpolator(u, y, kernel="thin_plate_spline", degree=1)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            f"response of {name!r}: the rows with values stand on a line or a plane between the parameters; sweep rows "
+            "beside it, or choose one value of a parameter with where="
+        ) from None
+
+
+def _left_out(name: str, u: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, str]:
+    """Prediction less value of rows that are left out, and how they were."""
+    n = len(y)
+    if n < u.shape[1] + 3:
+        return np.empty(0), f"{n} rows are too few to leave one out"
+    folds = np.array_split(np.random.default_rng(SEED).permutation(n), min(n, MOST_FOLDS))
+    misses = np.empty(n)
+    for fold in folds:
+        rest = np.setdiff1d(np.arange(n), fold)
+        misses[fold] = _plates(name, u[rest], y[rest])(u[fold]) - y[fold]
+    return misses, "each row left out in turn" if n <= MOST_FOLDS else f"left out in {MOST_FOLDS} groups in turn"
