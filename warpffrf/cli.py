@@ -27,6 +27,7 @@ from warpffrf.cli_pictures import add_picture_commands
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
 from warpffrf.cli_sweep import add_sweep_command
+from warpffrf.cli_sweep_plot import add_sweep_plot_command
 from warpffrf.demos import DEMOS
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
@@ -408,7 +409,7 @@ def _material(mesh: Any, E: float | None, nu: float | None, rho: float | None) -
 
 @app.command("info")
 def info(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh, reduced body or results (.h5).")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="Mesh, reduced body or results (.h5), sweep (folder).")],
     length_unit: Annotated[
         str | None,
         typer.Option(metavar="UNIT", help="For a mesh: unit of the lengths in the file: m, cm, mm, um, in or ft."),
@@ -423,11 +424,14 @@ def info(
     ] = None,
     page: Annotated[
         Path | None,
-        typer.Option(metavar="PNG", help="For a reduced body: also write a picture of its quality here."),
+        typer.Option(
+            metavar="FILE",
+            help="Also write a page here: a picture of a reduced body's quality, of a sweep .html with its pictures.",
+        ),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
 ) -> None:
-    """Say what is in a file: size, mass, inertia, named sets, modes, or how a run went."""
+    """Say what is in a file: size, mass, inertia, named sets, modes, or how a run or a sweep went."""
     with one_line_errors():
         from warpffrf.cli_info import describe_file
 
@@ -445,6 +449,7 @@ def info(
 
 
 add_result_commands(app)
+add_sweep_plot_command(app)
 add_example_commands(app)
 add_picture_commands(app, lambda: _State.quiet)
 add_sweep_command(app, lambda: _State.quiet)

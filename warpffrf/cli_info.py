@@ -1,4 +1,4 @@
-"""What `warpffrf info FILE` says about a mesh, a reduced body, or the results of a run."""
+"""What `warpffrf info FILE` says about a mesh, a reduced body, the results of a run, or a sweep."""
 
 from __future__ import annotations
 
@@ -31,16 +31,19 @@ def describe_file(
     """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
 
     length_unit, part, density [kg/m3]: used for meshes only; without a density that of the file's materials, else of
-    steel. page: for a reduced body, where to write the picture of its quality. pairs: as of `Result.report`.
+    steel. page: for a reduced body, where to write the picture of its quality, for a sweep its HTML page. pairs: as of
+    `Result.report`.
 
     Raises `InputError` for a file that is missing or of no known kind, for a mesh without `length_unit` or with several
-    bodies and no `part`, and for a page that cannot be written or of a file that is no reduced body.
+    bodies and no `part`, and for a page that cannot be written or of what is neither a reduced body nor a sweep.
     """
     from warpffrf.output.files.unfinished import is_unfinished
 
     if is_unfinished(path):
         _no_page(page, path)
         return _results(path, pairs)
+    if path.is_dir() and (found := _sweep(path, page, overwrite)) is not None:
+        return found
     if not path.is_file():
         raise InputError(f"there is no file {str(path)!r}")
     with path.open("rb") as file:
@@ -94,9 +97,7 @@ def _hdf5(path: Path, page: Path | None, overwrite: bool, pairs: Pairs) -> str:
 
 def _no_page(page: Path | None, path: Path) -> None:
     if page is not None:
-        raise InputError(
-            f"{path.name} is no reduced body, and only a reduced body has a quality page; leave out --page"
-        )
+        raise InputError(f"{path.name} is no reduced body and no sweep, and only those have a page; leave out --page")
 
 
 def _reduced_body(path: Path, page: Path | None, overwrite: bool) -> str:
@@ -122,6 +123,20 @@ def _results(path: Path, pairs: Pairs) -> str:
         blocks.append(Block(body.name, lines))
     bodies = [line for lines in folded(blocks, "body", pairs) for line in lines]
     return "\n".join([f"results {path.name}", *bodies, result.report(pairs=pairs)])
+
+
+def _sweep(path: Path, page: Path | None, overwrite: bool) -> str | None:
+    """Of the folder of a sweep; None of another folder."""
+    from warpffrf.study import open_sweep
+    from warpffrf.study.sweeps.folder import is_sweep
+
+    if not is_sweep(path):
+        return None
+    found = open_sweep(path)
+    lines = [found.report()]
+    if page is not None:
+        lines.append(f"page written to {found.page(page, overwrite=overwrite)}")
+    return "\n".join(lines)
 
 
 def _vector(values: np.ndarray) -> str:

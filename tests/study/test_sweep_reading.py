@@ -13,6 +13,7 @@ import pytest
 from sweep_scenes import TIMES, bob, rest, shy_bob
 
 import warpffrf as wf
+from warpffrf import cli
 from warpffrf.model.errors import InputError
 from warpffrf.study.sweeps.reading.page import page
 from warpffrf.study.sweeps.reading.plot import plot
@@ -315,6 +316,22 @@ def test_a_sweep_is_read_from_its_folder(swept: Any, tmp_path: Path) -> None:
         swept.page(written)
     with pytest.raises(InputError, match=r"\.html"):
         swept.page(tmp_path / "bob.pdf")
+
+
+def test_a_sweep_is_read_from_the_command_line(swept: Any, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    written, folder = tmp_path / "bob.html", str(swept.path)
+    assert cli.main(["info", folder, "--page", str(written)]) == 0
+    said = capsys.readouterr().out
+    assert "3 completed, 1 failed" in said and "far too stiff" in said and str(written) in said
+    picture = tmp_path / "rest.svg"
+    chosen = ["--where", "stiffness=1000", "--x", "stiffness", "--out", str(picture)]
+    assert cli.main(["sweep-plot", folder, "rest", *chosen]) == 0
+    assert f"written to {picture}" in capsys.readouterr().out and "<svg" in picture.read_text(encoding="utf-8")
+    assert cli.main(["sweep-plot", folder, "rest", "--where", "stiffness", "--out", str(picture)]) == 1
+    assert "NAME=VALUE" in capsys.readouterr().err
+    assert cli.main(["sweep-plot", folder, "rast", "--out", str(picture), "--overwrite"]) == 1
+    assert "did you mean 'rest'" in capsys.readouterr().err
+    assert cli.main(["info", str(tmp_path)]) == 1
 
 
 def test_histories_and_vectors_of_a_sweep_are_known_as_such(tmp_path: Path) -> None:

@@ -12,6 +12,7 @@ DEMOS = {
     "two_rollers": "Two steel rollers, pressed together, rolling, under a load step: contact beside Hertz.",
     "coarse_rollers": "The two rollers in 4 mm tetrahedra, far larger than the contact: beside a fine mesh, Hertz.",
     "crowned_on_raceway": "A crowned roller on a bearing's inner ring, in 2 mm cells: Hertz's ellipse, line, no edges.",
+    "crown_sweep": "Two crowned rollers, 60 equilibria over crown, load and tilt: Hertz, edges, the best crown.",
     "rolling_friction": "Two rollers with friction, one carried along, braked until it slips, on two meshes: Carter.",
     "creep_curves": "Two crowned rollers in 4 mm cells, rolled with creepages and spin: beside CONTACT and Kalker.",
     "ball_on_plane": "A ball pressed on a plane and pushed sideways: beside Hertz, Cattaneo and Mindlin.",

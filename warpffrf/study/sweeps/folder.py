@@ -43,6 +43,11 @@ TIMES = "time"
 log = logging.getLogger("warpffrf")
 
 
+def is_sweep(path: str | os.PathLike[str]) -> bool:
+    """Whether `path` is the folder of a sweep, by what is in it."""
+    return (Path(path).expanduser() / DEFINITION).is_file()
+
+
 class Folder:
     """The folder of one sweep."""
 

@@ -139,7 +139,10 @@ class Sweep(looks.Shown):
         """
         from warpffrf.study.sweeps.reading.plot import plot
 
-        return plot(self, output, x, y, hue, style, col, kind, component, where, path, overwrite)
+        return plot(
+            self, output, x=x, y=y, hue=hue, style=style, col=col, kind=kind, component=component, where=where,
+            path=path, overwrite=overwrite,
+        )  # fmt: skip
 
     def response(
         self, output: str, *, component: str | int | None = None, where: Mapping[str, Any] | None = None

@@ -12,7 +12,8 @@ from warpffrf.model.errors import unknown_name
 from warpffrf.study.sweeps.reading.values import Table
 
 WIDE = 8.0  # largest over least value of an axis that may be logarithmic
-FEW = 12  # values that all have a tick
+FEW = 12  # values that all have a tick, where there is room between them
+APART = 0.13  # of the axis, from one tick to the next
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,10 +55,15 @@ class Axis:
         if self.is_log:
             scale("log")
         at = self.distinct
-        if self.words is not None or (self.is_log and len(at) <= FEW):
+        if self.words is not None or (len(at) <= FEW and self._apart(at) >= APART):
             ticks(at, [self.text(position) for position in at])
             if self.is_log:
                 ticks([], minor=True)
+
+    def _apart(self, at: np.ndarray) -> float:
+        """The least distance of two values over the length of the axis."""
+        shown = np.log(at) if self.is_log else at
+        return float(np.diff(shown).min() / np.ptp(shown)) if len(at) > 1 else 1.0
 
 
 def axis_of(table: Table, name: str) -> Axis:

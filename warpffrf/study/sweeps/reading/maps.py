@@ -15,6 +15,8 @@ from warpffrf.study.sweeps.reading.values import Values
 
 MAP = "magma_r"
 LEVELS = 14  # of contours
+WRITTEN = 36  # cells whose values are written into them
+DARK = 0.55  # of the colour range, above which writing is white
 FLAT = 1e-6  # breadth over length, of places scaled to their ranges, below which they stand on a line
 
 
@@ -63,6 +65,8 @@ class Map:
             (x, y), places = grid
             field = np.full((len(x), len(y)), np.nan)
             field[tuple(places.T)] = np.where(self.values.has, self.values.numbers, np.nan)[self.rows] * factor
+            if field.size <= WRITTEN:
+                self._write(ax, (x, y), field)
             return ax.pcolormesh(_edges(x, self.x.is_log), _edges(y, self.y.is_log), field.T, **colors)
         has = self.rows & self.values.has
         x, y, z = self.x.positions[has], self.y.positions[has], self.values.numbers[has] * factor
@@ -72,6 +76,15 @@ class Map:
             ax.plot(x, y, ".", ms=4.0, color="0.3")
             return image
         return ax.scatter(x, y, c=z, s=30.0, edgecolors="0.4", linewidths=0.5, **colors)
+
+    def _write(self, ax: Any, at: Sequence[np.ndarray], field: np.ndarray) -> None:
+        """The values in their cells, at the lower edge of each, so that marks leave them to be read."""
+        low, high = self.limits
+        for (i, k), value in np.ndenumerate(field):
+            if np.isfinite(value):
+                color = "white" if value > low + DARK * (high - low) else "black"
+                ax.annotate(f"{value:.4g}", (at[0][i], at[1][k]), (0, -9), textcoords="offset points", color=color,
+                            ha="center", va="top", fontsize=7)  # fmt: skip
 
 
 def _edges(at: np.ndarray, is_log: bool) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import checked_output_path, written_whole
+from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.output.plots.panels import COLUMNS, panels_figure
 from warpffrf.study.sweeps.design import GIVEN
 from warpffrf.study.sweeps.reading.axes import Axis, axes_of, axis_of
@@ -147,9 +148,14 @@ def _output(table: Table, name: str) -> list[str]:
     """Pictures of an output, what its surface says, and its sensitivities; what cannot be made says why."""
     numbers = table[name]
     dims, _ = table.about(name)
-    if len(dims) - (TIME in dims):
+    others = [dim for dim in dims if dim != TIME]
+    if others and (len(others) > 1 or others[-1] not in COMPONENTS):
         shape = " x ".join(map(str, numbers.shape[1:]))
         return [_paragraph(f"{shape} numbers in a row along {', '.join(dims)}: read them as sweep[{name!r}].")]
+    if others:
+        return [
+            _said(lambda c=c: _picture(plot(table, name, component=c), f"{name}, {c}")) for c in COMPONENTS[others[-1]]
+        ]
     axes = axes_of(table, np.ones(len(table["status"]), dtype=bool))
     if TIME in dims:
         colors = [axis.name for axis in axes] or [None]
@@ -210,17 +216,18 @@ def _times(table: Table) -> list[str]:
 
 
 def call_of(table: Table) -> str:
-    """The call that makes this sweep, as far as the sweep knows it."""
+    """The call that makes this sweep, as far as the sweep knows it: a scene and functions are known by their names."""
     about = table.definition
-    parameters = about["parameters"]
+    parameters, outputs = about["parameters"], about["outputs"]
     if GIVEN in parameters.values():
-        given = f'wf.study.open_sweep("NAME.sweep").to_dataframe()[{list(parameters)!r}]'
+        given = [f'    wf.study.open_sweep("NAME.sweep").to_dataframe()[{list(parameters)!r}],']
     else:
-        given = "{" + ", ".join(f"{name!r}: {str(text)!r}" for name, text in parameters.items()) + "}"
-    lines = [f"outputs={dict(about['outputs'])!r},"]
-    if about["sample"]:
-        lines.append(f"sample={about['sample']!r}, seed={about['seed']},")
+        given = ["    {", *(f"        {name!r}: {str(text)!r}," for name, text in parameters.items()), "    },"]
+    named = {name: text.removesuffix("()") if text.endswith("()") else repr(text) for name, text in outputs.items()}
     options = ", ".join(f"{name!r}: {text}" for name, text in about["options"].items())
-    lines.append(f'{about["call"]}={{{options}}}, store="AGAIN.sweep",')
-    note = "# scene: " + str(about["title"])
-    return "\n".join([note, "wf.study.sweep(", f"    scene, {given},", *(f"    {line}" for line in lines), ")"])
+    sample = [f"    sample={about['sample']!r}, seed={about['seed']},"] if about["sample"] else []
+    return "\n".join([
+        f"# scene: {about['title']}", "wf.study.sweep(", "    scene,", *given, "    outputs={",
+        *(f"        {name!r}: {text}," for name, text in named.items()), "    },", *sample,
+        f"    {about['call']}={{{options}}},", '    store="AGAIN.sweep",', ")",
+    ])  # fmt: skip

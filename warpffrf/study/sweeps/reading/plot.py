@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.output.plots.panels import panels_figure
+from warpffrf.output.plots.panels import Drawn, panels_figure
 from warpffrf.output.plots.picture import write_picture
 from warpffrf.output.plots.scales import HEADROOM, SMALL
 from warpffrf.study.sweeps.reading.axes import Axis, axes_of, axis_of, grid_places
@@ -24,12 +24,12 @@ MOST_PANELS = 12
 ROOM = 0.06  # of the range, above and below it
 
 
-def plot(
+def panels_of(
     table: Table, output: str, x: str | None = None, y: str | None = None, hue: str | None = None,
     style: str | None = None, col: str | None = None, kind: str | None = None, component: str | int | None = None,
-    where: Mapping[str, Any] | None = None, path: str | os.PathLike[str] | None = None, overwrite: bool = False,
-) -> Any:  # fmt: skip
-    """A matplotlib Figure of an output, as `Sweep.plot` says; written to `path` where that is given."""
+    where: Mapping[str, Any] | None = None,
+) -> tuple[Sequence[Drawn], str]:  # fmt: skip
+    """The panels of `Sweep.plot`, and the title above them."""
     values = values_of(table, output, component)
     rows = chosen_rows(table, where)
     if kind is None:
@@ -59,7 +59,15 @@ def plot(
     else:
         _refuse("curves", y=y)
         drawn = _curves(table, values, panels, x, hue, style, free)
-    figure = panels_figure(drawn, title)
+    return drawn, title
+
+
+def plot(
+    table: Table, output: str, *, path: str | os.PathLike[str] | None = None, overwrite: bool = False, **chosen: Any
+) -> Any:
+    """A matplotlib Figure of an output, `chosen` by the arguments of `panels_of`; written to `path` where that is
+    given."""
+    figure = panels_figure(*panels_of(table, output, **chosen))
     if path is not None:
         write_picture(figure, path, "sweep: picture", overwrite=overwrite)
     return figure

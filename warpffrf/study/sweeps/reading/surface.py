@@ -1,11 +1,15 @@
 r"""A response surface: an output between the rows of a sweep, and how far it is off there.
 
-Parameters are scaled to 0 to 1 over their ranges, u = (p - p_least)/(p_largest - p_least).
+Parameters are scaled to 0 to 1 over their ranges, u = (p - p_least)/(p_largest - p_least), or their logarithms where
+the values are spread like that (`Axis.is_log`).
 
 **Whole grids**, all of whose rows have values: the tensor product of interpolating splines, of degree min(3, n - 1)
-along a parameter of n values (`scipy.interpolate.NdBSpline`). The error is that of held-out values: each inner value of
-each parameter is left out in turn with all rows that have it, and they are predicted from the others. Cells are twice
-as wide there as they are in the surface that is used, whose error is smaller, of smooth outputs by 2^(degree + 1).
+along a parameter of n values (`scipy.interpolate.NdBSpline`). A sweep has its values dense where the output bends, and
+a cubic through uneven values overshoots in their wide gaps; so the n values stand at 0, 1/(n - 1), ..., 1, and u
+between them is turned into such a place by a monotone curve (`scipy.interpolate.PchipInterpolator`; of even values it
+is the straight line). The error is that of held-out values: each inner value of each parameter is left out in turn with
+all rows that have it, and they are predicted from the others. Cells are twice as wide there as they are in the surface
+that is used, whose error is smaller, of smooth outputs by 2^(degree + 1).
 
 **Other rows**: thin-plate splines with a linear part (`scipy.interpolate.RBFInterpolator`),
 
@@ -26,7 +30,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.interpolate import NdBSpline, RBFInterpolator, make_interp_spline
+from scipy.interpolate import NdBSpline, PchipInterpolator, RBFInterpolator, make_interp_spline
 from scipy.optimize import minimize
 
 from warpffrf.model import looks
@@ -66,6 +70,7 @@ class Surface(looks.Shown):
     name: str
     unit: str
     ranges: dict[str, tuple[float, float]]
+    logarithmic: tuple[bool, ...]  # of which parameters the logarithms are scaled
     rows: int
     method: str
     error: float
@@ -83,16 +88,16 @@ class Surface(looks.Shown):
             if name not in self.ranges:
                 raise unknown_name(f"response of {self.name!r}: parameter", str(name), self.ranges)
         columns = []
-        for name, (low, high) in self.ranges.items():
+        for (name, (low, high)), is_log in zip(self.ranges.items(), self.logarithmic, strict=True):
             if name not in point:
                 raise InputError(f"response of {self.name!r}: say {name} too, between {low:g} and {high:g}")
-            u = (np.asarray(point[name], dtype=float) - low) / (high - low)
-            if not np.all((u >= -OUTSIDE) & (u <= 1.0 + OUTSIDE)):
+            p = np.asarray(point[name], dtype=float)
+            if not np.all((p >= low - OUTSIDE * (high - low)) & (p <= high + OUTSIDE * (high - low))):
                 raise InputError(
                     f"response of {self.name!r}: {name} is swept from {low:g} to {high:g}, and nothing is known "
                     f"outside; got {point[name]}"
                 )
-            columns.append(np.clip(u, 0.0, 1.0))
+            columns.append(_scaled(np.clip(p, low, high), low, high, is_log))
         u = np.stack(np.broadcast_arrays(*columns), axis=-1)
         found = self.of_unit(u.reshape(-1, len(columns))).reshape(u.shape[:-1])
         return float(found) if found.ndim == 0 else found
@@ -119,7 +124,8 @@ class Surface(looks.Shown):
             height, end = min(((float(found.fun), found.x), (float(heights[n]), starts[n])), key=lambda pair: pair[0])
             if height < best:
                 best, at = height, end
-        where = {name: float(a + u * (b - a)) for (name, (a, b)), u in zip(self.ranges.items(), at, strict=True)}
+        ends = zip(self.ranges.items(), self.logarithmic, at, strict=True)
+        where = {name: _unscaled(float(u), low, high, is_log) for (name, (low, high)), is_log, u in ends}
         return Extremum(sign * best, where, self.error)
 
     def report(self) -> str:
@@ -162,23 +168,17 @@ def surface(
 def _through(values: Values, rows: np.ndarray, axes: Sequence[Axis]) -> Surface:
     has = rows & values.has
     ranges = {a.name: (float(a.positions[rows].min()), float(a.positions[rows].max())) for a in axes}
-    columns = [(a.positions - low) / (high - low) for a, (low, high) in zip(axes, ranges.values(), strict=True)]
+    logarithmic = tuple(axis.is_log for axis in axes)
+    columns = [
+        _scaled(a.positions, *ends, is_log) for a, ends, is_log in zip(axes, ranges.values(), logarithmic, strict=True)
+    ]
     scaled = np.stack(columns, axis=1)
     u, y = scaled[has], values.numbers[has]
     missing = values.missing(rows)
     note = f"rows without a value are left out: {missing}" if missing else ""
     grid = grid_places(axes, rows) if not missing else None
     if grid is not None:
-        places = grid[1]
-        field = np.empty([len(v) for v in grid[0]])
-        field[tuple(places.T)] = y
-        at = [(v - low) / (high - low) for v, (low, high) in zip(grid[0], ranges.values(), strict=True)]
-        of_unit, misses = _splines(at, field), _held_out(at, field)
-        degrees = ", ".join(f"{min(DEGREE, len(v) - 1)}" for v in at)
-        method = f"a whole grid, splines of degree {degrees} along {', '.join(ranges)}"
-        error_method = "inner values of each parameter left out in turn, cells twice as wide"
-        if not len(misses):
-            error_method = "no parameter has an inner value to leave out; give three values of one, or more"
+        made = _of_grid(u, y, grid[1], [axis.name for axis in axes])
     else:
         u, y = _once(u, y)
         if len(y) < u.shape[1] + 1:
@@ -186,25 +186,56 @@ def _through(values: Values, rows: np.ndarray, axes: Sequence[Axis]) -> Surface:
                 f"response of {values.name!r}: {len(y)} rows have values, a surface over {u.shape[1]} parameters needs "
                 f"{u.shape[1] + 1} at least" + (f" ({missing})" if missing else "")
             )
-        of_unit, (misses, error_method) = _plates(values.name, u, y), _left_out(values.name, u, y)
-        method = "thin-plate splines"
-    error = float(np.sqrt(np.mean(misses**2))) if len(misses) else np.nan
+        misses, error_method = _left_out(values.name, u, y)
+        made = _Made(_plates(values.name, u, y), "thin-plate splines", misses, error_method)
+    error = float(np.sqrt(np.mean(made.misses**2))) if len(made.misses) else np.nan
     deviation = float(np.std(y))
     relative = error / deviation if deviation > 0.0 else 0.0 if error == 0.0 else np.inf
     return Surface(
-        values.name,
-        values.unit,
-        ranges,
-        int(has.sum()),
-        method,
-        error,
-        error_method,
-        float(relative),
-        note,
-        of_unit,
-        u,
-        y,
-    )
+        name=values.name, unit=values.unit, ranges=ranges, logarithmic=logarithmic, rows=int(has.sum()),
+        method=made.method, error=error, error_method=made.error_method, relative_error=relative, note=note,
+        of_unit=made.of_unit, points=u, values=y,
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """What goes through rows, how it was made, and by how much it missed those that were left out."""
+
+    of_unit: Unit
+    method: str
+    misses: np.ndarray
+    error_method: str
+
+
+def _of_grid(u: np.ndarray, y: np.ndarray, places: np.ndarray, names: Sequence[str]) -> _Made:
+    """Splines through y (n,) at u (n, d), which stand at `places` (n, d) of a grid."""
+    field = np.empty(places.max(axis=0) + 1)
+    field[tuple(places.T)] = y
+    at = [np.linspace(0.0, 1.0, count) for count in field.shape]
+    turns = [PchipInterpolator(np.unique(u[:, k]), even) for k, even in enumerate(at)]
+    splines, misses = _splines(at, field), _held_out(at, field)
+
+    def of_unit(asked: np.ndarray, /) -> np.ndarray:
+        return splines(np.stack([turn(asked[:, k]) for k, turn in enumerate(turns)], axis=1))
+
+    degrees = ", ".join(f"{min(DEGREE, count - 1)}" for count in field.shape)
+    method = f"a whole grid, splines of degree {degrees} along {', '.join(names)}"
+    error_method = "inner values of each parameter left out in turn, cells twice as wide"
+    if not len(misses):
+        error_method = "no parameter has an inner value to leave out; give three values of one, or more"
+    return _Made(of_unit, method, misses, error_method)
+
+
+def _scaled(p: np.ndarray, low: float, high: float, is_log: bool) -> np.ndarray:
+    """Values of a parameter as 0 to 1."""
+    return np.log(p / low) / np.log(high / low) if is_log else (p - low) / (high - low)
+
+
+def _unscaled(u: float, low: float, high: float, is_log: bool) -> float:
+    """The value of a parameter at 0 to 1, ends as they are."""
+    between = low * (high / low) ** u if is_log else low + u * (high - low)
+    return high if u == 1.0 else between
 
 
 def _splines(at: Sequence[np.ndarray], field: np.ndarray) -> Unit:
