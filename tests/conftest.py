@@ -2,7 +2,8 @@
 
 Whoever loads a module, a test that launches a kernel itself too, has it alone (`warpffrf.online.step.kernel_cache`), so
 that a module is compiled once and no worker reads what another one is writing. The folder stays between runs so that a
-second run starts warm; remove `.warp_cache` for a cold one.
+second run starts warm; remove `.warp_cache` for a cold one. Arrays and launches of tests that name no device are where
+runs that name none are: on the CPU, also where there is a GPU, unless `WARPFFRF_DEVICE` says otherwise.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ os.environ["WARP_CACHE_PATH"] = str(Path(__file__).resolve().parents[1] / ".warp
 import hypothesis
 import warp as wp
 
+from warpffrf.online.device import chosen_device
 from warpffrf.online.step.kernel_cache import sound
+from warpffrf.online.warp_start import start_warp
 
 hypothesis.settings.register_profile("no clock", deadline=None)  # no test depends on how busy the machine is
 hypothesis.settings.load_profile("no clock")
@@ -39,3 +42,6 @@ def _load_alone(module: wp.Module, device: Any, block_dim: int | None = None, *r
 
 
 setattr(wp.Module, "load", _load_alone)  # noqa: B010
+
+start_warp()
+wp.set_device(chosen_device(None))

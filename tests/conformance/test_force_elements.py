@@ -121,7 +121,7 @@ class Rows:
         x.r1.assign(r[None])
         x.axes.assign(A[None])
         wp.launch_tiled(
-            rows.evaluate_rows, dim=(1,), block_dim=64, device="cpu",
+            rows.evaluate_rows, dim=(1,), block_dim=64, device=e.compiled.device,
             inputs=[e.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
                     x.interface_motion],
             outputs=[x.C, x.C_modal.flatten(), x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench,
@@ -195,7 +195,8 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
     evaluate(r, A)
     x.tangent.zero_()
     inputs = [evaluate.engine.models, s.ctl, x.r1, x.axes, x.slope, x.interface_motion, s.lam, x.row_wrench]
-    wp.launch(geometric_stiffness.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device="cpu")
+    device = evaluate.engine.compiled.device
+    wp.launch(geometric_stiffness.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device=device)
     found = x.tangent.numpy()[0][:12, :12]
     tolerance = 1e-3 if "bushing" in name else 1e-8
     assert np.abs(found - expected).max() < tolerance * np.abs(expected).max()

@@ -121,7 +121,8 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
     wp.launch_tiled(
         line_of_centres_weights.weigh, dim=(1, 1),
         inputs=[engine.models, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
-        outputs=[engine.state.ctl, *(getattr(x, name) for name in names)], block_dim=BLOCK, device="cpu",
+        outputs=[engine.state.ctl, *(getattr(x, name) for name in names)], block_dim=BLOCK,
+        device=engine.compiled.device,
     )  # fmt: skip
     failure = int(engine.word("failure")[0])
     low, high = x.window.numpy()[0, 0] + m.window.half

@@ -12,6 +12,7 @@ from warpffrf_kernels.friction import stick_slip_solve
 
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.compile.outer_pattern import find_pattern, on_device
+from warpffrf.online.device import chosen_device
 from warpffrf.verification.half_space.friction_program import residual, solve
 
 SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
@@ -56,7 +57,7 @@ def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple
     words["run"] = 1
     ctl, tau = wp.array(words, dtype=k.Control), flat(start)
     pattern = find_pattern(1, np.zeros(1, int), np.zeros((0, 2), int), np.zeros((0, 2), bool))
-    owner, patterns = on_device(pattern, "cpu")
+    owner, patterns = on_device(pattern, chosen_device(None))
     order = wp.zeros(2 * P * n, dtype=wp.int32)
     wp.launch_tiled(
         stick_slip_solve.solve_tractions, dim=(1,), block_dim=BLOCK,

@@ -77,7 +77,7 @@ def test_interfaces_move_as_their_modes_say(engine: Engine) -> None:
         m.model.interfaces.stiffening_start.assign(np.zeros_like(start) if stiffened else start)
         wp.launch_tiled(
             interfaces.move_interfaces, dim=(1,), inputs=[engine.models, engine.state.ctl, x.q1.flatten(), x.slope],
-            outputs=[x.interface_motion], block_dim=BLOCK, device="cpu",
+            outputs=[x.interface_motion], block_dim=BLOCK, device=m.device,
         )  # fmt: skip
         found = x.interface_motion.numpy()[0]
         assert found == pytest.approx(np.array(expected), abs=1e-12 * np.abs(expected).max())

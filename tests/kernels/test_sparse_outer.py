@@ -14,6 +14,7 @@ from warpffrf_kernels.linear import outer_solve
 
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.compile.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
+from warpffrf.online.device import chosen_device
 
 DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
 
@@ -76,7 +77,7 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
         size,
         int(np.flatnonzero(np.diag(A) <= 0.0)[0]) if np.any(np.diag(A) <= 0) else size,
     )
-    kept, patterns = on_device(pattern, "cpu")
+    kept, patterns = on_device(pattern, chosen_device(None))
     ctl = host_structs(k.Control, 1)
     ctl["run"], ctl["moved"], ctl["refresh"] = 1, 1, refresh
     ctl_w: Any = wp.array(ctl, dtype=k.Control)
@@ -84,7 +85,7 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     scratch = [wp.zeros(max(n, 1), dtype=wp.float64) for n in sizes]
     fallback, z = wp.zeros((1, 2), dtype=int), wp.zeros(size, dtype=wp.float64)
     wp.launch_tiled(
-        outer_solve.solve_outer, dim=(1,), block_dim=BLOCK, device="cpu",
+        outer_solve.solve_outer, dim=(1,), block_dim=BLOCK,
         inputs=[wp.array([m], dtype=Model), patterns, wp.array(A[None], dtype=wp.float64),
                 wp.array(b, dtype=wp.float64), wp.zeros((1, 1, 1), dtype=wp.float64)],
         outputs=[ctl_w, wp.zeros((1, size), dtype=wp.float64), wp.zeros((1, size), dtype=int), *scratch, fallback,
