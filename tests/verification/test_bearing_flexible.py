@@ -89,6 +89,32 @@ def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
         wf.Scene().add_ball_bearing("b", elements=3, ball_diameter=D, pitch_diameter=PITCH, element_body=roller)
 
 
+@pytest.mark.slow
+def test_stiffness_of_a_bearing_with_flexible_rollers(roller: wf.ReducedBody) -> None:
+    """Three rollers under preload: alike in both radial directions and about both axes across, as what repeats after a
+    third of a turn is, none along the axis, and the one that a small load finds."""
+
+    def pressed(load: float) -> wf.Result:
+        scene = wf.Scene()
+        bearing = scene.add_roller_bearing(
+            "r", elements=3, roller_diameter=D, roller_length=LENGTH, pitch_diameter=PITCH, outer=scene.ground,
+            clearance=-12e-6, material=STEEL, element_body=roller,
+        )  # fmt: skip
+        inner = bearing.inner.at((0, 0, 0))
+        scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), inner, axis=(0, 1, 0), name="plane"))
+        scene.add(wf.forces.PointForce(inner, (load, 0, 0), name="load"))
+        return wf.equilibrium(scene, progress=False)
+
+    rest, load = pressed(0.0), 20.0
+    found = rest.bearing_stiffness("r")
+    K, moved = found.matrix, pressed(load).bearing("r").displacement[0, 0] - rest.bearing("r").displacement[0, 0]
+    assert K[0, 0] == pytest.approx(load / moved, rel=1e-3)
+    assert K[1, 1] == pytest.approx(K[0, 0], rel=1e-4) and K[4, 4] == pytest.approx(K[3, 3], rel=1e-3)
+    assert K[3, 3] > 0.0
+    assert abs(K[2, 2]) < 1e-6 * K[0, 0] and abs(K[5, 5]) < 1e-6 * K[3, 3]
+    assert found.asymmetry < 1e-3
+
+
 BALL, BALL_PITCH, GROOVE = 12.7e-3, 64.9985e-3, 6.6e-3  # m
 LIGHT, HEAVY = 1500.0, 15000.0  # N: half-axes of 0.22 and 0.46 of the ball's radius
 PARABOLA = 0.015  # of Hertz's peak pressures, whose surfaces are parabolas
@@ -125,7 +151,7 @@ def test_a_ball_in_rigid_grooves(ball: wf.ReducedBody) -> None:
     assert rest.status == "completed", rest.message
     found, modulus, approach = rest.bearing("b"), STEEL.youngs_modulus / (1.0 - STEEL.poisson_ratio**2), 0.0
     for side in ("inner", "outer"):
-        curvatures = found.raceways.curvatures(side, 0.0)
+        curvatures = found.raceways.curvatures(side, 0.0)  # pyright: ignore[reportAttributeAccessIssue]
         hertz = hertz_point(LIGHT, np.diag([float(k) for k in curvatures]), modulus)
         approach += hertz.approach
         assert rest.history.contacts[f"b {side} 1"].pressure[0].max() == pytest.approx(

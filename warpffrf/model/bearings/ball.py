@@ -127,7 +127,7 @@ def add_ball_bearing(
     breadth = BALL_WIDTH * D if width is None else require_number(width, f"{label}: width [m]", positive=True)
     different = checked_deviations(label, raceways, diameter_deviations)
     rigid = RigidElements(ELEMENT_SURFACE, element_of)
-    made = checked_elements(label, element_body, rigid, D, KINDS, different)
+    made = checked_elements(label, element_body, rigid, D, KINDS, different, raceways.contact_angle)
     assemble(
         scene, bearing, rings={"inner": inner, "outer": outer}, raceway_of=raceway_of,
         forms={"inner": inner_form, "outer": outer_form},

@@ -1,9 +1,10 @@
 """Rolling elements of a bearing: rigid ones, or a reduced body that stands at every place.
 
 A flexible element is a body of revolution about its contact surface's axis with its centre of mass in the origin of its
-mesh, as `mesh.roller(radius, 0.0, length, ...)` and `mesh.ball(...)` make them. It is added with that axis along the
-bearing's, the surface's reference direction e_0 outwards. Both raceways press on the one surface: two patches that feel
-each other through the element (`warpffrf.online.compile.patches_beside`).
+mesh, as `mesh.roller(radius, 0.0, length, ...)` makes them, with `crown_radius=radius` and a `tread` a ball. It is
+added with that axis along the bearing's, the surface's reference direction e_0 outwards; a ball of an angular-contact
+bearing is tilted by the contact angle, so that both raceways press on its tread, where it rolls, too. Both press on the
+one surface: two patches that feel each other through the element (`warpffrf.online.compile.patches_beside`).
 
 A cage holds an element by its centre. A flexible body has no points: there it takes the interface whose reference point
 is the centre, the mean motion of both ends of a roller, `interfaces={"ends": "average"}`.
@@ -58,13 +59,16 @@ class RigidElements(Elements):
 
 @dataclass(frozen=True)
 class FlexibleElements(Elements):
-    """One reduced body at all places."""
+    """One reduced body at all places; tilt [rad]: of its axis from the bearing's, that of the line of contact from the
+    radius."""
 
     body: ReducedBody
+    tilt: float = 0.0
 
     def add(self, scene: Scene, name: str, place: Place, radius: float, angle: float, diameter: float) -> Body:
         shape = self.body.contact_surfaces[self.surface].shape
-        wanted = np.stack([place.outward(angle), place.around(angle), place.axis])
+        c, s, out = np.cos(self.tilt), np.sin(self.tilt), place.outward(angle)
+        wanted = np.stack([c * out + s * place.axis, place.around(angle), c * place.axis - s * out])
         return scene.add_body(
             self.body, name=name, position=place.center + radius * place.outward(angle),
             rotation=Rotation.from_matrix(wanted.T @ shape.frame).as_quat(),
@@ -72,10 +76,16 @@ class FlexibleElements(Elements):
 
 
 def checked_elements(
-    label: str, given: Any, rigid: RigidElements, diameter: float, kinds: tuple[str, ...], deviations: np.ndarray
+    label: str,
+    given: Any,
+    rigid: RigidElements,
+    diameter: float,
+    kinds: tuple[str, ...],
+    deviations: np.ndarray,
+    tilt: float = 0.0,
 ) -> Elements:
-    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the surfaces that go. Raises
-    `InputError` for what is no element of this bearing."""
+    """`rigid` where `given`, the reduced body of all elements, is None. kinds: of the surfaces that go; tilt
+    [rad]: of a flexible one's axis. Raises `InputError` for what is no element of this bearing."""
     if given is None:
         return rigid
     name = f"{label}: element_body"
@@ -101,7 +111,7 @@ def checked_elements(
         )
     if np.any(deviations):
         raise InputError(f"{label}: diameter_deviations are of rigid elements; element_body is one body for all places")
-    return FlexibleElements(surface, given)
+    return FlexibleElements(surface, given, tilt)
 
 
 def centre_of(element: Body, label: str) -> Port:

@@ -27,8 +27,8 @@ a load that drives it finds no equilibrium, and is not held.
 **Slopes.** Free to first order is also what a gap leans on by up to FREE; there a force F drives by slope times F. It
 may be what the cells of a patch leave, 1e-7 of F, or real: the loads Q on a roller that is off the middle of a ring by
 y tilt it by Q y/K, and press it further out along its axis by as much of Q. Such motions are followed, as a ball finds
-the bottom of its groove in this way, until a proximal step fails, or some of the longest have not brought them to rest
-(`hold_driven`). Then those driven by less than FREE of the largest force are held as well, and named with what drives
+the bottom of its groove in this way, which is nearer than FREE of its radius. Where they go further (`wanders`), or a
+proximal step fails, those driven by less than FREE of the largest force are held as well, and named with what drives
 them.
 """
 
@@ -49,6 +49,9 @@ FREE = 1e-5
 STICKS = 3e-3  # the same of slips: patches of half-widths up to a fifteenth of a radius roll
 TURNED = 1e-5  # of the largest force, at the radius of gyration: what the same offset makes of it
 PULLED = 1e-8  # of the largest force, along a free translation: ten times what Newton's method may leave over
+# of the scene's length, which a slope has moved something by in a step: the next moves it a hundred times as far, and a
+# bottom that a slope below FREE leads to is not as far away
+FAR = 1e-2 * FREE
 YIELD = 1e-2  # s/m: of what friction resists, at first: a mass of 1 kg in a scene of 0.1 m at 1e6 N/m
 HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 a step
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
@@ -71,6 +74,7 @@ class FreeMotions:
     weakens = True  # what friction resists, from round to round
     first = NEARLY  # of the largest force left over: what is held from then on
     holds_driven = False  # whether what slopes drive is held
+    wanders = False  # whether something that slopes drive has gone far in the last step
 
     def __init__(self, engine: Engine, *, rubs: bool = False) -> None:
         self.engine, self.rubs = engine, rubs
@@ -95,7 +99,7 @@ class FreeMotions:
 
     def look(self) -> None:
         """Find the free motions at the state of the last step."""
-        self._drive, self._slope = None, {}
+        self._drive, self._slope, self.wanders = None, {}, False
         if not self.told:
             return
         for world in range(self.engine.worlds):
@@ -115,8 +119,11 @@ class FreeMotions:
             allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest
             all_of_them = self.bears and self._presses(world)
             self._sloping[world] = motions[(force <= FREE * largest) | all_of_them]
+            away = np.abs(motions @ (self._step(world) * weight)) / scale
+            driven = (force > allowed) & (force <= FREE * largest)
+            self.wanders |= bool(np.any(driven & (away > FAR * float(self.engine.compiled.model.length))))
             if self.holds_driven:
-                self._remember(world, motions[(force > allowed) & (force <= FREE * largest)])
+                self._remember(world, motions[driven])
                 allowed = np.maximum(allowed, FREE * largest)
             self.found[world] = motions[(force <= allowed) | all_of_them]
             if np.any(force > allowed):
@@ -278,8 +285,12 @@ class FreeMotions:
         own = np.hstack([mass[:, None] * rate, np.einsum("bij,bj->bi", inertia, turn)]).ravel()
         count = int(engine.scratch.hold_count.numpy()[world])
         held = engine.scratch.hold.numpy()[world, :count, : 6 * n]
-        step = np.hstack([np.asarray(a.numpy()[world][:n]) for a in (engine.scratch.dx, engine.scratch.psi)]).ravel()
-        return own + held.T @ (held @ step)
+        return own + held.T @ (held @ self._step(world))
+
+    def _step(self, world: int) -> np.ndarray:
+        """What the last proximal step moved and turned the bodies by (6 bodies,)."""
+        scratch, n = self.engine.scratch, len(self.engine.scene.bodies)
+        return np.hstack([np.asarray(a.numpy()[world][:n]) for a in (scratch.dx, scratch.psi)]).ravel()
 
 
 def _motions_of(part: np.ndarray) -> tuple[list[str], list[np.ndarray]]:

@@ -27,7 +27,6 @@ from warpffrf.online.start.rest import ROUND_OFF as REST
 from warpffrf.online.start.rest import creeping_notes, left_over
 from warpffrf.online.start.slow_films import stretch
 
-PATIENT = 3  # of the longest steps, after which what slopes drive is held
 MOST_STEPS = 150  # a snap-through takes about a hundred
 GROWTH = 10.0  # of the proximal step from one to the next, ...
 CAREFUL = 2.0  # ... below one that failed
@@ -81,7 +80,6 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     rubs = any(lap.friction.acts for lap in engine.scene.laps)
     lumped_alone = free.told and not free.possible  # where round-off turns round bodies, and no patch has to settle
     settled = balanced = still = False
-    longest = 0  # steps
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()
         engine.static_step(tau)
@@ -113,8 +111,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         free.look()
         if np.all(left <= free.first):
             free.hold()
-        longest += int(tau >= last)
-        if longest > PATIENT:
+        if free.wanders:
             free.hold_driven()
         if np.all(left <= level):
             engine.control(downhill=0)

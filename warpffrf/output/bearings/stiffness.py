@@ -2,7 +2,9 @@ r"""Stiffness of a bearing about a state: how the force and torque on the inner 
 
 The rings and the cage are held where the state has them, the outer one for good and the inner one displaced by +-h in
 each of six ways, three translations and three turns about the bearing's centre as that ring carries it; every element
-finds its equilibrium anew. With the reaction R(x) of what holds the inner ring,
+finds its equilibrium anew. A flexible ring is held by its interfaces, as the joints to the ground have it in the scene,
+and deforms anew as well; then it is the other, rigid one that moves. With the reaction R(x) of what holds the inner
+ring,
 
     K_ij = -(R_i(+h_j) - R_i(-h_j))/(2 h_j),
 
@@ -24,7 +26,8 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model.bearings import Bearing
-from warpffrf.model.bodies import GROUND_INDEX
+from warpffrf.model.bodies import GROUND_INDEX, Body, Ground
+from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import Fixed
 from warpffrf.model.laws.lumped import HertzPoint, PowerForce
@@ -51,15 +54,12 @@ class BearingStiffness:
 
 
 def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) -> BearingStiffness:
-    """Of the bearing called `name` of a scene about a saved step. Raises `InputError` for flexible parts, and where an
-    equilibrium is not found."""
+    """Of the bearing called `name` of a scene about a saved step. Raises `InputError` for flexible rings that joints to
+    the ground do not hold, for two flexible rings, and where an equilibrium is not found."""
     bearing = scene.bearing(name)
-    for key, contact in bearing.contacts.items():
-        if not isinstance(contact, LumpedContact):
-            raise InputError(
-                f"bearing {name!r}: the stiffness is that of rigid parts in lumped contact, {key} is distributed"
-            )
-    approach = max(float(history.lumped_contacts[contact.name].approach[row]) for contact in bearing.contacts.values())
+    _refuse_rings(scene, bearing)
+    both = history.lumped_contacts | history.contacts
+    approach = max(float(both[contact.name].approach[row]) for contact in bearing.contacts.values())
     if approach <= 0.0:
         raise InputError(f"bearing {name!r}: no element is loaded, and there is no stiffness; load the bearing first")
     h = max(MOVE * approach, LEAST)
@@ -100,13 +100,13 @@ def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndar
     pivot = bearing.inner.position + _turned(bearing.inner, rest).apply(lever)
     turn = Rotation.from_rotvec(frame.T @ move[3:])
     moved, still = bearing.inner, bearing.outer
-    if moved.index == GROUND_INDEX:
+    if moved.index == GROUND_INDEX or moved.reduced is not None:
         moved, still, turn, move = still, moved, turn.inv(), -move
     shift = frame.T @ move[:3]
     moved.position = pivot + turn.apply(moved.position - pivot) + shift
     moved.rotation = (turn * Rotation.from_quat(moved.rotation)).as_quat()
     for body in (moved, still, bearing.cage):
-        if body is not None and body.index != GROUND_INDEX:
+        if body is not None and body.index != GROUND_INDEX and body.reduced is None:
             at = body.position
             alone.add(Fixed(alone.ground.at(at), body.at((0.0, 0.0, 0.0)), name=f"hold {body.name}"))
     found = find_equilibrium(alone)
@@ -120,6 +120,30 @@ def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndar
     return sign * np.concatenate([frame @ F, frame @ M])
 
 
+def _held_by(scene: Scene, ring: Body | Ground) -> list[Any]:
+    """The joints between the interfaces of a flexible ring and the ground."""
+    if ring.reduced is None:
+        return []
+    ends = {id(ring), id(scene.ground)}
+    return [joint for joint in scene.joints if {id(port.body) for port in joint.ports} == ends]
+
+
+def _refuse_rings(scene: Scene, bearing: Bearing) -> None:
+    """Raises `InputError` for flexible rings that are not held, or both of them."""
+    flexible = [ring for ring in (bearing.inner, bearing.outer) if ring.reduced is not None]
+    if len(flexible) == 2:
+        raise InputError(
+            f"bearing {bearing.name!r}: stiffness: both rings are flexible, and none of them moves as a whole; take a "
+            "rigid ring for the one that is held stiffly"
+        )
+    for ring in flexible:
+        if not _held_by(scene, ring):
+            raise InputError(
+                f"bearing {bearing.name!r}: stiffness: the flexible ring {ring.name!r} is held by no joint between one "
+                "of its interfaces and the ground"
+            )
+
+
 def _turned(body: Any, rest: dict[str, Any]) -> Rotation:
     """Rotation of a ring's body, at the pose of the saved step, since the initial one."""
     return Rotation.from_quat(body.rotation) * Rotation.from_quat(rest[body.name]["rotation"]).inv()
@@ -128,7 +152,8 @@ def _turned(body: Any, rest: dict[str, Any]) -> Rotation:
 def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
     """The bearing by itself, parts at the poses of the saved step, laws as they are in the machine."""
     laws = {c.name: c.approach() for c in scene.bearing(name).contacts.values() if isinstance(c, LumpedContact)}
-    alone = copy.deepcopy(scene)
+    shared = {id(body.reduced): body.reduced for body in scene.bodies if body.reduced is not None}
+    alone = copy.deepcopy(scene, shared)
     bearing = alone.bearing(name)
     parts = [b for b in (bearing.inner, bearing.outer, bearing.cage, *bearing.elements) if b is not None]
     alone.gravity = np.zeros(3)
@@ -137,8 +162,12 @@ def _alone(scene: Scene, name: str, history: History, row: int) -> Scene:
         body.index = i
         body.position, body.rotation = history.bodies[body.name].position[row], history.bodies[body.name].rotation[row]
         body.velocity, body.angular_velocity = np.zeros(3), np.zeros(3)
-    alone.joints = [joint for key, joint in bearing.joints.items() if key != "cage_axle"]
-    alone.drives, alone.forces, alone.contacts, alone.films, alone.laps, alone.sensors = [], [], [], [], [], []
+    holding = [joint for ring in (bearing.inner, bearing.outer) for joint in _held_by(alone, ring)]
+    alone.joints = [*holding, *(joint for key, joint in bearing.joints.items() if key != "cage_axle")]
+    alone.drives, alone.forces, alone.films, alone.laps, alone.sensors = [], [], [], [], []
+    alone.contacts = [c for c in bearing.contacts.values() if isinstance(c, Contact)]
+    for contact in alone.contacts:
+        contact.friction = 0.0
     alone.lumped_contacts = [c for c in bearing.contacts.values() if isinstance(c, LumpedContact)]
     for contact in alone.lumped_contacts:
         contact.rolling_resistance, contact.spin = None, False
