@@ -77,6 +77,8 @@ def test_orbit_speed_is_that_of_rolling() -> None:
     gamma = 0.01 * np.cos(0.5) / 0.05
     assert bearing.orbit_speed(100.0) == pytest.approx(50.0 * (1.0 - gamma))
     assert bearing.orbit_speed(100.0, 100.0) == pytest.approx(100.0)
+    radial = bearing.raceways.diameter / bearing.raceways.pitch_diameter
+    assert bearing.orbit_speed(100.0, angle=0.0) == pytest.approx(50.0 * (1.0 - radial))
     assert roller().orbit_speed(0.0, 100.0) == pytest.approx(50.0 * (1.0 + 0.01 / 0.06))
 
 
@@ -120,6 +122,8 @@ def test_pockets_surround_elements() -> None:
         (lambda: roller(flanges=Flanges(1e-4, outer="left")), "'both', 'front', 'back'"),
         (lambda: roller(flanges=Flanges(1e-4, end_radius=0.004)), "must exceed half the length"),
         (lambda: roller(flanges=Flanges(-1e-4)), "Flanges: clearance"),
+        (lambda: roller(flanges=Flanges(1e-4, height=0.005)), "beyond the axis of the rollers"),
+        (lambda: roller(flanges=Flanges(1e-4, height=1e-3, end_radius=0.01)), "take an end_radius between"),
     ],
 )
 def test_what_does_not_fit_is_refused(make: Any, said: str) -> None:

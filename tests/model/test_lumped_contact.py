@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.model import laws, surfaces
+from warpffrf.model import films, laws, surfaces
+from warpffrf.model.bearings.geometry import BallRaceways
+from warpffrf.model.bearings.parts import Losses, contact_of
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped import LUMPED_LAWS, as_lumped_law
@@ -227,3 +229,37 @@ def test_a_contact_is_told_where_a_lumped_law_belongs(body_maker: Callable[..., 
     hard = scene.add_rigid_body(1.0, (1e-3,) * 3, name="hard", surfaces={"skin": ball()})
     with pytest.raises(InputError, match=r"laws.HertzPoint gives a force.*LumpedContact"):
         Contact(soft["rim"], hard["skin"], law=HERTZ)  # pyright: ignore[reportArgumentType]
+
+
+def test_what_only_lumped_contacts_see_is_refused_by_a_contact(body_maker: Callable[..., ReducedBody]) -> None:
+    """A form deviation, and a cone that is nearly a disc, of the rigid partner; rolling resistance of a bearing whose
+    ring is flexible."""
+    scene = Scene()
+    soft = scene.add_body(body_maker(), name="soft")
+    hard = scene.add_rigid_body(1.0, (1e-3,) * 3, name="hard")
+    about: dict[str, Any] = {"axis_point": ORIGIN, "axis_direction": Y}
+    wavy = hard.surface(surfaces.Cylinder(radius=0.01, **about), name="wavy", form=films.Lobes(1e-6, 3))
+    with pytest.raises(InputError, match=r"hard\['wavy'\] has a form deviation, which only lumped contacts see"):
+        Contact(soft["rim"], wavy)
+    disc = hard.surface(surfaces.Cone(radius=0.01, half_angle=1.55, **about), name="disc")
+    with pytest.raises(InputError, match=r"hard\['disc'\] is a cone so flat that only lumped contacts take it"):
+        Contact(soft["rim"], disc)
+    losses = Losses(0.0, laws.RollingLever(1e-5, 1.0))
+    with pytest.raises(InputError, match=r"soft\['rim'\] is flexible, and distributed contact has no rolling_res"):
+        contact_of(hard.surface(ball(), name="skin"), soft["rim"], HERTZ, losses, "pair")
+
+
+@pytest.mark.parametrize("grooves", [((9, 12.7e-3, 65e-3), 0.0), ((16, 22.23e-3, 125.3e-3), np.radians(40.0))])
+def test_hertz_stiffness_hardly_changes_with_the_contact_angle(grooves: Any) -> None:
+    """It stays that of the initial pose: within 4e-3 of that at 10 degrees more or less, of a 209 and a 218 bearing,
+    and the other way round on the other ring."""
+    (count, D, pitch), angle = grooves
+    raceways = BallRaceways("b", count, D, pitch, 0.0, 0.5232 * D, 0.5232 * D, angle)
+
+    def stiffness(side: str, at: float) -> float:
+        small, large = sorted(float(c) for c in raceways.curvatures(side, at))
+        return HERTZ.approach(Meeting("pair", (small, large), 0.0)).stiffness
+
+    for turn in (-np.radians(10.0), np.radians(10.0)):
+        inner, outer = (stiffness(side, angle + turn) / stiffness(side, angle) - 1.0 for side in ("inner", "outer"))
+        assert max(abs(inner), abs(outer)) < 4e-3 and inner * outer < 0.0

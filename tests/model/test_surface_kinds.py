@@ -260,7 +260,7 @@ def test_profile_numbers_are_the_shape() -> None:
         (lambda: surfaces.Bore(radius=0.0), "surface bore: radius must be greater than zero"),
         (lambda: surfaces.Ring(groove_radius=-0.1), "surface ring: groove_radius"),
         (lambda: surfaces.Groove(groove_radius=float("nan")), "surface groove: groove_radius must be finite"),
-        (lambda: surfaces.Cone(half_angle=np.radians(85.0)), "half_angle must lie between -80 and 80 degrees.*Plane"),
+        (lambda: surfaces.Cone(half_angle=np.radians(90.0)), "must lie between -89.99 and 89.99 degrees.*Plane"),
         (lambda: surfaces.ConicalBore(half_angle=0.0), "half_angle.*not be 0.*use Bore"),
         (lambda: surfaces.Plane(outward=(0, 0, 0)), "outward has zero length"),
         (lambda: surfaces.Plane(outward=(0, 0, 1), direction=(0, 0, 2)), "direction must not be parallel"),
@@ -302,6 +302,13 @@ def test_profile_numbers_are_the_shape() -> None:
 def test_border(make, match) -> None:
     with pytest.raises(InputError, match=match):
         make()
+
+
+def test_a_cone_that_is_nearly_a_disc_is_for_no_mesh() -> None:
+    disc = surfaces.Cone(radius=0.05, half_angle=np.radians(85.0), axis_point=(0, 0, 0), axis_direction=AXIS)
+    theta, z = np.meshgrid(np.linspace(0.0, 6.0, 20), [0.0, 1e-4, 2e-4])
+    with pytest.raises(InputError, match="of a mesh the half_angle must lie between -80 and 80 degrees"):
+        disc.fitted(disc.point(theta, z).reshape(-1, 3))
 
 
 def test_nodes_that_do_not_determine_or_do_not_fit() -> None:

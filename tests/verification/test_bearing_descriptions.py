@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.optimize import root
+from scipy.optimize import brentq, root
 
 from warpffrf.model import films, forces
 from warpffrf.model import rotation as rot
@@ -132,6 +132,7 @@ def test_loads_follow_the_form_of_the_raceway(form: Any, turned: float) -> None:
     assert off < REFERENCE
 
 
+TILT = 2e-3  # of first order in the lever that a tilted roller has at its skin
 LENGTH, END = 10 * MM, 0.1  # m
 ROLLERS = {"elements": 8, "roller_diameter": 8 * MM, "roller_length": LENGTH, "pitch_diameter": 40 * MM}
 
@@ -154,6 +155,43 @@ def test_flanges_carry_thrust() -> None:
     stiffness = 4.0 / 3.0 * 0.5 * STEEL.plane_strain_modulus * np.sqrt(END)
     moved = history.bodies["r inner ring"].position[-1, 1]
     assert moved == pytest.approx(play + 2.0 * (100.0 / stiffness) ** (2.0 / 3.0), rel=1e-6)
+
+
+def test_thrust_tilts_rollers() -> None:
+    """Ribs met at a height over the raceways: forces through the middles of the spherical ends make a couple, which the
+    laminae of IsoLamina carry; against a roller between two planes in NumPy."""
+    scene, height, thrust, tight = Scene(), 1 * MM, 800.0, 8 * UM
+    bearing = scene.add_roller_bearing(
+        "r", **ROLLERS, outer=scene.ground, clearance=-tight, material=STEEL,
+        flanges=Flanges(40 * UM, inner="back", end_radius=END, height=height),
+    )  # fmt: skip
+    for side, sign in (("outer", 1.0), ("inner", -1.0)):  # where ends meet ribs
+        rib = bearing.contacts[f"flange_{side}_{'front' if side == 'outer' else 'back'}_1"].nearest()  # pyright: ignore[reportAttributeAccessIssue]
+        out = bearing.place.outward(0.0)
+        lever = 0.5 * ROLLERS["roller_diameter"] - height
+        assert rib.place @ out - 0.5 * ROLLERS["pitch_diameter"] == pytest.approx(sign * lever, rel=1e-3)
+        assert rib.gap == pytest.approx(20 * UM * np.sqrt(1.0 - (lever / END) ** 2), rel=1e-6)
+    scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, thrust, 0.0), name="thrust"))
+    history = find_equilibrium(scene)
+    assert history.status == "completed", history.message
+    lean = np.arcsin(lever / END)
+    n, length, diameter = 30, LENGTH / MM, ROLLERS["roller_diameter"] / MM
+    x = length * ((np.arange(n) + 0.5) / n - 0.5)  # mm
+    drop = 0.00035 * diameter * np.log(1.0 / (1.0 - (2.0 * x / length) ** 2))
+    stiffness = 35948.0 * length ** (8.0 / 9.0) / n * 2.0 ** (10.0 / 9.0)
+
+    couple = 2.0 * (END - 0.5 * LENGTH) * thrust / 8.0 / np.cos(lean)  # of forces along the axis of the roller, turned
+
+    def excess(tilt: float) -> float:
+        pressed = [np.maximum(0.25 * tight / MM + sign * tilt * x - drop, 0.0) ** (10.0 / 9.0) for sign in (1.0, -1.0)]
+        return float(stiffness * np.sum((pressed[0] - pressed[1]) * x) * MM - couple * np.sin(lean - tilt))
+
+    tilt: Any = brentq(excess, 0.0, 0.01)
+    found = [2.0 * np.linalg.norm(history.bodies[e.name].rotation[-1, [0, 2]]) for e in bearing.elements]
+    print(f"tilt {np.mean(found) * 1e3:.5g} mrad, roller between planes {tilt * 1e3:.5g} mrad")
+    np.testing.assert_allclose(found, tilt, rtol=TILT)
+    Q = [history.lumped_contacts[f"r flange outer front {i}"].normal_force[-1] for i in range(1, 9)]
+    np.testing.assert_allclose(Q, 100.0 / np.cos(lean), rtol=1e-5)
 
 
 def test_flanges_stop_the_skew() -> None:

@@ -97,6 +97,11 @@ class Contact(looks.Item):
             )
         if b.rigid:
             refuse_form(b, label)
+            if getattr(b.surface.shape, "steep", False):
+                raise InputError(
+                    f"{label}: {b.label} is a cone so flat that only lumped contacts take it; use surfaces.Plane, or "
+                    "LumpedContact between rigid bodies"
+                )
         self.law = law
         self.friction = friction
         self.evaluation = evaluation

@@ -59,13 +59,15 @@ class Bearing(looks.Shown):
             "outer": self.outer.name, "cage": None if self.cage is None else self.cage.name,
         }  # fmt: skip
 
-    def orbit_speed(self, inner: float = 0.0, outer: float = 0.0) -> float:
+    def orbit_speed(self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None) -> float:
         """Speed [rad/s] of elements and cage about the axis where they roll without slip on rings that turn with the
-        speeds `inner` and `outer` [rad/s], at the free contact angle.
+        speeds `inner` and `outer` [rad/s]; angle [rad]: contact angle, None for the free one, which thrust makes. Under
+        a radial load alone it is 0, and a result has it as `inner_angle` and `outer_angle`.
 
-        With gamma = D cos(alpha)/d_pw: (inner (1 - gamma) + outer (1 + gamma))/2.
+        With gamma = D cos(alpha)/d_pw: (inner (1 - gamma) + outer (1 + gamma))/2. Raises `InputError` for an angle that
+        is no number.
         """
-        return self._rolling(inner, outer, self.angle, "outer").orbit
+        return self._rolling(inner, outer, self._contact_angle(angle, "orbit_speed"), "outer").orbit
 
     @property
     def angle(self) -> float:
@@ -86,8 +88,7 @@ class Bearing(looks.Shown):
         label = f"bearing {self.name!r}: roll"
         speeds = {"inner": require_number(inner, f"{label}: inner [rad/s]"),
                   "outer": require_number(outer, f"{label}: outer [rad/s]")}  # fmt: skip
-        at = self.angle if angle is None else require_number(angle, f"{label}: angle [rad]")
-        found = self._rolling(inner, outer, at, control)
+        found = self._rolling(inner, outer, self._contact_angle(angle, "roll"), control)
         for side, speed in speeds.items():
             ring = getattr(self, side)
             if isinstance(ring, Body):
@@ -108,6 +109,10 @@ class Bearing(looks.Shown):
             known = {id(getattr(self, side)): speed for side, speed in speeds.items()}
             self.drive.signal = Constant(found.orbit - known.get(id(carrier), 0.0))
         return found
+
+    def _contact_angle(self, angle: float | None, what: str) -> float:
+        """The one that is given, or the free one [rad]."""
+        return self.angle if angle is None else require_number(angle, f"bearing {self.name!r}: {what}: angle [rad]")
 
     def _rolling(self, inner: float, outer: float, angle: float, control: str) -> Rolling:
         D, pitch = self.raceways.diameter, self.raceways.pitch_diameter

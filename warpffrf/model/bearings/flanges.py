@@ -1,21 +1,30 @@
 r"""Flanges of cylindrical roller bearings: ribs of the rings that stop rollers along the axis.
 
-**The model.** A rib is a plane across the axis of its ring, without an end. The end of a roller is a sphere of the
-radius `end_radius` about a point of the roller's axis, so that its middle stands at half the length: rollers are ground
-so, or nearly flat with a large radius. Between both is a lumped contact. A roller that is skewed by the angle psi
-touches off its middle, at the distance
+**The model.** The end of a roller is a sphere of the radius R_s = `end_radius` about a point of the roller's axis, so
+that its middle stands at half the length l: rollers are ground so, or nearly flat with a large radius. A rib's face
+leans back by the opening angle beta, a cone about the axis of its ring; between both is a lumped contact. Where the
+roller stands straight they touch along the common normal, at R_s sin(beta) from the roller's axis towards the ring that
+has the rib: of a roller of the diameter D
 
-    e = (end_radius - length/2) psi
+    h = D/2 - R_s sin(beta),      beta = arcsin((D/2 - h)/R_s)
 
-from its axis in the plane of the rib, and both ends together have used up (end_radius - length/2) psi^2 of the axial
-play c: ribs on both sides stop the skew at
+over the raceway, the `height`. Forces of ends go through the middles of their spheres, R_s - l/2 beyond the middle of
+the roller: thrust F of a roller that an inner rib pushes against an outer one is a couple about the direction around,
+2 (R_s - l/2) F sin(beta - theta)/cos(beta) of a roller tilted by theta, which its laminae carry (T. A. Harris, Rolling
+Bearing Analysis, on roller bearings under thrust). The play c is that along the axis, c cos(beta) along the normals.
+Without a height the ribs are planes, touched at the roller's axis, and rollers do not tilt under thrust.
 
-    psi_max = sqrt(c/(end_radius - length/2)),
+A roller that is skewed by the angle psi touches off its middle, at the distance
 
-where the forces of the two ends make a moment about 2 e F that turns the roller back. What a real rib has beyond
-that, its height (the place of the contact is not held to it), its opening angle, an undercut, and the edge of a flat
-end, is left out, and loads of the two ribs act at the roller's axis, not at the height of the ribs: rollers do not tilt
-under thrust.
+    e = (R_s - l/2) psi
+
+from its axis in the plane of a rib, and both ends together have used up (R_s - l/2) psi^2 of the play: ribs on both
+sides stop the skew at
+
+    psi_max = sqrt(c/(R_s - l/2)),
+
+where the forces of the two ends make a moment about 2 e F that turns the roller back. A rib has no end (the place of
+the contact is not held to what a real one has); an undercut, and the edge of a flat end, are left out.
 """
 
 from __future__ import annotations
@@ -23,15 +32,18 @@ from __future__ import annotations
 from dataclasses import KW_ONLY, dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from warpffrf.model import surfaces
 from warpffrf.model.bearings.geometry import RollerRaceways
-from warpffrf.model.bodies import SurfacePort
+from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws import HertzPoint
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.surfaces.cone import FLATTEST, STEEPEST
 
 if TYPE_CHECKING:
     from warpffrf.model.bearings.bearing import Bearing
@@ -49,8 +61,10 @@ class Flanges:
 
     outer, inner: which ribs the rings have, "both", "front" (towards the axis direction), "back" or None; NU bearings
     have outer="both", N ones inner="both", NJ ones outer="both" and inner="front". end_radius [m]: of the rollers'
-    spherical ends, None for twenty times half the length. law: of the force, a lumped law, None for laws.HertzPoint of
-    the materials; friction: at the ribs. Contacts are `bearing.contacts["flange_outer_front_3"]`. Raises `InputError`.
+    spherical ends, None for twenty times half the length. height [m]: over the raceway, where ends meet the ribs, whose
+    faces lean back accordingly, so that thrust tilts rollers; None for flat ribs, met at the rollers' axes. law: of the
+    force, a lumped law, None for laws.HertzPoint of the materials; friction: at the ribs. Contacts are
+    `bearing.contacts["flange_outer_front_3"]`. Raises `InputError`.
     """
 
     clearance: float
@@ -58,6 +72,7 @@ class Flanges:
     outer: str | None = "both"
     inner: str | None = None
     end_radius: float | None = None
+    height: float | None = None
     law: LumpedLaw | None = None
     friction: FrictionLike = 0.0
 
@@ -78,6 +93,7 @@ class Flanges:
             )
         if any(element.reduced is not None for element in bearing.elements):
             raise InputError(f"{label}: ribs stop rigid rollers, these are flexible; leave flanges or element_body out")
+        lever = self._lever(label, 0.5 * bearing.raceways.diameter, radius)
         ribs = self._ribs(label)
         if not ribs:
             raise InputError(f"{label}: neither outer nor inner has a rib; leave flanges out")
@@ -92,14 +108,53 @@ class Flanges:
                     "ribs on the other ring, or add a LumpedContact with a rigid part"
                 )
             at = place.center + sign * (half + 0.5 * play) * place.axis
-            outward = body.to_user(at - sign * place.axis) - body.to_user(at)
-            rib = surfaces.Plane(origin=body.to_user(at), outward=outward)
-            port = body.surface(rib, name=f"{bearing.name} {side} {end} rib")
+            port = body.surface(
+                self._face(bearing, side, body, at, sign * place.axis, radius, lever),
+                name=f"{bearing.name} {side} {end} rib",
+            )
             for i, element_end in enumerate(ends[end], start=1):
                 contact = LumpedContact(
                     element_end, port, law=law, friction=self.friction, name=f"{bearing.name} flange {side} {end} {i}"
                 )
                 bearing.contacts[f"flange_{side}_{end}_{i}"] = scene.add(contact)
+
+    def _lever(self, label: str, half_diameter: float, radius: float) -> float:
+        """How far [m] from the roller's axis ends of the radius [m] meet the ribs."""
+        if self.height is None:
+            return 0.0
+        height = require_number(self.height, f"{label}: height [m]", non_negative=True)
+        if height >= half_diameter:
+            raise InputError(
+                f"{label}: height {height:g} m over the raceway is beyond the axis of the rollers, whose radius is "
+                f"{half_diameter:g} m; ribs reach to some tenths of that"
+            )
+        lever = half_diameter - height
+        least, most = np.cos(FLATTEST) * radius, np.cos(STEEPEST) * radius
+        if not least < lever < most:
+            raise InputError(
+                f"{label}: ends of the radius {radius:g} m meet ribs {lever:g} m from the roller's axis where these "
+                f"lean back by {np.degrees(np.arcsin(min(lever / radius, 1.0))):.3g} degrees; ribs lean by 0.01 to 10, "
+                f"take an end_radius between {lever / np.cos(STEEPEST):.3g} and {lever / np.cos(FLATTEST):.3g} m"
+            )
+        return lever
+
+    @staticmethod
+    def _face(
+        bearing: Bearing, side: str, body: Body | Ground, at: np.ndarray, along: np.ndarray, radius: float, lever: float
+    ) -> surfaces.Shape:
+        """Face of a rib, user frame of `body`: at, where a plane would stand on the axis, along: away from the rollers,
+        both in the world; ends of the radius meet it `lever` [m] from the roller's axis."""
+        if lever == 0.0:
+            return surfaces.Plane(origin=body.to_user(at), outward=body.to_user(at - along) - body.to_user(at))
+        lean = np.arcsin(lever / radius)
+        back = at - radius * (1.0 - np.cos(lean)) * along
+        inner = side == "inner"
+        cone = surfaces.Cone if inner else surfaces.ConicalBore
+        return cone(
+            radius=0.5 * bearing.raceways.pitch_diameter + (-lever if inner else lever),
+            half_angle=(1.0 if inner else -1.0) * float(0.5 * np.pi - lean),
+            axis_point=body.to_user(back), axis_direction=body.to_user(back + along) - body.to_user(back),
+        )  # fmt: skip
 
     def _ribs(self, label: str) -> list[tuple[str, str]]:
         """Side and end of every rib."""

@@ -17,7 +17,10 @@ from warpffrf.model.surface_fit import fit_revolution
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
 
-STEEPEST = np.radians(80.0)  # a steeper cone is a disc: its chart counts along an axis that it hardly follows
+STEEPEST = np.radians(
+    80.0
+)  # of a mesh: a steeper cone is a disc, its chart counts along an axis that it hardly follows
+FLATTEST = np.radians(89.99)  # of a rigid surface in lumped contact, which needs no chart: the face of a rib
 STRAIGHT = 1e-9  # tangent below which points show no cone: round-off of nodes over their width
 
 
@@ -27,7 +30,8 @@ class Cone(RevolutionShape):
     """Outside of a cone; what is None is fitted to the nodes of the facet set.
 
     half_angle [rad] between axis and generatrix, positive where the radius grows along `axis_direction`; radius [m] at
-    `axis_point`, which is not the tip. Raises `InputError` for an angle of 0 or beyond 80 degrees.
+    `axis_point`, which is not the tip. Beyond 80 degrees, as faces of ribs are, it is for lumped contacts alone.
+    Raises `InputError` for an angle of 0 or beyond 89.99 degrees.
     """
 
     half_angle: float | None = None
@@ -39,11 +43,27 @@ class Cone(RevolutionShape):
         super().__post_init__()
         if self.half_angle is not None:
             self._keep_number("half_angle")
-            if not 0.0 < abs(self.half_angle) < STEEPEST:
+            if not 0.0 < abs(self.half_angle) < FLATTEST:
                 raise InputError(
-                    f"surface {self.kind}: half_angle must lie between -80 and 80 degrees and not be 0, got "
+                    f"surface {self.kind}: half_angle must lie between -89.99 and 89.99 degrees and not be 0, got "
                     f"{np.degrees(self.half_angle):g} degrees; use {self._flat_forms()} for 0, Plane for 90"
                 )
+
+    @property
+    def steep(self) -> bool:
+        """Whether it is for lumped contacts alone."""
+        return self.half_angle is not None and abs(self.half_angle) >= STEEPEST
+
+    def fitted(self, points: Any, normals: Any = None) -> Any:
+        """As of any shape, to points (n, 3) [m] with outward normals (n, 3) in the user frame; raises `InputError` for
+        a cone beyond 80 degrees too."""
+        found = super().fitted(points, normals)
+        if found.steep:
+            raise InputError(
+                f"surface {self.kind}: of a mesh the half_angle must lie between -80 and 80 degrees, it is "
+                f"{np.degrees(found.half_angle):g} degrees; use Plane"
+            )
+        return found
 
     def profile(self) -> SurfaceProfile:
         if self.half_angle is None:
