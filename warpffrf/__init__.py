@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from warpffrf.output.recording.recorder import record
     from warpffrf.output.result import Result
     from warpffrf.output.simulate import equilibrium, simulate
+    from warpffrf.output.worlds import simulate_worlds
     from warpffrf.scene_file import load_scene, run_scene
 
 __version__ = "0.1.0"
@@ -91,6 +92,7 @@ __all__ = [
     "sensors",
     "signals",
     "simulate",
+    "simulate_worlds",
     "study",
     "surfaces",
 ]
@@ -135,6 +137,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "sensors": ("warpffrf.model.sensors", None),
     "signals": ("warpffrf.model.signals", None),
     "simulate": ("warpffrf.output.simulate", "simulate"),
+    "simulate_worlds": ("warpffrf.output.worlds", "simulate_worlds"),
     "study": ("warpffrf.study", None),
     "surfaces": ("warpffrf.model.surfaces", None),
 }

@@ -1,5 +1,5 @@
 """The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum |
-view | picture | study`.
+view | picture | study | sweep`.
 
 Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
 is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
@@ -26,7 +26,7 @@ from warpffrf.cli_examples import add_example_commands
 from warpffrf.cli_pictures import add_picture_commands
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
-from warpffrf.cli_sweep_plot import add_sweep_plot_command
+from warpffrf.cli_sweep import add_sweep_command, add_sweep_plot_command
 from warpffrf.demos import DEMOS
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
@@ -448,10 +448,10 @@ def info(
 
 
 add_result_commands(app)
-
-add_sweep_plot_command(app)
 add_example_commands(app)
 add_picture_commands(app, lambda: _State.quiet)
+add_sweep_command(app, lambda: _State.quiet)
+add_sweep_plot_command(app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -117,12 +117,12 @@ class Rows:
     def __call__(self, r: np.ndarray, A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values (rows,), gradients (rows, 6 bodies) and wrenches (rows, 6)."""
         e = self.engine
-        x, s, m = e.scratch, e.state, e.compiled
+        x, s = e.scratch, e.state
         x.r1.assign(r[None])
         x.axes.assign(A[None])
         wp.launch_tiled(
             rows.evaluate_rows, dim=(1,), block_dim=64, device="cpu",
-            inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
+            inputs=[e.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
                     x.interface_motion],
             outputs=[x.C, x.C_modal.flatten(), x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench,
                      x.row_pull],
@@ -194,7 +194,7 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
             expected[:, 6 * body + c] = (sides[0] - sides[1]) / (2.0 * STEP)
     evaluate(r, A)
     x.tangent.zero_()
-    inputs = [m.models, s.ctl, x.r1, x.axes, x.slope, x.interface_motion, s.lam, x.row_wrench]
+    inputs = [evaluate.engine.models, s.ctl, x.r1, x.axes, x.slope, x.interface_motion, s.lam, x.row_wrench]
     wp.launch(geometric_stiffness.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device="cpu")
     found = x.tangent.numpy()[0][:12, :12]
     tolerance = 1e-3 if "bushing" in name else 1e-8

@@ -111,12 +111,12 @@ def evaluate_on_device(scene: Scene, pose: Pose) -> tuple[np.ndarray, np.ndarray
         x.q1.assign(q[None])
     engine.control(run=1, moved=1)
     wp.launch_tiled(
-        interfaces.move_interfaces, dim=(1,), inputs=[m.models, s.ctl, x.q1.flatten(), x.slope, x.interface_motion],
-        block_dim=BLOCK,
+        interfaces.move_interfaces, dim=(1,), block_dim=BLOCK,
+        inputs=[engine.models, s.ctl, x.q1.flatten(), x.slope, x.interface_motion],
     )  # fmt: skip
     wp.launch_tiled(
         row_kernels.evaluate_rows, dim=(1,),
-        inputs=[m.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
+        inputs=[engine.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
                 x.interface_motion, x.C, x.C_modal.flatten(), x.coordinate, x.defect, x.softness, s.drive_rate,
                 x.row_wrench, x.row_pull],
         block_dim=BLOCK,

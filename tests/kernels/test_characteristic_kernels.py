@@ -13,7 +13,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 from warpffrf.model import forces
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.scene import CompiledScene, compile_scene
+from warpffrf.online.compile.scene import CompiledScene, compile_scene, models_of
 from warpffrf.online.settings import Settings
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -52,7 +52,7 @@ def test_device_and_host(compiled: CompiledScene, n: int) -> None:
     breaks = curve.pieces.breaks
     x = np.concatenate([np.linspace(-4.0, 5.0, 201), breaks, np.nextafter(breaks, -9.0), [0.0]])
     found = wp.zeros(len(x), dtype=wp.vec3d)
-    wp.launch(evaluate, len(x), [compiled.models, n, wp.array(x, dtype=wp.float64)], [found])
+    wp.launch(evaluate, len(x), [models_of([compiled]), n, wp.array(x, dtype=wp.float64)], [found])
     expected = np.stack([curve.force(x), curve.slope(x), curve.energy(x)], axis=1)
     assert np.all(np.abs(found.numpy() - expected) <= ROUND_OFF * np.abs(expected).max(axis=0))
 

@@ -120,7 +120,7 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
     engine.control(run=1, moved=1)
     wp.launch_tiled(
         line_of_centres_weights.weigh, dim=(1, 1),
-        inputs=[engine.compiled.models, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
+        inputs=[engine.models, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
         outputs=[engine.state.ctl, *(getattr(x, name) for name in names)], block_dim=BLOCK, device="cpu",
     )  # fmt: skip
     failure = int(engine.word("failure")[0])

@@ -76,7 +76,7 @@ def test_interfaces_move_as_their_modes_say(engine: Engine) -> None:
         x.slope.assign(now.ravel())
         m.model.interfaces.stiffening_start.assign(np.zeros_like(start) if stiffened else start)
         wp.launch_tiled(
-            interfaces.move_interfaces, dim=(1,), inputs=[m.models, engine.state.ctl, x.q1.flatten(), x.slope],
+            interfaces.move_interfaces, dim=(1,), inputs=[engine.models, engine.state.ctl, x.q1.flatten(), x.slope],
             outputs=[x.interface_motion], block_dim=BLOCK, device="cpu",
         )  # fmt: skip
         found = x.interface_motion.numpy()[0]

@@ -152,7 +152,7 @@ def test_impacts_together_gain_a_hundredth() -> None:
         state.pair_force.assign(force)
         engine.control(every=1, attempt=1, accept=0, failure=0, level=0, sub=0, status=0)
         inputs = [
-            engine.compiled.models, state.energy, work.dx, state.pair_force, work.restless, work.wanted,
+            engine.models, state.energy, work.dx, state.pair_force, work.restless, work.wanted,
             work.created_now, state.lumped_force, state.lumped_energy, work.hold_force,
         ]  # fmt: skip
         outputs = [state.impulsive, state.ctl, state.clk]

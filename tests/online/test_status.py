@@ -249,12 +249,13 @@ def test_ctrl_c_keeps_the_results_so_far(monkeypatch: pytest.MonkeyPatch) -> Non
     launches = 0
     replay = StepGraph.replay
 
-    def interrupted(graph: StepGraph, budget: int) -> None:
+    def interrupted(graph: StepGraph, budget: int) -> float:
         nonlocal launches
-        replay(graph, budget)
+        seconds = replay(graph, budget)
         launches += budget > 1  # chunks, not the start and what is saved in between
         if launches == 3:
             raise KeyboardInterrupt
+        return seconds
 
     monkeypatch.setattr(StepGraph, "replay", interrupted)
     history = run(scene, 1000.0, step=1e-3, progress=False)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
+import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import DeviceArray
 from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
@@ -13,26 +13,36 @@ from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha, Integrator
 from warpffrf.model.scene import Scene
-from warpffrf.online.arrays import Ring, Sizes, initial_state, sizes_of
+from warpffrf.online.arrays import Ring, Sizes, initial_motion, initial_state, sizes_of
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
 from warpffrf.online.arrays.scratch import KEPT, KEPT_OF_PATCHES, scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
 from warpffrf.online.compile.patch_plan import PatchPlan
-from warpffrf.online.compile.scene import compile_scene
+from warpffrf.online.compile.scene import CompiledScene, compile_scene, enlarge
 from warpffrf.online.device import chosen_device
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.step import kernel_cache
-from warpffrf.online.step.graph import StepGraph
+from warpffrf.online.step.graph import Parts, StepGraph
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
+EngineOf = Callable[..., "Engine"]
+"""Makes the engine of a run, with the scene and the options of `Engine`."""
 NOT_KEPT = (
     "what cells that travel with the patch keep from step to step is not in the checkpoint, or does not fit: the run "
     "goes on to the tolerance of the iteration, not bit for bit"
 )
 KEPT_MARK = "kept_"  # before the names of arrays in a checkpoint that are no part of the state
+
+
+def ready_device(named: str | None) -> str:
+    """The device that is meant by a name, with Warp begun and what is left of a broken compilation away."""
+    kernel_cache.check_place()
+    if start_warp():
+        kernel_cache.remove_unfinished()
+    return chosen_device(named)
 
 
 class Engine:
@@ -55,22 +65,35 @@ class Engine:
         """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
         `device`: None for the usual one (`chosen_device`). `progress`: a bar while kernels are compiled; the rest as
         `online.run`."""
-        kernel_cache.check_place()
-        if start_warp():
-            kernel_cache.remove_unfinished()
-        device = chosen_device(device)
-        self.settings = settings or Settings()
-        self.scene, self.worlds = scene, worlds
-        self.compiled = compile_scene(scene, self.settings, device, local, patches)
+        settings = settings or Settings()
+        compiled = compile_scene(scene, settings, ready_device(device), local, patches)
+        self._begin([compiled] * worlds, settings, integrator, step_error, progress)
+
+    def _begin(
+        self,
+        scenes: Sequence[CompiledScene],
+        settings: Settings,
+        integrator: Integrator | None,
+        step_error: float | None,
+        progress: bool,
+    ) -> None:
+        """Arrays and graph of `scenes`, one a world."""
+        self.settings, self.scenes, self.worlds = settings, list(scenes), len(scenes)
+        self.compiled = scenes[0]
+        self.scene = self.compiled.scene
         self._integrator, self._step_error, self._progress = integrator or GeneralizedAlpha(), step_error, progress
         self._projected = self._integrator.project_velocities and self.compiled.model.rows.count > 0
         self._pattern = pattern_of(self.compiled)
-        self.state = initial_state(self.compiled, self._sizes())
-        self.ring = Ring(self._sizes(), device)
+        self.state = initial_state(self.scenes, self._sizes())
+        self.ring = Ring(self._sizes(), self.compiled.device)
         self._allocate()
+        self._open_books()
+
+    def _open_books(self) -> None:
+        """What the host keeps of a run."""
         self.no_room = 0  # hats in play that there was no memory for
-        self.chunks: list[list[SavedRows]] = [[] for _ in range(worlds)]  # taken out of the ring, in chunks
-        self.drained = np.zeros(worlds, dtype=int)
+        self.chunks: list[list[SavedRows]] = [[] for _ in range(self.worlds)]  # taken out of the ring, in chunks
+        self.drained = np.zeros(self.worlds, dtype=int)
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
         self.not_at_rest = ""  # why `settle` found no static state, where it knows
@@ -78,15 +101,15 @@ class Engine:
 
     def _allocate(self) -> None:
         """Scratch arrays and the graph that works on them."""
-        compiled, worlds, integrator = self.compiled, self.worlds, self._integrator
+        scenes, worlds, integrator = self.scenes, self.worlds, self._integrator
         sizes = self._sizes()
-        self.scratch = scratch_for(compiled, sizes, self.state)
+        self.scratch = scratch_for(scenes, sizes, self.state)
         self.scratch.coefficients.assign(np.tile(integrator.coefficients, (worlds, 1)))
-        self.scratch.local_coefficients.assign(np.tile(compiled.local.options.coefficients, (worlds, 1)))
+        self.scratch.local_coefficients.assign(np.tile(self.compiled.local.options.coefficients, (worlds, 1)))
         self.scratch.project.fill_(int(integrator.project_velocities))
         self.scratch.step_error.fill_(self._step_error or 0.0)
-        self.graph = StepGraph(
-            compiled, sizes, self.state, self.ring, self.scratch, self._pattern, progress=self._progress
+        self.graph: Parts = StepGraph(
+            scenes, sizes, self.state, self.ring, self.scratch, self._pattern, progress=self._progress
         )
 
     def _sizes(self) -> Sizes:
@@ -106,13 +129,15 @@ class Engine:
         slots = min(slots, m.capacity.slot_limit)
         if slots <= m.capacity.slots:
             return
-        kept = (m.capacity.slots, m.capacity.cells), self.compiled.models, self.scratch, self.graph
+        room, kept = (m.capacity.slots, m.capacity.cells), (self.scratch, self.graph)
         before = vars(self.scratch)
         try:
-            self.compiled.enlarge(slots)
+            enlarge(self.scenes, slots)
             self._allocate()
         except (InputError, MemoryError, RuntimeError):
-            (m.capacity.slots, m.capacity.cells), self.compiled.models, self.scratch, self.graph = kept
+            self.scratch, self.graph = kept
+            for compiled in self.scenes:
+                compiled.model.capacity.slots, compiled.model.capacity.cells = room
             self.no_room = slots
             return
         for name, array in vars(self.scratch).items():
@@ -137,6 +162,11 @@ class Engine:
             words[word][short] = 0
         self.state.ctl.assign(words)
         return True
+
+    @property
+    def models(self) -> wp.array:
+        """Constants of the scenes as kernels take them, one a world."""
+        return self.graph.program.arrays["models"]
 
     @property
     def integrator(self) -> Integrator:
@@ -180,11 +210,9 @@ class Engine:
 
     def replay(self, attempts: int) -> float:
         """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
-        begin = time.perf_counter()
-        self.graph.replay(attempts)
+        seconds = self.graph.replay(attempts)
         while self._relieve():
-            self.graph.replay(attempts)
-        seconds = time.perf_counter() - begin
+            seconds += self.graph.replay(attempts)
         self.seconds_in_graph += seconds
         self.drain()
         return seconds
@@ -281,7 +309,7 @@ class Engine:
         self.control(record=1)
         self.graph.record()
         self.control(record=0)
-        self.replay(0)
+        self.drain()
 
     def rates_to_zero(self) -> None:
         for name in ("v", "v_rate", "v_alg", "omega", "omega_rate", "omega_alg", "qd", "qd_rate", "qd_alg"):
@@ -289,7 +317,7 @@ class Engine:
 
     def initial_rates(self) -> None:
         """Velocities of the scene, on top of whatever positions the state has."""
-        fresh = initial_state(self.compiled, self._sizes())
         self.rates_to_zero()
-        self.state.v.assign(fresh.v)
-        self.state.omega.assign(fresh.omega)
+        motions = [initial_motion(compiled.scene) for compiled in self.scenes]
+        for name in ("v", "omega"):
+            getattr(self.state, name).assign(np.stack([motion[name] for motion in motions]))

@@ -46,7 +46,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of
-from warpffrf.online.engine import Engine
+from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.keeping import Keeping, go_on
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
@@ -78,6 +78,7 @@ def run_static(
     progress: bool = True,
     settings: Settings | None = None,
     keeper: Keeper | None = None,
+    engine_of: EngineOf = Engine,
 ) -> History:
     """Equilibria of `scene` for `duration` [s] in load steps of `step` [s]; arguments as of `online.run`.
 
@@ -102,7 +103,7 @@ def run_static(
     made_with = {
         "device": device, "settings": settings, "local": as_local_dynamics(local), "progress": progress,
     }  # fmt: skip
-    engine = Engine(scene, **made_with)
+    engine = engine_of(scene, **made_with)
     built = time.perf_counter()
     notes = [*engine.compiled.notes, *uneven, *_without_friction(scene), *untested_warp_note()]
     free = FreeMotions(engine, rubs=True)

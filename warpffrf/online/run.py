@@ -48,7 +48,7 @@ from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unh
 from warpffrf.online.diagnosis.load_notes import is_static, load_notes
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
 from warpffrf.online.diagnosis.steep_falls import steep_notes
-from warpffrf.online.engine import Engine
+from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
@@ -133,6 +133,7 @@ def run(
     settings: Settings | None = None,
     project_start: bool = False,
     keeper: Keeper | None = None,
+    engine_of: EngineOf = Engine,
 ) -> History:
     """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
 
@@ -141,7 +142,8 @@ def run(
     which goes on to its end: the History is that of the whole, and `duration` is taken from it. keeper: takes what is
     saved while the run is under way. step_error: halve steps whose local error exceeds it, see
     `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do not agree with the joints are changed as
-    little as possible (in the kinetic energy of the change) instead of refused. Raises InputError for wrong input.
+    little as possible (in the kinetic energy of the change) instead of refused. engine_of: makes the engine, alone or
+    in a place beside others (`warpffrf.online.worlds`). Raises InputError for wrong input.
     """
     if isinstance(integrator, CHECK_INTEGRATORS):
         if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
@@ -181,7 +183,7 @@ def run(
         "device": device, "settings": settings, "integrator": integrator, "step_error": step_error,
         "local": as_local_dynamics(local), "progress": progress,
     }  # fmt: skip
-    engine = Engine(scene, **made_with)
+    engine = engine_of(scene, **made_with)
     built = time.perf_counter()
     first_step, rejected = 0, 0
     notes = [*engine.compiled.notes, *_reaction_notes(integrator, engine), *uneven, *untested_warp_note()]

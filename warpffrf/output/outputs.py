@@ -44,8 +44,12 @@ class Whole:
         self.path, self.run, self.done = path, run, False
 
     def written(self, result: Kind) -> Kind:
-        """Write the results; they go with a note where that is not possible."""
+        """Say how the run has ended, and write the results."""
         _tell_end(result)
+        return self.kept(result)
+
+    def kept(self, result: Kind) -> Kind:
+        """Write the results; they go with a note where that is not possible."""
         self.run.settle()
         result.history.notes.extend(self.run.troubles)
         with deferred_interrupts() as asked:
@@ -61,9 +65,8 @@ class NoFile(Whole):
     def __init__(self) -> None:
         self.path = None
 
-    def written(self, result: Kind) -> Kind:
+    def kept(self, result: Kind) -> Kind:
         """The result as it is."""
-        _tell_end(result)
         return result
 
 

@@ -129,13 +129,13 @@ def simulate(
     >>> result.status
     'completed'
     """
-    _known_scene(scene, "simulate")
+    known_scene(scene, "simulate")
     _known_method(method)
     as_local_dynamics(local)
-    _known_integrator(integrator, "simulate")
-    _known("kind", kind, KINDS)
+    known_integrator(integrator, "simulate")
+    known("kind", kind, KINDS)
     if kind == "static":
-        _refuse_in_statics(
+        refuse_in_statics(
             "simulate", integrator=integrator, step_error=step_error, accuracy=accuracy,
             energy_tolerance=energy_tolerance, project_start=project_start or None, stages=stages,
         )  # fmt: skip
@@ -217,7 +217,7 @@ def _holds(scene: Any) -> str:
     return ", ".join(named) or "an empty scene"
 
 
-def _refuse_in_statics(where: str, **options: Any) -> None:
+def refuse_in_statics(where: str, **options: Any) -> None:
     """Raises `InputError` for an option that says nothing of equilibria."""
     for name, value in options.items():
         if value is not None:
@@ -271,7 +271,7 @@ def _staged(
         _known_method(method)
         methods.append(_method_name(method))
         as_local_dynamics(stage.options.get("local", options["local"]))
-        _known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
+        known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
         if stage.kind == "static":
             _refuse_reference(method, f"stage {stage.name!r}")
         if results is not None:
@@ -368,7 +368,7 @@ def equilibrium(
     >>> round(float(rest.contact("lower-upper").force_magnitude[0]))  # N, of the spring and the push
     150
     """
-    _known_scene(scene, "equilibrium")
+    known_scene(scene, "equilibrium")
     outputs = Outputs(overwrite)
     outputs.check(results, record)
     with terminated_as_interrupted(), speaking(progress), outputs.locked(results) as whole:
@@ -377,26 +377,26 @@ def equilibrium(
         return outputs.record(found, record, None, progress)
 
 
-def _known(option: str, value: str, values: tuple[str, ...]) -> None:
+def known(option: str, value: str, values: tuple[str, ...]) -> None:
     if not isinstance(value, str) or value not in values:
         raise InputError(f"simulate: {option} is {value!r}; known: {', '.join(repr(v) for v in values)}")
 
 
-def _known_scene(scene: Any, caller: str) -> None:
+def known_scene(scene: Any, caller: str) -> None:
     if not hasattr(scene, "content_hash"):
         raise InputError(f"{caller}: a Scene is needed first, got {scene!r}")
 
 
 def _known_method(method: Any) -> None:
     if not isinstance(method, Monolithic):
-        _known("method", method, METHODS)
+        known("method", method, METHODS)
 
 
 def _method_name(method: str | Monolithic) -> str:
     return "monolithic" if isinstance(method, Monolithic) else method
 
 
-def _known_integrator(integrator: Any, where: str) -> None:
+def known_integrator(integrator: Any, where: str) -> None:
     if integrator is not None and not isinstance(integrator, tuple(INTEGRATORS.values())):
         names = ", ".join(f"integrators.{kind.__name__}()" for kind in INTEGRATORS.values())
         raise InputError(f"{where}: integrator must be one of {names}, got {integrator!r}; names are for scene files")

@@ -66,7 +66,7 @@ def uncondense(
     """Lanes over dense modes: their lines and columns of their body's block of the tangent, a diagonal as yet; nothing
     of them is condensed."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     d = lane
@@ -97,7 +97,7 @@ def sum_modes(
 ):
     """Lanes over dense modes: P, P', g, g', g'' of each."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     d = lane
@@ -143,7 +143,7 @@ def add_inertia(
     (`couple_modes`), and the kinetic energy of these terms.
     """
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     half = real(0.5)
@@ -220,7 +220,7 @@ def couple_modes(
     column i, and the geometric stiffness of the forces at interfaces.
     """
     w, _ = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     d = int(0)
@@ -267,7 +267,7 @@ def shorten_interfaces(
 ):
     """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q where loads stiffen the body."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     f = lane

@@ -60,7 +60,7 @@ def move_interfaces(
 ):
     """Lanes over the six components of all interfaces: `motion` (W, interfaces, 6), m and rad."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     i = lane

@@ -70,7 +70,7 @@ def change_pulls(
 ):
     """Lanes over interfaces: what their pulls have changed by in the attempt."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     f = lane
@@ -99,7 +99,7 @@ def add_mean_work(
     """Lanes over dense modes: y_1 and Y_1, and Y_1 among the unbalanced forces; none but in steps in time that remember
     accelerations."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     rule = clk[w].outer
@@ -151,7 +151,7 @@ def couple_pulls(
 ):
     """Lanes over dense modes: dY_1 by the multipliers of rows."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     part = real(0.25) * share_of_miss(ctl, clk, w)
@@ -206,7 +206,7 @@ def keep_pulls(
 ):
     """Lanes over interfaces: what rows pull with at the end of an accepted attempt."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
     f = lane

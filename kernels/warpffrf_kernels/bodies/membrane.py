@@ -54,7 +54,7 @@ def stretch_fibres(
 ):
     """Lanes over squares: y_r and e_r."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     s = lane
@@ -86,7 +86,7 @@ def add_membrane_forces(
 ):
     """Lanes over dense modes: unbalanced forces."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     d = lane
@@ -117,7 +117,7 @@ def stiffen_membranes(
 ):
     """Lanes over dense modes: their lines of the tangent, with that of the mean work (`mean_work`)."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     part = real(0.25) * share_of_miss(ctl, clk, w)

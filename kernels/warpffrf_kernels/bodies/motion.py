@@ -65,6 +65,7 @@ def begin_step(
     models: wp.array(dtype=Model),
     coefficients: wp.array2d(dtype=real),
     local_coefficients: wp.array2d(dtype=real),
+    budget: wp.array(dtype=int),
     ctl: inout(wp.array(dtype=Control)),
     clk: inout(wp.array(dtype=Clock)),
 ):
@@ -74,7 +75,7 @@ def begin_step(
     ctl[w].attempt = 0
     ctl[w].accept = 0
     ctl[w].record = 0
-    if ctl[w].status != 0 or ctl[w].step >= ctl[w].target:
+    if ctl[w].status != 0 or ctl[w].step >= ctl[w].target or budget[w] <= 0:
         return
     ctl[w].run = 1
     ctl[w].attempt = 1
@@ -107,7 +108,7 @@ def begin_step(
         beta = coefficients[w, 2]
         gamma = coefficients[w, 3]
         # see `impulsive_contact`
-        if ctl[w].again != 0 and (ctl[w].shaken == 0 or models[0].elements[0].layers.count > 0):
+        if ctl[w].again != 0 and (ctl[w].shaken == 0 or models[w].elements[0].layers.count > 0):
             ctl[w].trapezoidal = 1
             am = real(0.0)
             af = real(0.0)
@@ -221,7 +222,7 @@ def predict_modes(
     exact: inout(wp.array3d(dtype=real)),
 ):
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     m = lane
@@ -269,7 +270,7 @@ def move_bodies(
 ):
     """Trial state of each body, its unbalanced inertia and gravity forces, and their tangent (blocks of `tangent`)."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     h = clk[w].h
@@ -324,7 +325,7 @@ def hold_motions(
 ):
     """Per world, in static steps: the force n (n.d) of each held motion n."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not is_static(ctl, w):
         return
     h = int(0)
@@ -368,7 +369,7 @@ def move_modes(
 ):
     """Trial state of each global mode, its unbalanced force, and the inverse of its (diagonal) tangent."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     m = lane

@@ -87,7 +87,7 @@ def couple_springs(
 ):
     """Lanes over groups: their flexibility, and the defects of their rows; `softness` gets its diagonal."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     g = lane
@@ -192,7 +192,7 @@ def apply_loads(
     subtracted from the residuals and kept for the ledger; `applied_torque`: each by itself, body axes.
     """
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     i = int(0)

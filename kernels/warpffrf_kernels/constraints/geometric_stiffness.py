@@ -224,7 +224,7 @@ def stiffen(
 ):
     """Per world: add the geometric stiffness of all rows to the outer matrix."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     one = wp.identity(n=3, dtype=real)
@@ -315,7 +315,7 @@ def stiffen_applied(
 ):
     """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or not is_static(ctl, w):
         return
     none = vec3(real(0.0))

@@ -217,7 +217,7 @@ def rub(
 ):
     """Lanes over joints with friction: stick or slip, and the defects and softness of their rows."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not acts(ctl, clk, w):
         return
     e = lane
@@ -316,7 +316,7 @@ def couple_friction(
     """Lanes over joints with friction: what couples their rows to each other and to those that press, in the outer
     matrix."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or not acts(ctl, clk, w):
         return
     e = lane
@@ -365,7 +365,7 @@ def end_slips(
 ):
     """Per world: what each joint has lost in the attempt, and whether one could not stay what it was."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0:
         return
     ctl[w].turned = 0
@@ -417,7 +417,7 @@ def keep_slips(
 ):
     """Lanes over joints with friction: what an accepted attempt has found."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].commit == 0 or not acts(ctl, clk, w):
         return
     e = lane
@@ -446,7 +446,7 @@ def record_slips(
 ):
     """Lanes over joints with friction. One whose law has no stick is said to stick below its slip velocity."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_slipping.shape[1]

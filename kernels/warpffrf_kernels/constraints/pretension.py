@@ -51,7 +51,7 @@ def tighten(
     """Lanes over pretensions: whether they hold their length in this attempt, and the defect and softness of their
     rows."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     e = lane
@@ -86,7 +86,7 @@ def stop_lengths(
 ):
     """Per world: an attempt that locks a length asks to be one that forgets, and the next with it."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
         return
     e = int(0)
@@ -107,7 +107,7 @@ def keep_lengths(
 ):
     """Lanes over pretensions: what an accepted attempt has locked."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0:
         return
     e = lane

@@ -160,7 +160,7 @@ def evaluate_rows(
 ):
     """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     row = lane
@@ -320,7 +320,7 @@ def apply_forces(
     ledger.
     """
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     t = clk[w].next_time

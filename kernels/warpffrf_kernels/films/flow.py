@@ -132,7 +132,7 @@ def balance_film(
 ):
     """Per (world, film), lanes over functions, then over sums: R, how large it is beside the flows, and the forces."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     first = model.elements[0].films[0].function_start[film]
@@ -232,7 +232,7 @@ def push_films(
 ):
     """Per world: subtract the forces of all films from the residuals of their bodies and of the modes."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     film = int(0)
@@ -299,7 +299,7 @@ def book_films(
 ):
     """Per world: energy [J] that films take in the attempt, by the trapezoidal rule."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0:
         return
     half = real(0.5) * clk[w].h

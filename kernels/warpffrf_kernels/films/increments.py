@@ -53,7 +53,7 @@ def limit_films(
 ):
     """Per world: dx of all films with the outer increments, and how far all may go so that no gap closes."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     part = real(1.0)
@@ -174,7 +174,7 @@ def take_film(
 ):
     """Per (world, film), lanes over unknowns: the part of dx that may be taken, and the set that follows."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     n = model.elements[0].films[0].unknowns[film]

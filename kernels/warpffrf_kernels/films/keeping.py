@@ -57,7 +57,7 @@ def keep_film(
     """Per (world, film), lanes over functions and points: the trial film becomes the accepted one; the tiny step of
     PROJECT leaves nothing, that of START its pressures."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
     i = model.elements[0].films[0].function_start[film] + lane
@@ -116,7 +116,7 @@ def record_film(
 ):
     """Per (world, film), lanes over hats: fields at the hats, and NUMBERS of the film."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_film.shape[1]
@@ -208,7 +208,7 @@ def record_second(
 ):
     """Per (world, film), lanes over hats of the second surface, where it yields: their loads."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_film_second.shape[1]

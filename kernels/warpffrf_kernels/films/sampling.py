@@ -127,7 +127,7 @@ def open_film(
     """Per (world, film), lanes over functions: an attempt begins with the accepted film, and with the coefficients of
     its rates."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     i = model.elements[0].films[0].function_start[film] + lane
@@ -172,7 +172,7 @@ def guard_prediction(
     gaps that the step begins with, and open none by more than the largest: what a light body has of acceleration may
     throw it out of its film."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].again != 0:
         return
     part = real(1.0)
@@ -245,7 +245,7 @@ def sample_film(
     """Per (world, film), lanes over unknowns, hats, functions, points: numbers of all points. An attempt in which the
     surfaces touch has failed."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     static = int(0)

@@ -62,7 +62,7 @@ def load_second(
 ):
     """Per (world, film), lanes over seats, then hats of B: where they are, f, and what it opens."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     hats = model.elements[0].films[0].second_hats[film]
     if ctl[w].run == 0 or ctl[w].moved == 0 or hats == 0:
         return
@@ -146,7 +146,7 @@ def weigh_second(
 ):
     """Per (world, film), lanes over unknowns: lines of W, columns of Q, where the outer matrix is new."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     hats = model.elements[0].films[0].second_hats[film]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or hats == 0:
         return

@@ -373,7 +373,7 @@ def assemble_film(
 ):
     """Per (world, film), lanes over lines: J, B and P where the outer matrix is new, with J^-1 B; then J^-1 R."""
     w, film, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     n = model.elements[0].films[0].unknowns[film]
@@ -491,7 +491,7 @@ def stiffen_by_films(
 ):
     """Per world: add what is left of all films to the outer system."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     film = int(0)

@@ -44,7 +44,7 @@ def take_cells(
     """Per world: a slot in its pair's block for each cell under pressure that has none; all are given back first when
     the grids have moved, or where those that are no longer under pressure take room that others need."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     capacity = model.window.hats
@@ -108,7 +108,7 @@ def cell_modes(
     """Per (world, pair): gradient J of the weak slip of the fresh slots by the global modes of A, then of B, times the
     weight of the pair, and its transpose."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
     slot = cell_block[w, pair, FRESH]
@@ -305,7 +305,7 @@ def assemble_cells(
 ):
     """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
     low = second_low(model, w, pair, second_window)
@@ -359,7 +359,7 @@ def outer_cells(
     """Per (world, pair): gradient L of the weak slip by the coupled outer columns times the weight of the pair, at the
     beginning of an attempt and where any pair has fresh slots."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not (ctl[w].iteration == 0 or is_fresh(model, w, cell_block)):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]

@@ -65,7 +65,7 @@ def slide_cells(
     """Per (world, pair), lanes over cells: slip of the step [m]. Material without a history, from beyond the last
     window, is credited with the rigid slip alone."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -86,7 +86,7 @@ def slide_cells(
 def clear_modes(models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), friction_modal: out(wp.array(dtype=real))):
     """Per (world, pair): no load of tractions on the modes of A and B yet."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     clear_field(lane, model.pairs.most_modes, modal_line(model, w, pair), friction_modal)
@@ -105,7 +105,7 @@ def load_tractions(
 ):
     """Per (world, pair): adds the load of the tractions on the modes of A, then of B."""
     w, pair, _lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     trial = modal_line(model, w, pair)
@@ -171,7 +171,7 @@ def add_friction(
     A traction is right where it is the projection of tau - slip/c on the disc of its bound, for any c > 0.
     """
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     worst = real(0.0)

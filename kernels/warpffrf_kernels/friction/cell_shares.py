@@ -68,7 +68,7 @@ def spread_cells(
     """Per (world, pair), lanes over cells: the parts of a cell that lie on the cells of the second grid; 0 beyond the
     second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]

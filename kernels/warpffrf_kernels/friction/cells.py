@@ -96,7 +96,7 @@ def open_cells(
     """Per (world, pair): the tractions of the last attempt put where the patch is now (as `open_window` does with the
     pressures); whether the compliance of the cells is to be assembled anew."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     moved = real(0.0)
@@ -300,7 +300,7 @@ def place_cells(
     second surface, components of its tangents in those of the first, wrench per unit traction, displacement by a unit
     traction of their own, and rigid slip."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]

@@ -177,7 +177,7 @@ def soften_late(
     last step ended without contact: the patch advances from nowhere. apart: D_mm - D_mn of the cells that were asked
     for since the bodies have moved, -1 of the others."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
     if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
@@ -225,7 +225,7 @@ def keep_pressed(
 ):
     """Per (world, pair), lanes over cells: which nodes an accepted step leaves under pressure, for the next one."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]

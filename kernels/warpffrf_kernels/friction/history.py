@@ -40,7 +40,7 @@ def keep_slips(
     """Per (world, pair), lanes over cells: the history of an accepted step. friction_record: power, creep (2), rolling
     velocity."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     i = lane
@@ -112,7 +112,7 @@ def record_friction(
 ):
     """Per (world, pair), lanes over cells. The most columns that the patch advanced are counted anew from here."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_advanced.shape[1]

@@ -56,7 +56,7 @@ def invert_outer(
 ):
     """Per world: M, column by column with the factor of the last solve, where Y is new."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0:
         return
     N = model.outer.count
@@ -158,7 +158,7 @@ def diagonal_blocks(
 ):
     """Per (world, pair): what each cell's tractions do to the outer coordinates and to its own slip, where new."""
     w, pair, _lane = wp.tid()
-    model = models[0]
+    model = models[w]
     lines = 2 * cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or lines == 0:
         return

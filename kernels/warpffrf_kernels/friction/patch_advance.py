@@ -40,7 +40,7 @@ def follow_patch(
     """Per (world, pair with friction), after an accepted attempt: columns `advanced` (signed), the largest since the
     last saved row, and the place now: column and z [m] on the first surface (z of pairs at points alone)."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]

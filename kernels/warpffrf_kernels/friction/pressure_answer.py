@@ -106,7 +106,7 @@ def open_answer(
 ):
     """Per world: whether Y is to be made anew, for the active slots in the order of the last solve."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     n = block[w, 0, LEFT_START]  # the places before are those of active slots
@@ -203,7 +203,7 @@ def answer_by_modes(
     """Per (world, pair): the part of the global modes in N^T, a line per active slot over the lines of the pair's
     cells."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     cells = cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
         return
@@ -246,7 +246,7 @@ def answer_on_grid(
 ):
     """Per (world, pair with cells on the grid): adds the part of the local modes to N^T."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     cells = cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
         return
@@ -273,7 +273,7 @@ def reduce_answer(
 ):
     """Per (world, pair): Y = U^-T N^T; kept while cells and the active set stay."""
     w, pair, _lane = wp.tid()
-    model = models[0]
+    model = models[w]
     cells = cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
         return
@@ -373,7 +373,7 @@ def condense_answer(
 ):
     """Per (world, pair): D and L', where Y is new."""
     w, pair, _lane = wp.tid()
-    model = models[0]
+    model = models[w]
     lines = 2 * cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or lines == 0:
         return
@@ -491,7 +491,7 @@ def press_with_tractions(
     """Per world: the pressures with their answer to the tractions found in this round, none below zero, and whether the
     bounds are to follow them in another one. change: of the largest in the first round; z_change: outer increments."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     n = answer_state[w, ACTIVE]

@@ -96,7 +96,7 @@ def sliding(
 def open_attempt(models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), steep: out(wp.array3d(dtype=int))):
     """Per (world, pair): no mark yet."""
     w, pair = wp.tid()
-    if ctl[w].attempt != 0 and models[0].elements[0].slip_speeds.pieces[pair] > 0:
+    if ctl[w].attempt != 0 and models[w].elements[0].slip_speeds.pieces[pair] > 0:
         steep[w, pair, MARK] = UNIQUE
 
 
@@ -113,7 +113,7 @@ def follow_slips(
 ):
     """Per (world, pair), lanes over cells: bounds mu(v) p of the slips at hand, from those of the largest mu."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].slip_speeds.pieces[pair] == 0 or clk[w].h == real(0.0):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -143,7 +143,7 @@ def begin_slips(
 ):
     """Per (world, pair), lanes over slots: weak slips r of the state at hand, 0 of what sticks in it."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -189,7 +189,7 @@ def split_tractions(
     """Per world, one lane: tau = tau' - s r with the slips r `found`, and whether the law is far enough from its
     tangents there to ask for another round."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0 or lane != 0:
         return
     h = clk[w].h
@@ -248,7 +248,7 @@ def mark(
 ):
     """Per (world, pair): counts the accepted steps in which a pair slid that was marked, see the module docstring."""
     w, pair = wp.tid()
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or models[0].elements[0].slip_speeds.pieces[pair] == 0:
+    if ctl[w].attempt == 0 or ctl[w].accept == 0 or models[w].elements[0].slip_speeds.pieces[pair] == 0:
         return
     if steep[w, pair, MARK] != UNIQUE and friction_work[w, pair, 0] < real(0.0):
         steep[w, pair, COUNT] = steep[w, pair, COUNT] + 1

@@ -285,7 +285,7 @@ def condense_slopes(
     """Per world: K' in its factors for the slips at hand. What softens a late cell is part of it here. It is made anew
     where K is, where cells are late, and where slopes have changed."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     h = clk[w].h
@@ -400,7 +400,7 @@ def pose_slopes(
 ):
     """Per world: r_0', discs, a first guess of tau' and the blocks of the cells for the slips at hand."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     h = clk[w].h

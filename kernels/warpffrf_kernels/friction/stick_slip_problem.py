@@ -42,7 +42,7 @@ def drive_modes(
 ):
     """Per world: what pushes the global modes after the solve of the pressures, -r_m + J^T ds."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     first = w * model.modes.count
@@ -78,7 +78,7 @@ def pose_tractions(
     """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and first guess of all slots.
     pressed_slip: by the local modes under the change of the pressures."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     count = cell_block[w, pair, COUNT]
     if ctl[w].run == 0 or ctl[w].changes != 0 or count == 0:
         return
@@ -125,7 +125,7 @@ def take_off_base(
     w, lane = wp.tid()
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
-    add_slips(models[0], w, lane, real(-1.0), cell_block, D, L, M, base, push, turned, right)
+    add_slips(models[w], w, lane, real(-1.0), cell_block, D, L, M, base, push, turned, right)
 
 
 @wp.kernel
@@ -146,7 +146,7 @@ def limit_tractions(
     """Per (world, pair): discs and softness of all slots, with the bounds of the pressures as they are in this
     round."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
         return
     i = lane
@@ -175,7 +175,7 @@ def take_tractions(
 ):
     """Per world: the tractions found, and the outer increments with them and with the pressures' answer."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     axpy(model.outer.count, real(1.0), z_change, w * model.outer.count, z, w * model.outer.count)
@@ -204,7 +204,7 @@ def push_modes(
     """Per world: adds the increments of the global modes by the change of the tractions (those without inertia terms;
     the others are outer coordinates)."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     first = w * model.modes.count

@@ -353,7 +353,7 @@ def solve_tractions(
     within a step the matrix hardly changes.
     """
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     held = held_motions(ctl, w, hold_count)

@@ -41,7 +41,7 @@ def force_cells(
     """Per (world, pair): forces of the tractions on the first surface's cells, and their shares on the second's
     [N]."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -106,7 +106,7 @@ def push_gaps(
     """Per (world, pair), with and without friction of its own: the displacements by the local modes with which the
     tractions of all pairs on its bodies open its gaps, as those of `contact_fields.local_fields`."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     base = (w * model.pairs.count + pair) * model.window.hats
@@ -140,7 +140,7 @@ def add_push(
 ):
     """Per (world, pair): adds what `push_gaps` found to the displacements by the pressures."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or (not rubs_on_grid(model, pair) and not loaded_by_others(model, pair)):
         return
     at = w * model.pairs.count + pair
@@ -165,7 +165,7 @@ def press_cells(
     """Per (world, pair): tangential displacements of both surfaces' cells by the pressures (0 where inactive) of all
     pairs on the two bodies and the loads that they are on second surfaces."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
     if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
@@ -205,7 +205,7 @@ def shift_slips(
 ):
     """Per (world, pair), lanes over cells: what changes of the pressures make of their slips by the local modes [m]."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -236,7 +236,7 @@ def rub_cells(
 ):
     """Per (world, pair): adds what the tractions of all pairs on the two bodies displace along both surfaces."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_grid(model, pair) or ctl[w].moved == 0:
         return
     low = window[w, pair, 0] + model.window.half
@@ -278,7 +278,7 @@ def displace_cells(
     """Per (world, pair), lanes over the cells: difference e of the tangential displacements of both bodies [m], by the
     local modes alone and in all; the shifts are those of `press_cells` and `rub_cells`."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_grid(model, pair) or ctl[w].moved == 0:
         return
     A = model.pairs.first[pair]
@@ -360,7 +360,7 @@ def change_pressures(
     """Per (world, pair): what the solve of the pressures has changed, and the loads that this is on the second
     surface."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     if not rubs_on_grid(model, pair) and not loaded_by_others(model, pair):

@@ -80,7 +80,7 @@ def bound_cells(
     """Per (world, pair), lanes over cells: the bounds [Pa] of the present pressures; with `clip` tractions beyond them
     are cut. Friction acts in steps in time and load steps: a first equilibrium or a start has no slip to speak of."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
     if (clip != 0 and ctl[w].moved == 0) or (clip == 0 and ctl[w].changes != 0):

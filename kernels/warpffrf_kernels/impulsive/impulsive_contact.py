@@ -173,7 +173,7 @@ def begin_contact(
 ):
     """Per world: which pairs are impulsive in this attempt, and the accelerations of its beginning without them."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     if lane == 0:
@@ -286,7 +286,7 @@ def push_bodies(
     """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal ones
     and friction, and what of them acts in the step, off the residuals."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     rubs = model.capacity.cells > 0
@@ -370,7 +370,7 @@ def compare_receptances(
     """Per world: kappa sigma^-1 of the modes over kappa of bodies, the answer to a contact force without its pair's
     weight; of scenes with dynamic local modes, which have a kappa of their own."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     n = lane
@@ -400,7 +400,7 @@ def push_further(
     """Per world, lanes over modes: what the modal increments lack of `contact_receptance`. Modes that carry inertia
     terms have it from the outer system (their receptance is 0)."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].impulsive != k.IMPULSIVE or ctl[w].mode != k.DYNAMIC:
         return
     first = w * model.modes.count

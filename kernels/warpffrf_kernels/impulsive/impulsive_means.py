@@ -157,7 +157,7 @@ def balance_means(
     where it is not known.
     """
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if not has_converged(ctl, w):
         return
     # an attempt that is not a repeated one is repeated where a pair swings
@@ -353,7 +353,7 @@ def judge_pairs(
     damped layers take. Local modes with inertia may step exactly, by other forces: nothing is judged there.
     """
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     wanted[w, pair] = 0
     created[w, pair] = real(0.0)
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or model.modes.dynamic_count > 0:
@@ -395,7 +395,7 @@ def find_restless(
     Where the window was laid anew, the hats of before are those that `line_of_centres.open_window` put in their place.
     """
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0:
         return
     shift = int(wp.floor(offset[w, pair] - patch_offset_before[w, pair] + real(0.5)))

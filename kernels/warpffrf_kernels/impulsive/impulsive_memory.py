@@ -85,7 +85,7 @@ def finish_rates(
     """Per world: velocities and accelerations of an attempt with the impulsive pairs in them, and `rest`, what its
     algorithmic accelerations have beside the formula's."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
         return
     part = outer_share(model, clk, w)
@@ -223,7 +223,7 @@ def keep_memory(
 ):
     """Per (world, pair), lanes over the modes of its bodies: forces, energies and memory of an accepted attempt."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
     dynamic = ctl[w].mode == k.DYNAMIC

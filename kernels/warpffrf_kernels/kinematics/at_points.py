@@ -53,7 +53,7 @@ def sample_points(
     """Per (world, pair of family 1), lanes over points of the window: gap, place on B's grid, weight (0 where B ends),
     and the wrench of a unit pressure."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
@@ -237,7 +237,7 @@ def weigh_points(
     """Per (world, pair of family 1), lanes over hats of the window: as `line_of_centres_weights.weigh` for the
     others."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
@@ -293,7 +293,7 @@ def sum_points_second(
     """Per (world, pair of family 1): force on B and its moment about A's centre of mass, from the pressure at every
     point."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]

@@ -323,7 +323,7 @@ def locate_points(
     highest column of the minima of the gap that overlap, NOWHERE without.
     """
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
@@ -395,7 +395,7 @@ def measure_approach(
     """Per (world, pair of family 1), where a state is recorded: smallest undeformed gap and nearest column, put where
     `record` finds distance and column of the first and the last station of the other pairs."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]

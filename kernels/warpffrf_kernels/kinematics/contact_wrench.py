@@ -127,7 +127,7 @@ def hold_contact_frame(
     """Per (world, pair of family 1), lanes over the points of a column: the frame of the contact in each one's section,
     and that of a sphere."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]

@@ -88,7 +88,7 @@ def locate(
     where the gaps were sampled, columns of this evaluation.
     """
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     A = model.pairs.first[pair]
@@ -224,7 +224,7 @@ def sample(
     point of B.
     """
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     if model.points.count[pair] != 0:  # few points: `line_of_centres_sampled`

@@ -113,7 +113,7 @@ def sample_few(
 ):
     """Per (world, pair of few points), lanes over strips of the window: gap, column and row of the opposite point."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
         return
     A = model.pairs.first[pair]
@@ -220,7 +220,7 @@ def weigh_few(
     """Per (world, pair of few points), lanes over hats of the window: what `line_of_centres_weights.weigh` does for
     all."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
         return
     A = model.pairs.first[pair]
@@ -254,7 +254,7 @@ def shift_few(
     """Per (world, pair of few points), lanes over hats: weak gaps at the present distance of the axes, and their
     gradient."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair):
         return
     A = model.pairs.first[pair]

@@ -144,7 +144,7 @@ def weigh(
     Area 0 marks a hat that does not exist (beyond an arc's end) or faces nothing.
     """
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     if model.points.count[pair] != 0:
@@ -181,7 +181,7 @@ def shift(
     gradient.
     """
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     if model.pairs.family[pair] == LINE_OF_CENTRES and model.points.count[pair] != 0:

@@ -39,7 +39,7 @@ def open_window(
     windows laid anew: its own may have grown.
     """
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].recenter == 0 or model.pairs.family[pair] == PATCH:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]

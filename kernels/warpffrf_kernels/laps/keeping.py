@@ -45,7 +45,7 @@ def keep_laps(
     turns back makes slipping cells stick, which Newton's method misses where it begins soft and goes too far.
     """
     w, group, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if lane == 0 and ctl[w].attempt != 0 and ctl[w].accept == 0:
         lap_words[w, group, READY] = wp.where(lap_words[w, group, READY] == NONE, NONE, ANEW)
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
@@ -83,7 +83,7 @@ def commit_laps(
 ):
     """Per (world, group), lanes over cells: slips of the evaluated state become history, and begin anew."""
     w, group, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].commit == 0 or model.elements[0].laps[0].components[group] == 1:
         return
     lines = line_at(model, w, group)

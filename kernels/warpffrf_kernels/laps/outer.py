@@ -38,7 +38,7 @@ def push_laps(
 ):
     """Per world: subtract the forces of all laps from the residuals of their bodies and of the modes."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     lap = int(0)
@@ -96,7 +96,7 @@ def stiffen_by_laps(
 ):
     """Per world, lanes over the outer columns of each group: -B^T T_zz B."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     group = int(0)
@@ -192,7 +192,7 @@ def turn_laps(
 ):
     """Per world: forces of laps turn with their first body, and their arms move."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     lap = int(0)

@@ -128,7 +128,7 @@ def solve_laps(
 ):
     """Per (world, group): forces of all cells at the trial state, what they do to the motion, their energy."""
     w, group, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     components = model.elements[0].laps[0].components[group]

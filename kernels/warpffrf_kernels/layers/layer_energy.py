@@ -57,7 +57,7 @@ def add_layer_energy(
     """Per world, one lane, where the iteration has converged: the energy of the layers in place of what `sum_contact`
     counted for them, depths and drags of damped ones, and what these lose in the step [J]."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if not has_converged(ctl, w):
         return
     pair = int(0)
@@ -142,7 +142,7 @@ def keep_layer(
     """Per (world, pair), lanes over points: an accepted step leaves depths and drags, with the columns they belong
     to."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
         return
     if model.elements[0].layers.kind[pair] != CONSTANT and model.elements[0].layers.number[pair, CHI] > real(0.0):

@@ -126,7 +126,7 @@ def linearise_layer(
     accepted state.
     """
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     A = model.pairs.first[pair]
@@ -243,7 +243,7 @@ def weigh_layer(
     """Per (world, pair), lanes over hats of the window: int psi_i a dA, and the line of E, neighbour (column + c - 1,
     row + r - 1) at 3 c + r."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     A = model.pairs.first[pair]
@@ -319,7 +319,7 @@ def add_yield(
 ):
     """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -359,7 +359,7 @@ def find_support(
     """Per world, after an evaluation: S of the module docstring, what a pressure on all active hats of a pair opens
     each by, (G + L A^-1 L^T) 1 over its area."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     slots = ctl[w].slots
@@ -424,7 +424,7 @@ def add_flexibility(
 ):
     """Per world, lanes over slots: G + E."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     slots = ctl[w].slots

@@ -45,7 +45,7 @@ def pull(
 ):
     """Per world, lanes over bodies, then over modes: r += C^T lambda, over the rows of each body."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     p = patterns[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
@@ -123,7 +123,7 @@ def condense(
     """Lanes over outer unknowns: rows of the condensed matrix (blocks of bodies are there already), entries of the
     pattern only, and its right-hand side."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     p = patterns[0]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
@@ -181,7 +181,7 @@ def advance_outer(
 ):
     """Per body: apply the Newton increments once the active set has settled."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     b = lane
@@ -203,7 +203,7 @@ def advance_rest(
 ):
     """Lanes over rows and modes."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     i = lane
@@ -234,7 +234,6 @@ def count_iteration(
     any_running: out(wp.array(dtype=int)),
 ):
     """One thread for all worlds: bookkeeping of the loop, and its condition."""
-    model = models[0]
     running = int(0)
     w = int(0)
     while w < ctl.shape[0]:
@@ -248,7 +247,7 @@ def count_iteration(
                 ctl[w].inner = 0
             elif ctl[w].reassemble != 0:
                 ctl[w].moved = 1  # a window was widened: evaluate again, with the pressures found so far
-            elif ctl[w].inner >= model.limits.max_inner + model.limits.max_guarded:
+            elif ctl[w].inner >= models[w].limits.max_inner + models[w].limits.max_guarded:
                 ctl[w].failure = ctl[w].failure | k.CYCLING
                 ctl[w].run = 0
             if ctl[w].failure != 0:

@@ -229,7 +229,7 @@ def solve_outer(
 ):
     """Per world: a new factor where the matrix is to be renewed, then z; of scenes without contact."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     bad = solve(

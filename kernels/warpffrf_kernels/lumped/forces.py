@@ -202,7 +202,7 @@ def find_forces(
 ):
     """Per (world, place): the nearest place at the trial state, the force there, and its energies."""
     w, place = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     contact = model.elements[0].lumped.contact[place]
@@ -306,7 +306,7 @@ def push_lumped(
 ):
     """Per world: subtract the forces of all places from the residuals of their bodies."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     place = int(0)
@@ -467,7 +467,7 @@ def stiffen_lumped(
 ):
     """Per world: add the tangent of the forces of all places that touch to the outer matrix."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
         return
     vel = clk[w].outer.vel

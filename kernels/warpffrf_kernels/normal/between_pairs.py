@@ -109,7 +109,7 @@ def solve_between(
     """Per world: outer increments and pressures with what pairs do to each other by local modes, by conjugate gradients
     from the solution without."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     count = block[w, 0, LEFT_START]
     if ctl[w].run == 0 or count == 0:
         return

@@ -146,7 +146,7 @@ def assemble(
 ):
     """Per world: rows of G of the fresh slots, within their pairs."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     slot = ctl[w].fresh
@@ -240,7 +240,7 @@ def assemble_between(
 ):
     """Per world: rows of G of the fresh slots, between pairs, by condensed modes and by local modes."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     start = w * wp.max(model.window.hats, model.window.nodes)

@@ -66,7 +66,7 @@ def take_slots(
     take one then, as far as there is room: those at its edge come under pressure and leave it.
     """
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     capacity = model.window.hats
@@ -184,7 +184,7 @@ def respond(
 ):
     """Per world: T_j = D_B l_j of the fresh slots on the nodes of the second window."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     slot = ctl[w].fresh
@@ -234,7 +234,7 @@ def modal_rows(
     """Per world: gradient of the weak gap of the fresh slots by the global modes of A, then of B, times the weight of
     the pair."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     slot = ctl[w].fresh
@@ -349,7 +349,7 @@ def outer_rows(
     """Per world: gradient L of the gap by the outer coordinates times the weight of the pair (`outer_row`); for all
     slots when the outer matrix is new, else for the fresh ones."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     slot = ctl[w].fresh

@@ -35,7 +35,7 @@ def set_second_window(
     """Per (world, pair): columns of the second grid that the hats of the window reach; hats that face nothing leave the
     active set, since their stencils may lie beyond that grid's window."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -72,7 +72,7 @@ def modal_fields(
     (Phi_B q) by the modes.
     """
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or (of_state != 0 and ctl[w].moved == 0) or model.pairs.family[pair] == PATCH:
         return
     A = model.pairs.first[pair]
@@ -181,7 +181,7 @@ def close_gaps(
     under the present pressures, which are kept as `base`: what the solve changes is counted from there.
     """
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -217,7 +217,7 @@ def load_second(
 ):
     """Per (world, pair): loads of B's hats under the present pressures [N]."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -261,7 +261,7 @@ def local_fields(
     """Per (world, pair): displacements by the local modes under the loads of all pairs on the two bodies: weak ones on
     A's hats, nodal ones on B, both opening the gap. pressure: 0 where inactive."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or model.pairs.family[pair] == PATCH:
         return
     base = (w * model.pairs.count + pair) * model.window.hats
@@ -299,7 +299,7 @@ def load_modes(
     """Per (world, pair): load of the contact pressures on the modes of A, then of B, at the present position of the
     grids."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] == PATCH:
         return
     trial = modal_line(model, w, pair)
@@ -355,7 +355,7 @@ def sum_contact(
     """Per world: contact wrench on A of every pair, its contact energy s.G.s/2, and what active gaps are left open (a
     fraction of the penetration, and the penetration)."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     worst = real(0.0)

@@ -30,7 +30,7 @@ def sum_second(
     force is of the order of the angle squared.
     """
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     A = model.pairs.first[pair]
@@ -90,7 +90,7 @@ def record_pairs(
 ):
     """Per (world, pair), lanes over places: column and distance are means over both ends of the line of centres."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_active.shape[1]

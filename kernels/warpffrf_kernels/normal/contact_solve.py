@@ -107,7 +107,7 @@ def modal_increments(
 ):
     """Per world, lanes over modes: increment sigma^-1 (-r_m - C_m^T dlam + J^T ds)."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     first = w * model.modes.count
@@ -158,7 +158,7 @@ def correct_set(
 ):
     """Per (world, pair), lanes over hats of the window: the corrected active set, written to `proposed`."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     A = model.pairs.first[pair]
@@ -212,7 +212,7 @@ def accept_set(
     is on the wrong side changes it (Murty's least index, which cannot cycle where G is positive definite).
     """
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     H = model.window.half

@@ -62,7 +62,7 @@ def begin_rows(
         return
     lasting[w, BEGUN] = 1
     lasting[w, OLDER] = 0
-    if ctl[w].mode != k.DYNAMIC or models[0].elements[0].patches.lasting == 0:
+    if ctl[w].mode != k.DYNAMIC or models[w].elements[0].patches.lasting == 0:
         lasting[w, ROWS] = 0
     if lasting[w, RESTS] > 0:
         lasting[w, RESTS] = lasting[w, RESTS] - 1

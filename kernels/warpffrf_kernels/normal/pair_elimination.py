@@ -51,7 +51,7 @@ def order_slots(
     of the solve before, of the same rows of G: U (FACTOR), with L and the outer matrix also W, W^T W and its factor
     (LINES)."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     same = int(NOTHING)
@@ -184,7 +184,7 @@ def eliminate_pairs(
 ):
     """Per (world, pair): U, W and W^T W of the active hats, as far as they are not `kept`."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     n = block[w, pair, COUNT]
     if ctl[w].run == 0 or n == 0 or kept[w] == LINES:
         return
@@ -266,7 +266,7 @@ def pose_pressures(
 ):
     """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with what leaves the active set."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     if kept[w] != LINES:
@@ -428,7 +428,7 @@ def solve_pressures(
     """Per world: the outer increments, and pressures of the active set, without what pairs do to each other by local
     modes. The factor of the outer matrix is that of the solve before where this is `kept`."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     at = w * model.capacity.slots

@@ -90,7 +90,7 @@ def lay_between(
 ):
     """Per (world, pair of family 2), lanes over entries: K of its rows under those of all patches beside it."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -132,7 +132,7 @@ def add_between(
     """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space under the pressures of the
     patches beside it."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]

@@ -62,7 +62,7 @@ def hold_rows(
     """Per (world, pair of family 2), lanes over rows: what their cells have in common; and the frame of the contact of
     a sphere."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -128,7 +128,7 @@ def sample_cells(
     """Per (world, pair of family 2), lanes over cells: weak gap, area (0 where nothing is opposite), wrench, loads of
     splines."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -210,7 +210,7 @@ def open_far_windows(
     """Per (world, pair of family 2): first column and number of columns of the splines under the cells, by side. A
     patch that lies over more of them than there is room for ends the attempt."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]

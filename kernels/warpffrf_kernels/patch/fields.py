@@ -116,7 +116,7 @@ def modal_cells(
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement by the global modes of both
     bodies."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or (of_state != 0 and ctl[w].moved == 0) or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -201,7 +201,7 @@ def load_splines(
 ):
     """Per (world, pair of family 2): the present pressures at places, and loads of the splines of both sides [N]."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -269,7 +269,7 @@ def local_cells(
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement of both bodies, near field and
     far field, under the present pressures."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -328,7 +328,7 @@ def load_modes(
 ):
     """Per (world, pair of family 2), lanes over modes: load of the contact pressures on the modes of A, then of B."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -362,7 +362,7 @@ def guard_patches(
 ):
     """Per world: a patch that has reached the outermost strips is not balanced, as W has to grow."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     elements = model.elements[0]
@@ -389,7 +389,7 @@ def measure_patches(
     """Per (world, pair of family 2), where a state is recorded: smallest undeformed gap and nearest column, where
     `record` looks for them."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
@@ -413,7 +413,7 @@ def record_patches(
 ):
     """Per (world, pair): where the patch of family 2 lies, and its half-width."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_patch.shape[1]
@@ -436,7 +436,7 @@ def sum_patches_second(
 ):
     """Per (world, pair of family 2): force on B and its moment about A's centre of mass."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]

@@ -110,7 +110,7 @@ def lay_near(
     """Per (world, pair of family 2), lanes over entries: the table at the W of the attempt, where it is not that of
     `patch_laid`."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]

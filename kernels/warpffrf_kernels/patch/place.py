@@ -296,7 +296,7 @@ def keep_change(
     """Per (world, pair of family 2), of an accepted attempt: what the pressure of each cell has changed by, and whether
     that does not undo the change before."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0 or model.pairs.family[pair] != PATCH:
         return
     width = patch_width[w, pair]
@@ -341,7 +341,7 @@ def locate_patches(
     patch_place: column of A in the middle, z there [m], W [m], column of B opposite.
     """
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]

@@ -159,7 +159,7 @@ def lay_splines(
     """Per (world, pair of family 2): shares of the splines of both sides; S and the modes on them where the window of
     splines is another one."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]

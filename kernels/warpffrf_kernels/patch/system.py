@@ -119,7 +119,7 @@ def answer_splines(
     """Per (world, pair of family 2), where the splines have been laid out anew: what unit pressures load of the modes
     and, where slots are fresh, displace of the splines of both sides."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     wanted = int(WHOLE)
@@ -289,7 +289,7 @@ def assemble_cells(
     """Per world: of the slots of patches the gradient of the weak gap by the modes of A, then of B, times the weight of
     the pair, where they are fresh or of an earlier attempt; and fresh rows of G within their pairs."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     elements = model.elements[0]
@@ -352,7 +352,7 @@ def assemble_patches_beside(
     """Per world, lanes over splines, then slots: what cells of one patch add to the gaps of cells of another one on the
     same body, by its local modes and, on one surface, the half-space."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     elements = model.elements[0]

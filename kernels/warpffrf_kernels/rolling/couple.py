@@ -56,7 +56,7 @@ def follow_couples(
 ):
     """Per world: adds what the couples of the pairs on patches do to the outer increments."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0:
         return
     N = model.outer.count

@@ -127,7 +127,7 @@ def soften_entering(
     """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
     last step ended without contact: the patch advances from nowhere."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_patch(model, pair):
         return
     if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):

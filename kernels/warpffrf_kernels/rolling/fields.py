@@ -85,7 +85,7 @@ def load_along(
     """Per (world, pair): tractions on A and on B at places, and the forces that they are on the splines of both sides
     [N]."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
@@ -178,7 +178,7 @@ def open_gaps(
 ):
     """Per (world, pair), lanes over splines, then cells: adds how tractions open the weak gaps."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_patch(model, pair):
         return
     open_by_tractions(
@@ -210,7 +210,7 @@ def open_by_change(
     """Per (world, pair), lanes over places, then cells: how the change of the tractions in this round opens the weak
     gaps, times the weight of the pair."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
@@ -315,7 +315,7 @@ def move_cells(
     """Per (world, pair), lanes over splines, then cells: e by local modes, e in all [m], and the outward displacements
     over the radii of both bodies, that of A less that of B."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
@@ -412,7 +412,7 @@ def load_modes_along(
 ):
     """Per (world, pair), lanes over modes: load of the tractions on the modes of A, then of B."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
@@ -464,7 +464,7 @@ def press_slips(
     """Per (world, pair), lanes over places, splines, cells: what the change of the pressures makes of the slips [m].
     place_none: tractions that are zero."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]

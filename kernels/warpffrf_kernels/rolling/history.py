@@ -88,7 +88,7 @@ def slide_patch_cells(
 ):
     """Per (world, pair), lanes over cells: slip of the step [m]; without a history that of the rigid bodies."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
@@ -157,7 +157,7 @@ def mean_work(
 ):
     """Per (world, pair): work of friction by the mean of the tractions before and after, from that by those after."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     if ring_place[w, pair, 2] == real(0.0):
@@ -247,7 +247,7 @@ def keep_rings(
     """Per (world, pair), lanes over cells: the history of an accepted step. friction_record: power, creep (2), rolling
     velocity."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]

@@ -55,7 +55,7 @@ def open_patch_cells(
     """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was
     when it was, the step size, on which the share of the modes depends, and the normal."""
     w, pair = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     width = patch_place[w, pair, 2]
@@ -96,7 +96,7 @@ def place_patch_cells(
     """Per (world, pair), lanes over cells: area (0 where nothing is opposite), turn, wrench, displacement by a unit
     traction of their own, rigid slip; and the couple of a unit pressure that acts along the common normal."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
@@ -142,7 +142,7 @@ def bound_patch_cells(
     """Per (world, pair), lanes over cells: the bounds mu p [Pa] of the present pressures; with `clip` tractions beyond
     them are cut. Friction acts in steps in time and load steps only."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or not rubs_on_patch(model, pair):
         return
     if (clip != 0 and ctl[w].moved == 0) or (clip == 0 and ctl[w].changes != 0):

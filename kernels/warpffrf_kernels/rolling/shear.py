@@ -73,7 +73,7 @@ def lay_shear(
     """Per (world, pair), lanes over entries: the table at the W of the attempt, where it is not that of
     `shear_laid`."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]

@@ -101,7 +101,7 @@ def lay_splines_along(
 ):
     """Per (world, pair): the tables of both sides where the window of splines is another one."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]

@@ -42,7 +42,7 @@ def modes_of_cells(
     """Per (world, pair), lanes over modes: gradient J of the weak slip by the global modes of A, then of B, times the
     weight of the pair, and its transpose; of the fresh slots, in the beginning of an attempt of all."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
@@ -271,7 +271,7 @@ def assemble_patch_cells(
 ):
     """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
     w, pair, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
         return
     if cell_block[w, pair, FRESH] == cell_block[w, pair, COUNT]:

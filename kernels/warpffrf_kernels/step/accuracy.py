@@ -53,7 +53,7 @@ def estimate_error(
 ):
     """Per world: clk[ERROR], the local error as a fraction of the one allowed; 0 where none is."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0:
         return
     clk[w].error = real(0.0)
@@ -89,7 +89,7 @@ def missed_rates(
 ):
     """Lanes over rows: s' - C v of constraint rows, 0 of springs."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
         return
     row = lane
@@ -144,7 +144,7 @@ def project_velocities(
     """One block per world: the correction of the module, added to velocities, accelerations and multipliers at the end
     of the step."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
         return
     N = model.outer.count
@@ -206,7 +206,7 @@ def correct_algorithmic(
 ):
     """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
         return
     share = real(1.0) / (clk[w].outer.gamma * clk[w].h)

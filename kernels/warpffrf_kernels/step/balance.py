@@ -178,7 +178,7 @@ def balance(
     Load steps count the forces that they begin with as well: one that ends without any leaves the round-off of those.
     """
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].iteration == 0:
         return
     scale = NONE

@@ -71,7 +71,7 @@ def decide(
 ):
     """Per world: accept or reject the attempt, and choose the next step."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0:
         return
     total = real(0.0)
@@ -287,7 +287,7 @@ def keep_bodies(
     omega_alg: out(wp.array2d(dtype=vec3)),
 ):
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0:
         return
     b = lane
@@ -339,7 +339,7 @@ def keep_modes(
     modal_load: inout(wp.array3d(dtype=real)),
 ):
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0:
         return
     n = lane
@@ -383,7 +383,7 @@ def keep_rest(
 ):
     """Per world: what is left to take over, or to restore after a rejection."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0:
         return
     accept = ctl[w].accept != 0 and ctl[w].mode != k.PROJECT  # whose multipliers are impulses over the tiny step
@@ -417,14 +417,12 @@ def keep_rest(
 
 @wp.kernel
 def count_attempts(ctl: wp.array(dtype=Control), budget: inout(wp.array(dtype=int)), more: out(wp.array(dtype=int))):
-    """One thread: does any world still have steps to do in this chunk, and attempts left?"""
-    budget[0] = budget[0] - 1
+    """One thread for all worlds: does any still have steps to do in this chunk, and attempts left?"""
     running = int(0)
     w = int(0)
     while w < ctl.shape[0]:
-        if ctl[w].status == 0 and ctl[w].step < ctl[w].target:
-            running += 1
+        budget[w] = budget[w] - 1
+        if ctl[w].status == 0 and ctl[w].step < ctl[w].target and budget[w] > 0:
+            running = 1
         w += 1
-    more[0] = 0
-    if running > 0 and budget[0] > 0:
-        more[0] = 1
+    more[0] = running

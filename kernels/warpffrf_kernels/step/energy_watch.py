@@ -37,7 +37,7 @@ def watch_energy(
 ):
     """Per world, after an accepted step: `made` (W, pairs), what each pair has created beyond doubt."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].accept == 0 or ctl[w].mode != k.DYNAMIC:
         return
     line = int(0)

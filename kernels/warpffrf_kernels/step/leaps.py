@@ -57,7 +57,7 @@ def refuse_leaps_of_places(
 ):
     """Per world: fail an attempt in which the surfaces of a lumped contact have changed sides."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
         return
     place = int(0)
@@ -83,7 +83,7 @@ def refuse_leaps_of_pairs(
 ):
     """Per world: fail an attempt in which the surfaces of a pair have changed sides."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
         return
     pair = int(0)

@@ -93,7 +93,7 @@ def balance_energy(
     """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; of a static
     step whether it went downhill, `RISE`."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].attempt == 0:
         return
     half = real(0.5)

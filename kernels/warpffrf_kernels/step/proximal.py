@@ -87,7 +87,7 @@ def open_rounds(
 ):
     """Per world: the first round of an attempt is about the accepted state."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].run == 0:
         return
     if lane == 0:
@@ -185,7 +185,7 @@ def end_round(
 ):
     """Per world in a load step whose iteration has just converged: another round where it has not come to rest."""
     w = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].mode != k.LOADING or ctl[w].attempt == 0 or ctl[w].run != 0 or ctl[w].failure != 0:
         return
     if ctl[w].iteration == 0:

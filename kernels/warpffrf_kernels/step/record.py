@@ -44,7 +44,7 @@ def record_motion(
 ):
     """Per world, lanes over bodies, modes and rows. A row exerts on its second body -lambda times its direction."""
     w, lane = wp.tid()
-    model = models[0]
+    model = models[w]
     if ctl[w].record == 0:
         return
     at = ctl[w].saved % saved_r.shape[1]

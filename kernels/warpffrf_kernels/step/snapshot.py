@@ -33,7 +33,7 @@ def copy_reals(
     w, pair, lane = wp.tid()
     if not is_meant(ctl, w, rejected):
         return
-    pairs = models[0].pairs.count
+    pairs = models[w].pairs.count
     count = source.shape[0] / (ctl.shape[0] * pairs)
     first = (w * pairs + pair) * count
     i = lane
@@ -54,7 +54,7 @@ def copy_integers(
     w, pair, lane = wp.tid()
     if not is_meant(ctl, w, rejected):
         return
-    pairs = models[0].pairs.count
+    pairs = models[w].pairs.count
     count = source.shape[0] / (ctl.shape[0] * pairs)
     first = (w * pairs + pair) * count
     i = lane

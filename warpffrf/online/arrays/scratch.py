@@ -3,6 +3,7 @@ or the set-up of the run, has left."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -31,7 +32,7 @@ class RunWords(Arrays):
     project: DeviceArray = integers("world", note="1: velocities are projected", carried=True)
     running: DeviceArray = integers("one", note="1 while the iteration of a world goes on")
     rubbing: DeviceArray = integers("one", note="1 while pressures and tractions go on answering each other")
-    budget: DeviceArray = integers("one", note="attempts left", carried=True)
+    budget: DeviceArray = integers("world", note="attempts left", carried=True)
     more: DeviceArray = integers("one", note="1 while attempts are to be made", carried=True)
 
 
@@ -589,9 +590,9 @@ KEPT_OF_PATCHES = (
 the same bits whenever they are laid.)"""
 
 
-def scratch_for(compiled: CompiledScene, sizes: Sizes, state: State) -> Scratch:
-    """Scratch arrays of a run, with the constants of interfaces in them."""
-    scratch = Scratch(sizes, compiled.device, state)
+def scratch_for(worlds: Sequence[CompiledScene], sizes: Sizes, state: State) -> Scratch:
+    """Scratch arrays of a run of so many worlds, with the constants of interfaces in them."""
+    scratch = Scratch(sizes, worlds[0].device, state)
     scratch.film_stretch.fill_(1.0)
-    scratch.slope.assign(np.tile(compiled.interface_modes.ravel(), sizes["world"]))
+    scratch.slope.assign(np.concatenate([compiled.interface_modes.ravel() for compiled in worlds]))
     return scratch

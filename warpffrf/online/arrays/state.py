@@ -3,11 +3,14 @@ bit. A checkpoint is all of it."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, structs, vectors
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.compile.scene import CompiledScene
@@ -203,10 +206,23 @@ class State(
     """Accepted state of every world."""
 
 
-def initial_state(compiled: CompiledScene, sizes: Sizes) -> State:
-    """State at the scene's initial pose and velocities in all worlds; accelerations and multipliers zero."""
-    bodies = compiled.scene.bodies
-    state = State(sizes, compiled.device)
+def initial_state(worlds: Sequence[CompiledScene], sizes: Sizes) -> State:
+    """State at the initial pose and velocities of the scenes, one a world; accelerations and multipliers zero."""
+    state = State(sizes, worlds[0].device)
+    state.slipping.fill_(1)
+    _fill_films(worlds, state)
+    if worlds[0].laps.count:
+        state.lap_gap.assign(np.stack([compiled.laps.gap.numpy() for compiled in worlds]))
+    motions = [initial_motion(compiled.scene) for compiled in worlds]
+    for name in ("r", "p", "v", "omega"):
+        getattr(state, name).assign(np.stack([motion[name] for motion in motions]))
+    return state
+
+
+def initial_motion(scene: Scene) -> dict[str, np.ndarray]:
+    """Places r (bodies, 3) of the centres of mass, orientations p (bodies, 4), and velocities v and omega (body axes)
+    that a scene begins with."""
+    bodies = scene.bodies
     r, v, omega = (np.zeros((len(bodies), 3)) for _ in range(3))
     p = np.zeros((len(bodies), 4))
     for i, body in enumerate(bodies):
@@ -216,20 +232,14 @@ def initial_state(compiled: CompiledScene, sizes: Sizes) -> State:
         p[i] = body.rotation
         v[i] = body.velocity + np.cross(body.angular_velocity, arm)
         omega[i] = A.T @ body.angular_velocity
-    state.slipping.fill_(1)
-    _fill_films(compiled, state, sizes["world"])
-    if compiled.laps.count:
-        state.lap_gap.assign(np.tile(compiled.laps.gap.numpy(), (sizes["world"], 1)))
-    for array, value in ((state.r, r), (state.p, p), (state.v, v), (state.omega, omega)):
-        array.assign(np.broadcast_to(value, (sizes["world"], *value.shape)).copy())
-    return state
+    return {"r": r, "p": p, "v": v, "omega": omega}
 
 
-def _fill_films(compiled: CompiledScene, state: State, worlds: int) -> None:
+def _fill_films(worlds: Sequence[CompiledScene], state: State) -> None:
     """Full films without pressure but where it is given, of the gaps that the scene begins with."""
-    films = compiled.films
-    if not films.count:
+    if not worlds[0].films.count:
         return
-    for array, values in ((state.film_pressure, films.given.numpy()), (state.film_mass, films.begin.numpy())):
-        array.assign(np.broadcast_to(values, (worlds, 2, len(values))).copy())
+    for array, name in ((state.film_pressure, "given"), (state.film_mass, "begin")):
+        values = np.stack([getattr(compiled.films, name).numpy() for compiled in worlds])
+        array.assign(np.repeat(values[:, None], 2, axis=1))
     state.film_full.fill_(1)

@@ -17,7 +17,7 @@ from warpffrf.model.forces.characteristics import Pieces
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
-from warpffrf.online.compile.constants import Constants
+from warpffrf.online.compile.constants import Constants, Shared
 from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.compile.patch_sides import PatchSide
@@ -93,9 +93,10 @@ class Collector:
         device: str,
         local: LocalDynamics,
         patches: Mapping[int, PatchPlan] | None = None,
+        shared: Shared | None = None,
     ) -> None:
         self.scene, self.settings, self.device = scene, settings, device
-        self.constants = Constants(device)
+        self.constants = Constants(device, shared)
         self.fill = self.constants.fill
         self.rows = Rows()
         self.markers: list[tuple[int, int, np.ndarray, np.ndarray]] = []

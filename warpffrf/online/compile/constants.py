@@ -14,13 +14,37 @@ from warpffrf.online.settings import LARGEST_INDEX
 WITHIN = {wp.vec3d: (3,), wp.mat33d: (3, 3)}  # numbers of an entry
 
 
+class Shared:
+    """Arrays that scenes have in common, which differ in numbers only: each lies on the device once. To be kept no
+    longer than until the last of them is compiled, as it holds their numbers on the host as well."""
+
+    def __init__(self) -> None:
+        self._first: dict[str, tuple[np.ndarray, Any]] = {}
+
+    def array(self, label: str, data: np.ndarray, dtype: Any, device: str) -> Any:
+        """The array of the first scene where it has the same bits, else a new one."""
+        known = self._first.get(label)
+        if known is not None and _same_bits(known[0], data):
+            return known[1]
+        made = wp.array(data, dtype=dtype, device=device)
+        self._first.setdefault(label, (data, made))
+        return made
+
+
+def _same_bits(a: np.ndarray, b: np.ndarray) -> bool:
+    return a is b or (
+        a.shape == b.shape and a.dtype == b.dtype and np.array_equal(a.view(np.uint32), b.view(np.uint32))
+    )
+
+
 class Constants:
     """Fills topics of `warpffrf_kernels.core.model`; `sizes`: of all axes met so far, which later arrays have to agree
     with."""
 
-    def __init__(self, device: str) -> None:
+    def __init__(self, device: str, shared: Shared | None = None) -> None:
         self.device = device
         self.sizes: dict[str, int] = {}
+        self.shared = shared
 
     def fill(self, topic: Any, **values: Any) -> None:
         """Set numbers and arrays of a topic by name; arrays in the shapes that are declared, or empty.
@@ -52,6 +76,8 @@ class Constants:
                 raise TypeError(f"{label}: {data.shape} is no array of {declaration.ndim} axes")
             for axis, n in zip(declaration.axes, data.shape, strict=False):
                 self._meet(label, axis, n)
+        if self.shared is not None:
+            return self.shared.array(label, data, declaration.dtype, self.device)
         return wp.array(data, dtype=declaration.dtype, device=self.device)
 
     def _meet(self, label: str, axis: str | int, n: int) -> None:

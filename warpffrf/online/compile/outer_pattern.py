@@ -127,6 +127,11 @@ def find_pattern(
 
 def pattern_of(compiled: CompiledScene) -> OuterPattern:
     """Pattern of a compiled scene."""
+    return find_pattern(compiled.model.bodies.count, *couplings(compiled))
+
+
+def couplings(compiled: CompiledScene) -> tuple[np.ndarray, ...]:
+    """What the pattern of a compiled scene follows from, see `find_pattern`: dense, rows, flexible, pairs, couples."""
     m = compiled.model
     dense = m.bodies.dense_count.numpy()[: m.bodies.count] if m.dense.count else np.zeros(m.bodies.count, int)
     ends = np.stack([m.rows.a.numpy(), m.rows.b.numpy()], axis=1)[: m.rows.count]
@@ -142,9 +147,7 @@ def pattern_of(compiled: CompiledScene) -> OuterPattern:
             _lapped(compiled),
         ]
     )
-    return find_pattern(
-        m.bodies.count, dense, bodies[ends], interfaces[ends] >= 0, of[sides.astype(int)], couples.astype(int)
-    )
+    return dense, bodies[ends], interfaces[ends] >= 0, of[sides.astype(int)], couples.astype(int)
 
 
 def _lapped(compiled: CompiledScene) -> np.ndarray:

@@ -6,7 +6,7 @@ back.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -20,6 +20,7 @@ from warpffrf.model.evaluations import refuse_full
 from warpffrf.model.scene import Scene
 from warpffrf.model.slopes import leanings, leant
 from warpffrf.online.compile.collector import Collector, OnBody
+from warpffrf.online.compile.constants import Shared
 from warpffrf.online.compile.films import fill_films
 from warpffrf.online.compile.forces import ForceTable, compile_forces, fill_forces
 from warpffrf.online.compile.friction import fill_friction
@@ -52,7 +53,6 @@ class CompiledScene:
     elements: Elements  # what `model.elements` has on the device
     films: Films  # what `model.elements[0].films` has
     laps: Laps  # what `model.elements[0].laps` has
-    models: wp.array  # the same as a device array of one entry: kernels read it by address, launches stay small
     device: str
     joints: JointTable  # rows of each joint, drives included, and those left out
     forces: ForceTable  # rows of each spring
@@ -68,12 +68,18 @@ class CompiledScene:
     patches: dict[int, PatchPlan]  # by number of the contact
     notes: list[str]
 
-    def enlarge(self, slots: int) -> None:
-        """Room for `slots` hats in play, and cells where there is friction; scratch arrays are to be made anew."""
-        m = self.model
-        m.capacity.slots = slots
-        m.capacity.cells = self.cell_room.cells(slots)
-        self.models = wp.array([m], dtype=Model, device=self.device)
+
+def enlarge(worlds: Sequence[CompiledScene], slots: int) -> None:
+    """Room for `slots` hats in play in each world, and cells where there is friction; scratch arrays, and the models on
+    the device, are to be made anew."""
+    cells = max(compiled.cell_room.cells(slots) for compiled in worlds)
+    for compiled in worlds:
+        compiled.model.capacity.slots, compiled.model.capacity.cells = slots, cells
+
+
+def models_of(worlds: Sequence[CompiledScene]) -> wp.array:
+    """The models of all worlds as a device array: kernels read that of their world by address, launches stay small."""
+    return wp.array([compiled.model for compiled in worlds], dtype=Model, device=worlds[0].device)
 
 
 def _compiled(collector: Collector) -> CompiledScene:
@@ -132,10 +138,9 @@ def _compiled(collector: Collector) -> CompiledScene:
     collector.elements.laps = wp.array([collector.laps], dtype=Laps, device=collector.device)
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
     return CompiledScene(
-        scene, m, collector.elements, collector.films, collector.laps,
-        wp.array([m], dtype=Model, device=collector.device), collector.device, joints, springs, slips, tensions,
-        len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia, collector.cell_room,
-        collector.patches, collector.notes,
+        scene, m, collector.elements, collector.films, collector.laps, collector.device, joints, springs, slips,
+        tensions, len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
+        collector.cell_room, collector.patches, collector.notes,
     )  # fmt: skip
 
 
@@ -234,10 +239,12 @@ def compile_scene(
     device: str,
     local: LocalDynamics | None = None,
     patches: Mapping[int, PatchPlan] | None = None,
+    shared: Shared | None = None,
 ) -> CompiledScene:
-    """Constant device data of `scene`; `patches`: the cells of its patches in place of those that the contacts ask for.
+    """Constant device data of `scene`; `patches`: the cells of its patches in place of those that the contacts ask for;
+    `shared`: arrays of scenes that differ in numbers only, of which those that are equal lie on the device once.
     Raises `InputError` for a scene that cannot be run."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
     refuse_claims_of(scene)
-    return _compiled(Collector(scene, settings, device, local or LocalDynamics(), patches))
+    return _compiled(Collector(scene, settings, device, local or LocalDynamics(), patches, shared))

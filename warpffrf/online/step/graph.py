@@ -8,14 +8,18 @@ while a graph replays.
 
 from __future__ import annotations
 
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from contextlib import nullcontext
 from typing import Any
 
+import numpy as np
 import warp as wp
 
 from warpffrf.online.arrays import Ring, Scratch, Sizes, State
 from warpffrf.online.compile.outer_pattern import OuterPattern, on_device
-from warpffrf.online.compile.scene import CompiledScene
+from warpffrf.online.compile.scene import CompiledScene, models_of
 from warpffrf.online.step import phases
 from warpffrf.online.step.modules import load
 from warpffrf.online.step.program import Program
@@ -24,41 +28,19 @@ from warpffrf.online.turn import TURN, replays_side_by_side
 STARTING = ("v_rate", "v_alg", "omega_rate", "omega_alg", "qd_rate", "qd_alg")
 
 
-class StepGraph:
-    """Records the loop over attempts on a device; `replay(budget)` runs it."""
+class Parts(ABC):
+    """A step on the arrays of `program`: its parts by themselves, launched one by one, and many attempts of it."""
 
     def __init__(
-        self,
-        compiled: CompiledScene,
-        sizes: Sizes,
-        state: State,
-        ring: Ring,
-        scratch: Scratch,
-        pattern: OuterPattern,
-        *,
-        progress: bool = False,
+        self, compiled: CompiledScene, state: State, scratch: Scratch, pattern: OuterPattern, program: Program
     ) -> None:
         self.compiled, self.state, self.scratch, self.device = compiled, state, scratch, compiled.device
-        self.pattern = pattern
-        self.pattern_struct, patterns = on_device(pattern, self.device)
-        constants: dict[str, object] = {"models": compiled.models, "patterns": patterns}
-        self.program = Program(compiled, sizes, (state, ring, scratch), constants)
-        load((launch.kernel.module for launch in self.program.launches()), self.device, progress=progress)
-        more: Any = scratch.more
-        with wp.ScopedCapture(device=self.device) as capture:
-            wp.capture_while(more, self._attempt)
-        self.graph: Any = capture.graph
+        self.pattern, self.program = pattern, program
 
-    def replay(self, budget: int) -> None:
-        """Attempt steps until every world has reached its target or failed, at most `budget` times."""
-        self.scratch.budget.fill_(budget + 1)
-        self.program.run(("count",))
-        with TURN.left() if replays_side_by_side(self.device) else nullcontext():
-            wp.capture_launch(self.graph)
-        if wp.get_device(self.device).is_cuda:
-            wp.synchronize_device(self.device)
-
-    # --- parts of a step on their own
+    @abstractmethod
+    def replay(self, budget: int | np.ndarray) -> float:
+        """Attempt steps until every world has reached its target or failed, each at most `budget` times: one number
+        for all, or one for each; returns the wall time [s]."""
 
     def evaluate(self) -> None:
         """Trial state of the increments, its unbalanced forces and rows, the diagonal of the tangent, gaps and contact
@@ -116,6 +98,43 @@ class StepGraph:
                 getattr(x, name + "0").assign(getattr(s, name))
             s.impulsive.zero_()
             x.weight.fill_(1.0)
+
+
+class StepGraph(Parts):
+    """Records the loop over attempts on a device; `replay(budget)` runs it. `worlds`: the scene of each."""
+
+    def __init__(
+        self,
+        worlds: Sequence[CompiledScene],
+        sizes: Sizes,
+        state: State,
+        ring: Ring,
+        scratch: Scratch,
+        pattern: OuterPattern,
+        *,
+        progress: bool = False,
+    ) -> None:
+        self.pattern_struct, patterns = on_device(pattern, worlds[0].device)
+        self.models = models_of(worlds)
+        constants: dict[str, object] = {"models": self.models, "patterns": patterns}
+        program = Program(worlds[0], sizes, (state, ring, scratch), constants)
+        super().__init__(worlds[0], state, scratch, pattern, program)
+        load((launch.kernel.module for launch in self.program.launches()), self.device, progress=progress)
+        more: Any = scratch.more
+        with wp.ScopedCapture(device=self.device) as capture:
+            wp.capture_while(more, self._attempt)
+        self.graph: Any = capture.graph
+
+    def replay(self, budget: int | np.ndarray) -> float:
+        """Run the graph."""
+        begin = time.perf_counter()
+        self.scratch.budget.assign(np.full(self.state.ctl.shape, budget, dtype=np.int32) + 1)
+        self.program.run(("count",))
+        with TURN.left() if replays_side_by_side(self.device) else nullcontext():
+            wp.capture_launch(self.graph)
+        if wp.get_device(self.device).is_cuda:
+            wp.synchronize_device(self.device)
+        return time.perf_counter() - begin
 
     # --- recording
 

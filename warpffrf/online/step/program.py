@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import copy
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
@@ -38,11 +40,18 @@ class Program:
         self, compiled: CompiledScene, sizes: Sizes, owners: Sequence[Arrays], constants: dict[str, object]
     ) -> None:
         self.sizes, self.device = sizes, compiled.device
-        self.arrays = {name: getattr(owner, name) for owner in owners for name in owner.declarations} | constants
+        arrays = {name: getattr(owner, name) for owner in owners for name in owner.declarations}
+        self.arrays: Mapping[str, Any] = {**arrays, **constants}
         self.parts = {phase: phases.collect(PARTICIPANTS, phase) for phase in WHOLE}
         wrong = phases.complaints([(phase, self.parts[phase]) for phase in WHOLE], sizes)
         if wrong:
             raise TypeError("\n".join(wrong))
+
+    def on(self, arrays: Mapping[str, Any], sizes: Sizes) -> Program:
+        """The same launches on other arrays, which are for a scene with the same axes but for the worlds."""
+        found = copy.copy(self)
+        found.arrays, found.sizes = arrays, sizes
+        return found
 
     def run(self, names: Sequence[str]) -> None:
         """Launch these phases, or record them where a graph is being captured."""

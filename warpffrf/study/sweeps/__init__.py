@@ -6,8 +6,10 @@ design       the rows of a sweep: all combinations, a sample, or rows as given
 outputs      what is kept of a run, by the names of its histories
 scenes       where the scene of a row comes from: a file or a function
 job          what a worker does with a row, and what it answers
-parcel       a job on its way to workers, reduced bodies by their content hash
+parcel       what is sent to workers
+packing      a job packed and opened again, reduced bodies by their content hash
 crews        who runs rows: this process, processes of our own, anybody with the interface of concurrent.futures
+cluster      who else does: dask.distributed
 folder       the folder of a sweep: what it is, who writes it, runs that have ended
 table        all rows in one HDF5 file, which xarray opens lazily
 outcome      a sweep as users have it

@@ -1,12 +1,12 @@
 """Workers of dask.distributed, on this machine or many: a client of the user, or the address of a scheduler.
 
-The job goes to every worker once; rows follow by themselves, a few ahead of each worker. A worker that is lost is
-noticed by the scheduler, which gives its rows to others; a row that is lost with its worker `distributed.scheduler
-.allowed-failures` times more (3 if nothing else is set) is given up. Start workers with one thread each, for runs of
-one process follow one another:
+Rows go out a few ahead of each worker. A worker that is lost is noticed by the scheduler, which gives its rows to
+others; a row that is lost with its worker `distributed.scheduler.allowed-failures` times more (3 if nothing else is
+set) is given up, and run again here as one of a worker that died. Start workers with one thread each, for runs of one
+process follow one another:
 
     dask scheduler
-    dask worker tcp://HOST:8786 --nworkers 8 --nthreads 1
+    dask worker tcp://HOST:8786 --nworkers 8 --nthreads 1 --preload warpffrf.study.sweeps.job
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ class Cluster:
         if not _workers(client):
             log.warning("sweep: the scheduler has no worker yet; waiting for one: dask worker ADDRESS --nthreads 1")
         self.executor = client.get_executor(pure=False)
-        self.parcel = client.scatter(parcel, broadcast=bool(_workers(client)), hash=False)
+        self.parcel = parcel
 
     @property
     def capacity(self) -> int:
@@ -56,7 +56,7 @@ class Cluster:
 
     def close(self) -> None:
         """Take back what was sent and not run yet."""
-        self.executor.shutdown(wait=False, cancel_futures=True)
+        self.executor.shutdown(wait=False)  # of this executor it means to cancel
         if self.own:
             self.client.close()
 

@@ -5,18 +5,20 @@
     Elsewhere    anybody with the `submit` of concurrent.futures
     Cluster      dask.distributed on this machine or many (`cluster`)
 
-Our processes are started anew (spawn), because a process that has used Warp or threads of a BLAS cannot be forked. Each
-is a pool of one, so that a process that dies is known by the row that it had: the others go on, and a new one takes its
-place. Ctrl-C does not reach them, they are ended by us.
+A process that has used Warp cannot be forked. So ours are forks of one that has done nothing but import what workers
+need, which takes seconds (where the system cannot fork, each imports it). Each is a pool of one: one that dies is known
+by the row that it had, the others go on, and a new one takes its place at once. Ctrl-C does not reach them, they are
+ended by us.
 """
 
 from __future__ import annotations
 
+import importlib
 import multiprocessing
+import os
 import pickle
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
-from multiprocessing.context import SpawnContext
 from typing import Any, Protocol
 
 from warpffrf import __version__
@@ -27,6 +29,12 @@ from warpffrf.study.sweeps.parcel import Parcel, answers
 
 WORKER = "warpffrf sweep worker"  # name of our processes
 LEAST_OPEN = 64  # rows sent at once, where it is not known how many workers there are
+
+
+METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
+IMPORTED = ("warpffrf.study.sweeps.job", "warpffrf.scene_file")
+
+_Context: Any = type(multiprocessing.get_context(METHOD))
 
 
 class WorkerDied(Exception):
@@ -80,16 +88,18 @@ class Here:
         """Nothing runs."""
 
 
-class _Named(SpawnContext):
+class _Named(_Context):
     """Starts processes by the name of ours, and keeps them at hand."""
 
     def __init__(self) -> None:
         super().__init__()
         self.started: list[Any] = []
+        if METHOD == "forkserver":
+            self.set_forkserver_preload(list(IMPORTED))
 
     def Process(self, *args: Any, **options: Any) -> Any:
         options["name"] = WORKER
-        process = super().Process(*args, **options)  # type: ignore[operator]
+        process = super().Process(*args, **options)
         self.started.append(process)
         return process
 
@@ -101,7 +111,7 @@ class _Worker:
         self.device, self.context = device, _Named()
         self.pool = ProcessPoolExecutor(1, mp_context=self.context)
         with deaf_children():
-            self.ready = self.pool.submit(_import_all)
+            self.ready = self.pool.submit(_begin, dict(os.environ))
 
     def end(self) -> None:
         """End it at once: it has nothing to keep."""
@@ -110,10 +120,11 @@ class _Worker:
         self.pool.shutdown(wait=True, cancel_futures=True)
 
 
-def _import_all() -> None:
-    """What takes a worker some seconds, while others are at the first row."""
-    import warpffrf.scene_file
-    import warpffrf.study.sweeps.job  # noqa: F401
+def _begin(environment: dict[str, str]) -> None:
+    """What a worker does first: what it was forked from may be older than variables of its environment."""
+    os.environ.update(environment)
+    for module in IMPORTED:
+        importlib.import_module(module)
 
 
 class Processes:

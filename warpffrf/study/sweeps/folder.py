@@ -4,7 +4,7 @@
     lock                  held by the process that runs it; says which
     runs/000012.arrays    a run that has ended, a small sealed file (`model/sealed_arrays.py`), until it is in the table
     table.h5              all rows (`table.py`)
-    bodies/HASH.h5        reduced bodies that workers read (`parcel.py`)
+    bodies/HASH.h5        reduced bodies that workers read (`packing.py`)
 
 One process writes: workers send their answers to it. A table in HDF5 can be lost with a kill in the middle of writing,
 and is written as a whole; so a run goes into a file of its own when it ends, and is put into the table with others, and
@@ -109,7 +109,12 @@ class Folder:
             self._refuse_another(there, json.loads(json.dumps(dict(definition))))
             table = self.gather()
             return table.done()
-        for file in (self.table, *(self.path / RUNS).glob("*.arrays"), *self.bodies.glob("*.h5")):
+        for file in (
+            self.table,
+            *(self.path / RUNS).glob("*.arrays"),
+            *self.bodies.glob("*.h5"),
+            *self.bodies.glob("*.job"),
+        ):
             file.unlink(missing_ok=True)
         with written_whole(self.path / DEFINITION) as partial:
             partial.write_text(json.dumps(definition, indent=1) + "\n", encoding="utf-8")

@@ -1,5 +1,6 @@
 """What a worker does with rows: build, run, read off what is wanted. It sends back answers, plain data and arrays.
 
+The threads of a BLAS are limited to one, for workers side by side, and so that sums are made in one order everywhere.
 A row that cannot be run is an answer too, with its message; what is not answered is a worker that died, and a user who
 interrupts.
 """
@@ -18,6 +19,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
@@ -97,7 +99,7 @@ class Job:
 
     def answers(self, rows: Numbered, device: str | None) -> list[Answer]:
         """Run `rows`, each with its number, one after the other. Raises KeyboardInterrupt where one is interrupted."""
-        with _alone, _only_errors():
+        with _alone, _only_errors(), threadpool_limits(1):
             return [self.answer(number, row, device) for number, row in rows]
 
     def answer(self, number: int, row: Row, device: str | None) -> Answer:

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import scipy.stats
 
 from warpffrf.model.errors import InputError, require_count, unknown_name
 
@@ -34,13 +33,13 @@ CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*")
 def normal(mean: float, deviation: float) -> Any:
     """Gauss's distribution."""
     _positive("normal", "deviation", deviation)
-    return scipy.stats.norm(mean, deviation)
+    return _scipy_stats().norm(mean, deviation)
 
 
 def uniform(least: float, largest: float) -> Any:
     """All between two values alike."""
     _positive("uniform", "largest less least", largest - least)
-    return scipy.stats.uniform(least, largest - least)
+    return _scipy_stats().uniform(least, largest - least)
 
 
 def triangular(least: float, likeliest: float, largest: float) -> Any:
@@ -48,14 +47,21 @@ def triangular(least: float, likeliest: float, largest: float) -> Any:
     _positive("triangular", "largest less least", largest - least)
     if not least <= likeliest <= largest:
         raise InputError(f"triangular: likeliest {likeliest:g} is not between {least:g} and {largest:g}")
-    return scipy.stats.triang((likeliest - least) / (largest - least), least, largest - least)
+    return _scipy_stats().triang((likeliest - least) / (largest - least), least, largest - least)
 
 
 def lognormal(median: float, deviation: float) -> Any:
     """A positive value whose logarithm is normal."""
     _positive("lognormal", "median", median)
     _positive("lognormal", "deviation", deviation)
-    return scipy.stats.lognorm(deviation, scale=median)
+    return _scipy_stats().lognorm(deviation, scale=median)
+
+
+def _scipy_stats() -> Any:
+    """The module, which takes half a second to load, and which workers do not need."""
+    import scipy.stats
+
+    return scipy.stats
 
 
 DISTRIBUTIONS: dict[str, Callable[..., Any]] = {

@@ -16,7 +16,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from scipy.stats import qmc
 
 from warpffrf.model.errors import InputError, unknown_name
 
@@ -27,11 +26,15 @@ log = logging.getLogger("warpffrf")
 
 def latin(count: int, dimensions: int, seed: int) -> np.ndarray:
     """(count, dimensions)."""
+    from scipy.stats import qmc
+
     return qmc.LatinHypercube(dimensions, **_drawn_with(qmc.LatinHypercube, seed)).random(count)
 
 
 def sobol(count: int, dimensions: int, seed: int) -> np.ndarray:
     """(count, dimensions)."""
+    from scipy.stats import qmc
+
     if count & (count - 1):
         log.warning("sweep: a Sobol sample of %d points is less even than one of a power of two", count)
     with warnings.catch_warnings():

@@ -14,6 +14,8 @@ from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, wait
 from typing import Any
 
+from threadpoolctl import threadpool_limits
+
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.interruption import deferred_interrupts, terminated_as_interrupted
 from warpffrf.model.named_arguments import named_arguments
@@ -26,7 +28,7 @@ from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.job import FILES, LOST, NO_QUANTITY, OTHER_VERSIONS, OWN, Answer, Job, versions
 from warpffrf.study.sweeps.outcome import Sweep
 from warpffrf.study.sweeps.outputs import outputs_of
-from warpffrf.study.sweeps.parcel import packed
+from warpffrf.study.sweeps.packing import packed
 from warpffrf.study.sweeps.scenes import scenes_of
 from warpffrf.study.sweeps.table import TAKEN
 
@@ -141,7 +143,8 @@ def _definition(job: Job, design: Design) -> dict[str, Any]:
     """What tells a sweep from others, as plain data; the first scene is None where it cannot be built."""
     first, call = None, "simulate" if job.equilibrium is None else "equilibrium"
     try:
-        built = job.scenes.built(design.rows[0])
+        with threadpool_limits(1):  # as workers have it
+            built = job.scenes.built(design.rows[0])
         call, options = job.call_of(built)
         first = built.scene.content_hash()
     except InputError as error:
@@ -192,8 +195,10 @@ def _run(crew: Crew, left: list[tuple[int, Row]], folder: Folder, count: int, pr
     finally:
         bar.close()
         with deferred_interrupts():
-            crew.close()
-            folder.gather()
+            try:
+                crew.close()
+            finally:
+                folder.gather()
 
 
 class _Keeping:

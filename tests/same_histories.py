@@ -1,0 +1,31 @@
+"""Whether two histories are the same, bit for bit."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+from typing import Any
+
+import numpy as np
+
+NOT_COMPARED = ("scene", "counters", "options", "marks")  # seconds, and what a run was told
+
+
+def unlike(a: Any, b: Any, where: str = "history") -> list[str]:
+    """Where two histories, or parts of them, differ."""
+    if isinstance(a, np.ndarray):
+        if a.dtype.names and "attempt" in a.dtype.names and isinstance(b, np.ndarray):
+            a, b = a.copy(), b.copy()  # whether the last attempt of all was one of this world
+            a["attempt"], b["attempt"] = 0, 0
+        same = isinstance(b, np.ndarray) and a.dtype == b.dtype and a.shape == b.shape and a.tobytes() == b.tobytes()
+        return [] if same else [where]
+    if isinstance(a, dict):
+        found = [] if a.keys() == b.keys() else [f"keys of {where}"]
+        return found + [at for key in a.keys() & b.keys() for at in unlike(a[key], b[key], f"{where}[{key!r}]")]
+    if isinstance(a, list | tuple):
+        found = [] if len(a) == len(b) else [f"length of {where}"]
+        pairs = enumerate(zip(a, b, strict=False))
+        return found + [at for i, (x, y) in pairs for at in unlike(x, y, f"{where}[{i}]")]
+    if is_dataclass(a):
+        names = [f.name for f in fields(a) if f.name not in NOT_COMPARED]
+        return [at for name in names for at in unlike(getattr(a, name), getattr(b, name), f"{where}.{name}")]
+    return [] if a is b or a == b or (a != a and b != b) else [where]

@@ -1,0 +1,176 @@
+"""Workers of a sweep: the same bits whoever runs a row, workers that die, what is told of those that cannot work."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import textwrap
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sweep_scenes import TIMES, bob, deadly_bob
+
+import warpffrf as wf
+from warpffrf.model.errors import InputError
+from warpffrf.study.sweeps import job, sweep
+
+STIFFNESS = {"stiffness": "1000:6000:6"}
+NAME = "body_position_z[bob]"
+FOLDER = Path(__file__).resolve().parent
+
+
+def run(store: Path, parameters: Any = STIFFNESS, scene: Any = bob, **options: Any) -> Any:
+    return wf.study.sweep(
+        scene, parameters, outputs=[NAME], store=store, simulate=TIMES, progress=False, **options
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory: Any) -> np.ndarray:
+    return run(tmp_path_factory.mktemp("alone") / "s")[NAME]
+
+
+def test_two_processes_give_the_same_bits_also_where_one_is_killed(tmp_path: Path, alone: np.ndarray) -> None:
+    """A row that takes its worker with it twice is run a third time, and the others are not touched."""
+    scene = partial(deadly_bob, folder=str(tmp_path), times=3)  # the first by the parent would be ours: see below
+    (tmp_path / "death 0").touch()
+    found = run(tmp_path / "s", scene=scene, workers=2)
+    assert sorted(mark.name for mark in tmp_path.glob("death *")) == ["death 0", "death 1", "death 2"]
+    assert found.counts == {"completed": 6} and np.array_equal(found[NAME], alone)
+
+
+def test_a_row_that_kills_its_worker_every_time_is_a_row_with_a_message(tmp_path: Path, alone: np.ndarray) -> None:
+    found = run(tmp_path / "s", scene=partial(deadly_bob, folder=str(tmp_path), times=9), workers=2)
+    assert found.counts == {"completed": 5, "lost": 1}
+    (row,) = found.failed()
+    assert row["stiffness"] == 2000 and "died 3 times" in row["message"]
+    others = [0, 2, 3, 4, 5]
+    assert np.array_equal(found[NAME][others], alone[others]) and np.isnan(found[NAME][1]).all()
+
+
+def test_any_executor_will_do(tmp_path: Path, alone: np.ndarray) -> None:
+    """Threads of one process: they take turns."""
+    with ThreadPoolExecutor(2) as pool:
+        assert np.array_equal(run(tmp_path / "s", client=pool)[NAME], alone)
+    with pytest.raises(InputError, match="an executor, got 7"):
+        run(tmp_path / "t", client=7)
+    with pytest.raises(InputError, match="workers or a client"):
+        run(tmp_path / "u", client=pool, workers=2)
+
+
+def test_reduced_bodies_travel_by_their_hash(tmp_path: Path) -> None:
+    """A builder that holds a body is a parcel of some hundred bytes, and the body comes out as it was."""
+    from warpffrf.study.sweeps.packing import opened, packed
+    from warpffrf.study.sweeps.scenes import FunctionScenes
+
+    body = wf.reduce(
+        wf.mesh.box((0.1, 0.02, 0.02), (6, 2, 2)),
+        wf.Material(210e9, 0.3, 7850.0),
+        interfaces={"x_min": "rigid"},
+        modes=4,
+        cache=False,
+    )
+    parcel = packed(job.Job(FunctionScenes(partial(_with_body, body=body)), {}), tmp_path / "bodies")
+    assert [file.stem for file in (tmp_path / "bodies").iterdir()] == [body.content_hash()]
+    assert len(parcel.content) < 2000
+    scenes: Any = opened(parcel).scenes
+    assert scenes.function.keywords["body"].content_hash() == body.content_hash()
+
+
+def _with_body(stiffness: float, body: Any) -> Any:
+    return bob(stiffness)
+
+
+def test_what_cannot_be_sent_is_told_before_anything_runs(tmp_path: Path) -> None:
+    lock = threading.Lock()
+    with pytest.raises(InputError, match="cannot be sent to other processes"):
+        run(tmp_path / "s", scene=lambda stiffness: (lock, bob(stiffness))[1], workers=2)
+
+
+def test_workers_with_other_versions_are_named(tmp_path: Path, monkeypatch: Any) -> None:
+    """The parcel says versions that the worker does not have."""
+    from warpffrf.study.sweeps import packing
+
+    monkeypatch.setattr(packing, "versions", lambda: {**job.versions(), "numpy": "1.0"})
+    packed = packing.packed(job.Job(partial(bob), {}), tmp_path)  # type: ignore[arg-type]
+    monkeypatch.undo()
+    (answer,) = packing.answers_of(packed, [(0, {})], None)
+    assert answer.status == job.OTHER_VERSIONS and answer.message.endswith("here 1.0")
+
+    class Foreign:
+        def submit(self, call: Any, *rest: Any) -> Any:
+            from concurrent.futures import Future
+
+            future: Any = Future()
+            future.set_result([job.Answer(0, job.OTHER_VERSIONS, "warp 1.18, here 1.19", host="blade7")])
+            return future
+
+    with pytest.raises(InputError, match="worker on blade7 has other versions .warp 1.18.*install the same"):
+        run(tmp_path / "s", client=Foreign())
+
+
+@pytest.mark.slow  # three processes that each load the package
+def test_a_script_without_its_line_is_told_of_it(tmp_path: Path) -> None:
+    script = tmp_path / "script.py"
+    script.write_text(
+        textwrap.dedent(f"""
+            import sys
+            sys.path.insert(0, {str(FOLDER)!r})
+            import warpffrf as wf
+            from sweep_scenes import bob, TIMES
+            wf.study.sweep(bob, {{"stiffness": [1e3, 2e3]}}, outputs=[{NAME!r}], store={str(tmp_path / "s")!r},
+                           simulate=TIMES, workers=2)
+        """)
+    )
+    told = subprocess.run([sys.executable, script], capture_output=True, text=True, check=False)
+    assert told.returncode and told.stderr.strip().splitlines()[-1].count("if __name__ == '__main__':") == 1
+
+
+@pytest.mark.slow  # likewise
+def test_sigterm_keeps_what_is_done_and_leaves_no_process(tmp_path: Path, alone: np.ndarray) -> None:
+    """SIGTERM comes as soon as a row is kept; its workers end with the sweep, and resume runs the rest."""
+    store = tmp_path / "s"
+    code = textwrap.dedent(f"""
+        import sys
+        sys.path.insert(0, {str(FOLDER)!r})
+        import warpffrf as wf
+        from sweep_scenes import bob, TIMES
+        found = wf.study.sweep(bob, {STIFFNESS!r}, outputs=[{NAME!r}], store={str(store)!r}, simulate=TIMES, workers=2)
+        print(found.status)
+    """)
+    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not list((store / "runs").glob("*.arrays")):
+        time.sleep(0.005)
+    process.send_signal(signal.SIGTERM)
+    out, err = process.communicate()
+    assert out.strip() in ("unfinished", "completed")  # the last rows may have been quicker
+    found = wf.study.open_sweep(store)
+    assert found.counts.get("completed", 0) >= 1
+    if out.strip() == "unfinished":
+        assert "go on with resume=True" in err
+    assert np.array_equal(run(store, resume=True)[NAME], alone)
+
+
+def test_progress_counts_runs(tmp_path: Path, monkeypatch: Any) -> None:
+    counted: list[int] = []
+
+    class Bar:
+        def __init__(self, label: str, total: int, **rest: Any) -> None:
+            assert (label, total, rest["unit"]) == ("sweep", 6, "run")
+
+        def update(self, done: int) -> None:
+            counted.append(done)
+
+        def close(self) -> None:
+            counted.append(-1)
+
+    monkeypatch.setattr(sweep, "Progress", Bar)
+    run(tmp_path / "s")
+    assert counted == [0, 1, 2, 3, 4, 5, 6, -1]

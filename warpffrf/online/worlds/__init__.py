@@ -1,0 +1,1 @@
+"""Many scenes in one graph, each as if it were alone."""

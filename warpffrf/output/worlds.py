@@ -1,0 +1,168 @@
+"""`simulate_worlds` as users call it: many scenes at once, each with its Result."""
+
+from __future__ import annotations
+
+import logging
+import os
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from pathlib import Path
+from typing import Any, Literal
+
+from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.integrators import CHECK_INTEGRATORS, Integrator
+from warpffrf.model.interruption import terminated_as_interrupted
+from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.scene import Scene
+from warpffrf.model.speech import notes, speaking
+from warpffrf.model.step_count import step_count
+from warpffrf.online import Settings, run
+from warpffrf.online.engine import EngineOf
+from warpffrf.online.history.history import History
+from warpffrf.online.load_steps import run_static
+from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.stages import KINDS
+from warpffrf.online.worlds.side_by_side import side_by_side
+from warpffrf.output.outputs import Outputs, run_options
+from warpffrf.output.result import Result
+from warpffrf.output.simulate import (
+    DEFAULT_INTEGRATOR,
+    STARTS,
+    known,
+    known_integrator,
+    known_scene,
+    refuse_in_statics,
+)
+
+log = logging.getLogger("warpffrf")
+
+
+@named_arguments
+def simulate_worlds(
+    scenes: Sequence[Scene],
+    duration: float,
+    *,
+    step: float,
+    start: Literal["initial", "equilibrium"] = "initial",
+    kind: Literal["dynamic", "static"] = "dynamic",
+    local: str | LocalDynamics = "quasi_static",
+    integrator: Integrator | None = None,
+    step_error: float | None = None,
+    energy_tolerance: float | None = None,
+    save_every: int = 1,
+    results: str | os.PathLike[str] | None = None,
+    device: str | None = None,
+    progress: bool = True,
+    project_start: bool = False,
+    overwrite: bool = False,
+) -> list[Result]:
+    """Simulate many scenes at once, for `duration` [s] with steps of `step` [s], as worlds of one graph.
+
+    Returns the Result of each, in their order, the same as `simulate` gives it: bit for bit on the CPU. There the
+    set-up is done once for all, which pays where runs are short; a GPU steps all worlds side by side. A world whose
+    solver fails ends by itself, with its `status` and `message`, and the others go on; one that takes longer to its
+    equilibrium, or halves steps, does so by itself, too. Seconds in `counters` are wall times, in which the others
+    were at work as well.
+
+    scenes: of one kind, so that they differ in numbers only: loads, speeds, prescribed motions, stiffnesses,
+    coefficients of friction, masses, places, initial velocities, profiles, as long as there are the same bodies,
+    joints, contacts and so on, of the same modes and grids, in the same order, and contact windows of the same size.
+    One scene may stand there several times. Their reduced bodies are best the same objects.
+
+    results: a folder, with a file each, world_000.h5 and so on, written when all have ended; overwrite: replace those
+    of an earlier call. The others as of `simulate`, for all scenes alike. start: "initial", or "equilibrium" of each.
+    kind: "dynamic", or "static" for load steps. local: treatment of the local modes. integrator: None for
+    GeneralizedAlpha(rho_inf=0.8). step_error: local error of a step [m, rad] beyond which it is halved.
+    energy_tolerance: what a step of an impact may gain [J/J of the energy at hand]. save_every: save every so many
+    steps, and the last. device: "cpu" or "cuda:0", None for what WARPFFRF_DEVICE names. progress: bar and notes on
+    stderr, notes that several scenes share once. project_start: change initial velocities that do not fit the joints.
+    Stages, accuracy, going on from a Result, resume, recordings, the monolithic method and check integrators are for
+    single runs.
+
+    Raises InputError before the run for wrong input, with the number of the scene, counted from 0, in front; and where
+    scenes are of another kind than the first, with what differs.
+
+    >>> results = wf.simulate_worlds([scene, scene], 2e-3, step=2e-4, start="equilibrium", progress=False)
+    >>> [result.status for result in results]
+    ['completed', 'completed']
+    """
+    scenes = _known_scenes(scenes)
+    known("start", start, STARTS)
+    known("kind", kind, KINDS)
+    as_local_dynamics(local)
+    known_integrator(integrator, "simulate_worlds")
+    if isinstance(integrator, CHECK_INTEGRATORS):
+        raise InputError(
+            f"simulate_worlds: {type(integrator).__name__} steps without the graph; run the scenes one by one, with "
+            "simulate"
+        )
+    steps, _ = step_count(duration, step)
+    save_every = require_count(save_every, "simulate: save_every", 1)
+    options: dict[str, Any] = {"save_every": save_every, "device": device, "local": local}
+    if energy_tolerance is not None:
+        energy_tolerance = require_number(energy_tolerance, "simulate: energy_tolerance", positive=True)
+        options["settings"] = Settings(energy_tolerance=energy_tolerance)
+    if kind == "static":
+        refuse_in_statics(
+            "simulate_worlds", integrator=integrator, step_error=step_error, energy_tolerance=energy_tolerance,
+            project_start=project_start or None,
+        )  # fmt: skip
+    else:
+        options |= {"integrator": DEFAULT_INTEGRATOR if integrator is None else integrator}
+        options |= {"step_error": step_error, "project_start": project_start}
+
+    def run_of(scene: Scene) -> Callable[[EngineOf], History]:
+        one = run_static if kind == "static" else run
+        return lambda engine_of: one(
+            scene, duration, step=step, start=start, progress=False, engine_of=engine_of, **options
+        )
+
+    named = {"integrator": integrator, "save_every": save_every, "project_start": project_start, "local": local}
+    named |= {"step_error": step_error, "method": "separated"} | ({"kind": kind} if kind == "static" else {})
+    named |= {} if energy_tolerance is None else {"energy_tolerance": energy_tolerance}
+    outputs = Outputs(overwrite)
+    files = _files(results, len(scenes), outputs)
+    with terminated_as_interrupted(), speaking(progress), ExitStack() as locks:
+        log.info("simulate_worlds: %d scenes, %s s in steps of %s s", len(scenes), duration, step)
+        wholes = [locks.enter_context(outputs.locked(file)) for file in files]
+        histories = side_by_side([run_of(scene) for scene in scenes], steps, progress=progress)
+        for scene, history in zip(scenes, histories, strict=True):
+            history.options = run_options(scene, start, duration, step, named)
+        found = [Result(history) for history in histories]
+        _tell_ends(found)
+        return [whole.kept(result) for whole, result in zip(wholes, found, strict=True)]
+
+
+def _known_scenes(scenes: Any) -> list[Scene]:
+    if not isinstance(scenes, Sequence) or not scenes:
+        raise InputError(
+            f"simulate_worlds: a list of scenes is needed first, got {scenes!r}; one alone goes to simulate"
+        )
+    for scene in scenes:
+        known_scene(scene, "simulate_worlds")
+    return list(scenes)
+
+
+def _files(results: Any, count: int, outputs: Outputs) -> list[Path | None]:
+    """The results files of the worlds. Raises `InputError` for those that cannot be written."""
+    if results is None:
+        return [None] * count
+    if not isinstance(results, str | os.PathLike):
+        raise InputError(f"simulate_worlds: results must be the name of a folder, got {results!r}")
+    digits = max(3, len(str(count - 1)))
+    files: list[Path | None] = [Path(results) / f"world_{i:0{digits}d}.h5" for i in range(count)]
+    for file in files:
+        outputs.check(file, None)
+    return files
+
+
+def _tell_ends(found: Sequence[Result]) -> None:
+    """What the runs have to say when all are over, what several say once."""
+    said: dict[str, int] = {}
+    for i, result in enumerate(found):
+        if result.status != "completed":
+            log.warning("scene %d: run ended early: %s: %s", i, result.status, result.message)
+        for note in result.history.notes:
+            said[note] = said.get(note, 0) + 1
+    for note, count in said.items():
+        notes.info("note: %s%s", note, f" ({count} scenes)" if count > 1 else "")

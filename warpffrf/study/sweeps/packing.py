@@ -1,0 +1,138 @@
+"""A job packed for workers, and opened by them: pickled once, reduced bodies by their content hash.
+
+A reduced body may have a hundred megabytes, and a function that builds scenes mostly holds one or two of them. So a
+body is written once into the folder `bodies` of the sweep, and the job says its hash; a worker reads it once. So is
+whatever else makes a job large. The folder must be one that workers see under the same path, as a scene file and what
+it names.
+
+Workers hold their versions against those of the parcel before they open it: numbers would be others, or the pickle
+could not be read.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import pickle
+import socket
+from pathlib import Path
+from typing import Any
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.output_paths import written_whole
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.study.sweeps.job import OTHER_VERSIONS, Answer, Job, Numbered, versions
+from warpffrf.study.sweeps.parcel import Parcel
+
+BODY = "reduced body"
+JOB = "{}.job"  # file of a job that is large
+LARGE = 1 << 16  # bytes that are not sent with every row
+KEPT = 2  # jobs that a worker holds opened: the one under way and the one before
+
+_opened: dict[str, Job] = {}
+
+
+def opened(parcel: Parcel) -> Job:
+    """The job of a parcel, opened once in a process. Raises `InputError` where this process cannot open it."""
+    if parcel.digest not in _opened:
+        while len(_opened) >= KEPT:
+            del _opened[next(iter(_opened))]
+        content, folder = parcel.content, Path(parcel.folder)
+        if not content:
+            content = _there(folder / JOB.format(parcel.digest)).read_bytes()
+        try:
+            _opened[parcel.digest] = _Unpickler(io.BytesIO(content), folder).load()
+        except (ImportError, AttributeError) as error:
+            raise InputError(
+                f"sweep: a worker cannot import what builds the scenes or reads outputs ({error}); install that module "
+                "where workers run, or define the functions in the script itself"
+            ) from None
+    return _opened[parcel.digest]
+
+
+def _there(file: Path) -> Path:
+    """A file of the sweep, as a worker sees it. Raises `InputError` where it does not."""
+    if not file.is_file():
+        raise InputError(
+            f"sweep: a worker finds no '{file}'; put the store where all workers see it under the same path"
+        )
+    return file
+
+
+def packed(job: Job, folder: Path) -> Parcel:
+    """The parcel of a job, whose bodies are written to `folder`. Raises `InputError` for what cannot be pickled."""
+    stream = io.BytesIO()
+    try:
+        _pickler()(stream, folder).dump(job)
+    except (pickle.PicklingError, TypeError, AttributeError) as error:
+        raise InputError(
+            f"sweep: what builds the scenes or reads outputs cannot be sent to other processes ({error}); define it "
+            "with def at the top of a file, install cloudpickle (pip install 'warpffrf[cluster]'), or run it here, "
+            "workers=1"
+        ) from None
+    content = stream.getvalue()
+    digest = hashlib.sha256(content).hexdigest()
+    if len(content) > LARGE:
+        folder.mkdir(parents=True, exist_ok=True)
+        with written_whole(folder / JOB.format(digest)) as partial:
+            partial.write_bytes(content)
+        content = b""
+    return Parcel(content, digest, str(folder.absolute()), versions())
+
+
+def answers_of(parcel: Parcel, rows: Numbered, device: str | None) -> list[Answer]:
+    """What this process makes of `rows`, unless its versions are others."""
+    differ = [
+        f"{name} {mine}, here {parcel.versions.get(name)}"
+        for name, mine in versions().items()
+        if parcel.versions.get(name) != mine
+    ]
+    if differ:
+        return [Answer(number, OTHER_VERSIONS, ", ".join(differ), host=socket.gethostname()) for number, _ in rows]
+    return opened(parcel).answers(rows, device)
+
+
+def _pickler() -> Any:
+    """A pickler that takes functions of a script, where cloudpickle is there."""
+    try:
+        from cloudpickle import Pickler as Kind
+    except ImportError:
+        from pickle import Pickler as Kind
+    base: Any = Kind
+
+    class WithBodies(base):
+        """Bodies go to the folder, once each."""
+
+        def __init__(self, stream: Any, folder: Path) -> None:
+            super().__init__(stream)
+            self.folder, self.hashes = folder, {}
+
+        def persistent_id(self, obj: Any) -> Any:
+            if not isinstance(obj, ReducedBody):
+                return None
+            if id(obj) not in self.hashes:
+                self.hashes[id(obj)] = obj.content_hash()
+                file = self.folder / f"{self.hashes[id(obj)]}.h5"
+                if not file.is_file():
+                    self.folder.mkdir(parents=True, exist_ok=True)
+                    obj.save(file)
+            return BODY, self.hashes[id(obj)]
+
+    return WithBodies
+
+
+class _Unpickler(pickle.Unpickler):
+    """Reads bodies from the folder, once each."""
+
+    def __init__(self, stream: Any, folder: Path) -> None:
+        super().__init__(stream)
+        self.folder, self.bodies = folder, {}
+
+    def persistent_load(self, pid: Any) -> Any:
+        kind, digest = pid
+        if kind != BODY:
+            raise pickle.UnpicklingError(f"unknown thing {kind!r}")
+        if digest not in self.bodies:
+            file = _there(self.folder / f"{digest}.h5")
+            self.bodies[digest] = ReducedBody.load(file)
+        return self.bodies[digest]
