@@ -26,8 +26,7 @@ from warpffrf.cli_examples import add_example_commands
 from warpffrf.cli_pictures import add_picture_commands
 from warpffrf.cli_results import add_result_commands
 from warpffrf.cli_study import study_app
-from warpffrf.cli_sweep import add_sweep_command
-from warpffrf.cli_sweep_plot import add_sweep_plot_command
+from warpffrf.cli_sweep import add_sweep_command, add_sweep_plot_command
 from warpffrf.demos import DEMOS
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
@@ -449,10 +448,10 @@ def info(
 
 
 add_result_commands(app)
-add_sweep_plot_command(app)
 add_example_commands(app)
 add_picture_commands(app, lambda: _State.quiet)
 add_sweep_command(app, lambda: _State.quiet)
+add_sweep_plot_command(app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

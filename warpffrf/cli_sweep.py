@@ -1,4 +1,4 @@
-"""The command `warpffrf sweep`."""
+"""The commands `warpffrf sweep` and `warpffrf sweep-plot`: a sweep, and pictures of one that has been run."""
 
 from __future__ import annotations
 
@@ -105,3 +105,44 @@ def add_sweep_command(app: typer.Typer, quiet: Callable[[], bool]) -> None:
                 raise typer.Exit(INTERRUPTED)
             if found.failed():
                 raise typer.Exit(1)
+
+
+def add_sweep_plot_command(app: typer.Typer) -> None:
+    """Add `sweep-plot` to `app`."""
+
+    @app.command("sweep-plot")
+    def plot_sweep(
+        folder: Annotated[Path, typer.Argument(metavar="SWEEP", help="Folder of a sweep.")],
+        output: Annotated[str, typer.Argument(metavar="OUTPUT", help="What to draw; `info SWEEP` lists outputs.")],
+        out: Annotated[Path, typer.Option("--out", metavar="PNG", help="The picture to write: .png, .pdf or .svg.")],
+        x: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter along; left out: the first.")] = None,
+        y: Annotated[str | None, typer.Option(metavar="NAME", help="Draw a map; parameter upwards.")] = None,
+        hue: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter by colour.")] = None,
+        style: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter by dashes.")] = None,
+        col: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter with a panel a value.")] = None,
+        component: Annotated[str | None, typer.Option(help="Of a vector: x, y or z.")] = None,
+        where: Annotated[
+            list[str] | None, typer.Option("--where", metavar="NAME=VALUE", help="These rows alone. Repeat for more.")
+        ] = None,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+    ) -> None:
+        """Draw an output of a sweep over a parameter, over time, or as a map of two parameters.
+
+        Example: warpffrf sweep-plot press.sweep peak --x upper.load --hue friction --out peak.png
+        """
+        with one_line_errors():
+            from warpffrf.model.errors import InputError
+            from warpffrf.study import open_sweep
+            from warpffrf.study.sweeps.parameters import values_of
+
+            chosen = {}
+            for name, text in named(where or (), "--where", "friction=0.2").items():
+                chosen[name], *more = values_of(text)
+                if more:
+                    raise InputError(f"--where {name}={text}: give one value of it, or draw all with --hue {name}")
+            entry = int(component) if component is not None and component.isdecimal() else component
+            open_sweep(folder).plot(
+                output, x=x, y=y, hue=hue, style=style, col=col, component=entry, where=chosen, path=out,
+                overwrite=overwrite,
+            )  # fmt: skip
+            print(f"written to {out}")

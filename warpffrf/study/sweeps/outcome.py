@@ -130,12 +130,13 @@ class Sweep(looks.Shown):
         """A matplotlib Figure of an output: over the parameter `x` or over time, or over `x` and `y`.
 
         x, hue, style, col: parameters along the axis, by colour, by dashes, and with a panel for each value; x left
-        out: the first that varies; hue left out: of rows that share values of x the next one. Rows that differ in x
-        alone are joined. An output over time has a line a row. kind: "map", or y=: cells of a whole grid, triangles
-        between the rows of a sample, and points where further parameters vary; the rows with the least and the largest
-        value are marked. component: of a vector, "x", "y", "z", or a number. where: {parameter: value}, only those
-        rows. Rows without a value are marked with a cross, and the title counts them. path: also written there, .png,
-        .pdf or .svg. Raises InputError for unknown names, values that no row has, and outputs of several numbers a row.
+        out: the first that varies; hue left out: of rows that share values of x the next one, and so style. Rows that
+        differ in x alone are joined. An output over time has a line a row. kind: "map", or y=: cells of a whole grid,
+        triangles between the rows of a sample, and points where further parameters vary; the rows with the least and
+        the largest value are marked. component: of a vector, "x", "y", "z", or a number. where: {parameter: value},
+        only those rows. Rows without a value are marked with a cross, and the title counts them. path: also written
+        there, .png, .pdf or .svg. Raises InputError for unknown names, values that no row has, and outputs of several
+        numbers a row.
         """
         from warpffrf.study.sweeps.reading.plot import plot
 

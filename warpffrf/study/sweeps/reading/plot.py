@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.output.plots.figure import STYLES
 from warpffrf.output.plots.panels import Drawn, panels_figure
 from warpffrf.output.plots.picture import write_picture
 from warpffrf.output.plots.scales import HEADROOM, SMALL
@@ -111,13 +112,16 @@ def _curves(
     table: Table, values: Values, panels: list[tuple[str, np.ndarray]], x: str | None, hue: str | None,
     style: str | None, free: list[Axis],
 ) -> list[Curves]:  # fmt: skip
-    """Panels over x, the first parameter that varies where it is left out; of a grid the next one is the colour."""
+    """Panels over x, the first parameter that varies where it is left out; of a grid the next one is the colour, and a
+    last one of few values the dashes."""
     if x is None and not free:
         raise InputError("sweep: no parameter is left that varies in these rows; name another x, or leave where out")
     along = axis_of(table, x) if x is not None else free.pop(0)
     color, dash = (axis_of(table, name) if name is not None else None for name in (hue, style))
     if color is None and free and len(np.unique(along.positions[panels[0][1]])) < int(panels[0][1].sum()):
         color = free.pop(0)
+    if dash is None and len(free) == 1 and len(free[0].distinct) <= len(STYLES):
+        dash = free.pop(0)
     limits = _limits(values, np.any([rows for _, rows in panels], axis=0))
     return [
         Curves(name, values, rows, along, Hue(color), dash, free, limits, n == 0)
