@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf import cli, cli_info
-from warpffrf.cli_errors import in_options
+from warpffrf import cli
+from warpffrf.cli import describe
+from warpffrf.cli.errors import in_options
 
 DATA = Path(__file__).resolve().parent / "data"
 STEEL = ["--youngs-modulus", "210e9", "--poisson-ratio", "0.3", "--density", "7850"]
@@ -97,7 +98,7 @@ def test_wrong_usage_exits_with_2(arguments: list[str], capsys: pytest.CaptureFi
 
 def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     other = tmp_path / "data.h5"
-    other.write_bytes(cli_info.HDF5_SIGNATURE + b"not more than that")
+    other.write_bytes(describe.HDF5_SIGNATURE + b"not more than that")
     blocked = tmp_path / "file"
     blocked.write_text("")
     target = ["-o", str(tmp_path / "body.h5")]
@@ -132,7 +133,7 @@ def test_wrong_input_is_one_line_and_exit_1(coarse: Path, tmp_path: Path, capsys
 
 def test_verbose_tells_where_an_error_came_from(tmp_path: Path, capsys: pytest.CaptureFixture) -> None:
     assert cli.main(["-v", "info", str(tmp_path / "none.h5")]) == 1
-    assert "cli_info.py" in capsys.readouterr().err
+    assert "describe.py" in capsys.readouterr().err
 
 
 def test_verbose_says_more_and_with_times(coarse: Path, tmp_path: Path, capsys: pytest.CaptureFixture) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from synthetic_run import COLUMNS, PITCH, ROWS, R
 
-from warpffrf.cli_info import describe_file
+from warpffrf.cli.describe import describe_file
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.reduced_body_data import DisplaySurface

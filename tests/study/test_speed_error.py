@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.cli_study import choices_of
+from warpffrf.cli.study import choices_of
 from warpffrf.model.box_means import Boxes, squares
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from warpffrf.cli_errors import one_line_errors
+from warpffrf.cli.errors import one_line_errors
 
 ABOUT = "List files to begin with (scene files, a deck, meshes) and the commands that use them, or copy them."
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from warpffrf.cli_errors import one_line_errors
+from warpffrf.cli.asked import Asked
+from warpffrf.cli.errors import one_line_errors
 
 FIELD = typer.Option(
     metavar="FIELD",
@@ -18,7 +18,7 @@ FIELD = typer.Option(
 OVERWRITE = typer.Option("--overwrite", help="Replace a file that is there.")
 
 
-def add_picture_commands(app: typer.Typer, is_quiet: Callable[[], bool]) -> None:
+def add_picture_commands(app: typer.Typer) -> None:
     """Add `view` and `picture` to `app`."""
 
     @app.command("view")
@@ -56,12 +56,12 @@ def add_picture_commands(app: typer.Typer, is_quiet: Callable[[], bool]) -> None
                     "writes it for another machine, and warpffrf picture draws without a screen"
                 )
             if out is not None:
-                print(_recorded(file, out, field, every, overwrite, is_quiet()))
+                print(_recorded(file, out, field, every, overwrite, Asked.quiet))
                 return
             with tempfile.TemporaryDirectory() as folder:
                 recording = Path(folder) / f"{file.stem}{viewer.ENDING}"
-                said = _recorded(file, recording, field, every, False, is_quiet())
-                if not is_quiet():
+                said = _recorded(file, recording, field, every, False, Asked.quiet)
+                if not Asked.quiet:
                     print(said)
                 viewer.run(viewer.viewer_command(recording, serve=serve))
 
@@ -103,7 +103,7 @@ def add_picture_commands(app: typer.Typer, is_quiet: Callable[[], bool]) -> None
             result = Result.load(file)
             common: dict[str, Any] = {"deformation_factor": deformation_factor, "overwrite": overwrite}
             if out.suffix.lower() in ENDINGS:
-                written = result.animate(out, field, every=every, fps=fps, progress=not is_quiet(), **common)
+                written = result.animate(out, field, every=every, fps=fps, progress=not Asked.quiet, **common)
             else:
                 written = result.picture(out, field, time=time, **common)
             print(f"written to {written}")

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from warpffrf.cli_errors import one_line_errors
+from warpffrf.cli.asked import Asked
+from warpffrf.cli.errors import one_line_errors
 
 IN_FILE = "simulate."  # before an option of the run, as `--set` names it
 
@@ -62,8 +63,8 @@ def _made(name: str, value: Any) -> Any:
         raise InputError(f"--choice {name}: {table} cannot be used: {error}") from error
 
 
-def study_app(quiet: Callable[[], bool]) -> typer.Typer:
-    """The commands; quiet: whether no progress is wanted."""
+def study_app() -> typer.Typer:
+    """The commands."""
     app = typer.Typer(
         help="Speed against error, and stability on hard cases.", no_args_is_help=True, rich_markup_mode=None
     )
@@ -89,7 +90,7 @@ def study_app(quiet: Callable[[], bool]) -> typer.Typer:
             folder = Path("out") / f"{scene_file.stem}_speed_error" if out is None else out
             found = run(
                 scene_file, settings=settings or (), choices=choices_of(choice) if choice else None,
-                measures=measure or None, rounds=rounds, out=folder, overwrite=overwrite, progress=not quiet(),
+                measures=measure or None, rounds=rounds, out=folder, overwrite=overwrite, progress=not Asked.quiet,
             )  # fmt: skip
             found.write(folder, overwrite=True)
             print(found.report())
@@ -105,7 +106,7 @@ def study_app(quiet: Callable[[], bool]) -> typer.Typer:
         with one_line_errors():
             from warpffrf.study import stability as run
 
-            found = run(out, cases=case or None, quick=quick, overwrite=overwrite, progress=not quiet())
+            found = run(out, cases=case or None, quick=quick, overwrite=overwrite, progress=not Asked.quiet)
             print(found.report())
 
     return app

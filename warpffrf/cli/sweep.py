@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from warpffrf.cli_errors import INTERRUPTED, one_line_errors
+from warpffrf.cli.asked import Asked
+from warpffrf.cli.errors import INTERRUPTED, one_line_errors
 
 
 def named(texts: Sequence[str], option: str, example: str) -> dict[str, str]:
@@ -31,8 +32,8 @@ def outputs_of(texts: Sequence[str]) -> dict[str, str]:
     return named([text if "=" in text else f"{text}={text}" for text in texts], "--output", "peak=max(energy[kinetic])")
 
 
-def add_sweep_command(app: typer.Typer, quiet: Callable[[], bool]) -> None:
-    """The command; quiet: whether no progress and no report is wanted."""
+def add_sweep_command(app: typer.Typer) -> None:
+    """The command."""
 
     @app.command("sweep")
     def sweep(
@@ -97,9 +98,9 @@ def add_sweep_command(app: typer.Typer, quiet: Callable[[], bool]) -> None:
                 store=Path("out") / f"{scene_file.stem}.sweep" if out is None else out, sample=sample, seed=seed,
                 settings=settings or (), equilibrium={} if only_equilibrium else None, workers=workers,
                 client=scheduler, device=device[0] if device and len(device) == 1 else device or None,
-                worlds=worlds, error_budget=error_budget, overwrite=overwrite, resume=resume, progress=not quiet(),
+                worlds=worlds, error_budget=error_budget, overwrite=overwrite, resume=resume, progress=not Asked.quiet,
             )  # fmt: skip
-            if not quiet():
+            if not Asked.quiet:
                 print(found.report())
             if found.status == "unfinished":
                 raise typer.Exit(INTERRUPTED)

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from warpffrf.cli_errors import one_line_errors
+from warpffrf.cli.errors import one_line_errors
 
 OVERWRITE = typer.Option("--overwrite", help="Replace a picture that is there.")
 

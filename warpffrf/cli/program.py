@@ -1,0 +1,144 @@
+"""The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum |
+view | picture | study | sweep`.
+
+Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
+is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
+stderr. With --quiet there is no report either: the exit code says how it went, and only `info` and `modes`, which do
+nothing but tell, print what they are asked for.
+"""
+
+from __future__ import annotations
+
+import importlib
+import logging
+import os
+from collections.abc import Sequence
+from contextlib import nullcontext, redirect_stdout
+from io import StringIO
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+import warpffrf
+from warpffrf.cli.asked import Asked
+from warpffrf.cli.bodies import reduce_mesh
+from warpffrf.cli.errors import know_options, one_line_errors
+from warpffrf.cli.examples import add_example_commands
+from warpffrf.cli.info import info
+from warpffrf.cli.pictures import add_picture_commands
+from warpffrf.cli.results import add_result_commands
+from warpffrf.cli.scenes import campbell_of_scene_file, modes_of_scene_file, run_scene_file
+from warpffrf.cli.study import study_app
+from warpffrf.cli.sweep import add_sweep_command, add_sweep_plot_command
+from warpffrf.demos import DEMOS
+
+# Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
+# (on two busy cores 16 times longer than one thread alone).
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+
+log = logging.getLogger("warpffrf")
+
+app = typer.Typer(
+    name="warpffrf",
+    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers, or warpffrf example",
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+demo = typer.Typer(
+    help="Run a complete example, print its figures beside what they must be, and write its results to a folder.",
+    rich_markup_mode=None,
+)
+app.add_typer(demo, name="demo")
+
+
+@demo.callback(invoke_without_command=True)
+def list_demos(context: typer.Context) -> None:
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        print(f"warpffrf {warpffrf.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    context: typer.Context,
+    verbose: Annotated[
+        bool,
+        typer.Option(
+            "--verbose",
+            "-v",
+            help="Say more: the scene, times, where faults are, each of alike contacts.",
+        ),
+    ] = False,
+    quiet: Annotated[
+        bool, typer.Option("--quiet", "-q", help="Print neither progress nor reports, only warnings and errors.")
+    ] = False,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+    ] = False,
+) -> None:
+    Asked.quiet, Asked.pairs = quiet, "all" if verbose else "folded"
+    know_options(context)
+    from warpffrf.model.speech import Lines, notes
+
+    for old in [h for h in log.handlers if isinstance(h, Lines)]:
+        log.removeHandler(old)
+    handler = Lines("[%(relativeCreated)7.0f ms] %(message)s" if verbose else "%(message)s")
+    handler.addFilter(lambda record: record.name != notes.name)  # the report has them
+    log.addHandler(handler)
+    log.setLevel(logging.DEBUG if verbose else logging.WARNING if quiet else logging.INFO)
+
+
+app.add_typer(study_app(), name="study")
+
+
+def _add_demo(module: str, about: str) -> None:
+    """A command `demo NAME` that runs `warpffrf.demos.MODULE.main`."""
+
+    def command(
+        out: Annotated[Path, typer.Option("--out", help="Folder for the results; made if missing.")] = Path(
+            f"out/{module}"
+        ),
+        quick: Annotated[bool, typer.Option("--quick", help="A coarser, shorter version.")] = False,
+    ) -> None:
+        with one_line_errors():
+            run: Any = importlib.import_module(f"warpffrf.demos.{module}")
+            with redirect_stdout(StringIO()) if Asked.quiet else nullcontext():
+                code = run.main(out, quick=quick, progress=not Asked.quiet)
+        raise typer.Exit(code)
+
+    files = f"{module}.h5 (results), {module}.rrd (open it with: rerun FILE), {module}.png and summary.json"
+    demo.command(module.replace("_", "-"), help=f"{about}\n\nWrites {files}.", short_help=about)(command)
+
+
+for _module, _about in DEMOS.items():
+    _add_demo(_module, _about)
+
+
+app.command("run")(run_scene_file)
+app.command("modes")(modes_of_scene_file)
+app.command("campbell")(campbell_of_scene_file)
+app.command("reduce")(reduce_mesh)
+app.command("info")(info)
+add_result_commands(app)
+add_example_commands(app)
+add_picture_commands(app)
+add_sweep_command(app)
+add_sweep_plot_command(app)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line with `arguments` (None: those of the process); returns the exit code."""
+    try:
+        app(list(arguments) if arguments is not None else None, prog_name="warpffrf")
+    except SystemExit as leaving:
+        return leaving.code if isinstance(leaving.code, int) else 1
+    return 0
