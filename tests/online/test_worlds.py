@@ -74,6 +74,7 @@ def test_each_world_has_the_bits_of_its_scene_alone() -> None:
     found = assert_alike(swings())
     last = [tuple(result.body("bob").position[-1]) for result in found]
     assert len(set(last)) == len(last)
+    assert found[0].error_budget() == apart(swings()[0]).error_budget()  # of the scene alone, as its marks say
     smooth = [result for i, result in enumerate(found) if i != 2]  # that load jumps by its size within two steps
     assert all(np.abs(result.energy_residual).max() < LEDGER * result.energy_scale for result in smooth)
 
@@ -134,12 +135,14 @@ def test_scenes_of_other_kinds_are_refused_by_name() -> None:
     bare.forces.pop()
     with pytest.raises(InputError, match="^scene 1 has 2 forces, scene 0 has 3"):
         beside([swing(), bare])
+    with pytest.raises(InputError, match=r"^scene 1 has 8 along 'row' \(constraints, .*scene 0 has 10"):
+        beside([two_arms(0), two_arms(0, ball=True)])
     with pytest.raises(InputError, match="^the joints and forces of scene 1 are on other bodies"):
         beside([two_arms(0), two_arms(1)])
 
 
-def two_arms(to: int) -> wf.Scene:
-    """Two bobs, one on the ground, the other on the ground or on the first."""
+def two_arms(to: int, ball: bool = False) -> wf.Scene:
+    """Two bobs, one on the ground, the other on the ground or on the first, on hinges, or that one on a ball."""
     scene = wf.Scene()
     first, second = (
         scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name=name, position=(0, 0, z))
@@ -147,7 +150,8 @@ def two_arms(to: int) -> wf.Scene:
     )
     scene.add(wf.joints.Revolute(scene.ground, first.at((0, 0, 0)), axis=(0, 1, 0)))
     on = (scene.ground, first.at((0, 0, 1.0)))[to]
-    scene.add(wf.joints.Revolute(on, second.at((0, 0, 0)), axis=(0, 1, 0)))
+    at = second.at((0, 0, 0))
+    scene.add(wf.joints.Spherical(on, at) if ball else wf.joints.Revolute(on, at, axis=(0, 1, 0)))
     return scene
 
 
