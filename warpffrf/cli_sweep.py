@@ -71,6 +71,10 @@ def add_sweep_command(app: typer.Typer, quiet: Callable[[], bool]) -> None:
         device: Annotated[
             list[str] | None, typer.Option(help="cpu or cuda:0. Repeat to give workers several in turn.")
         ] = None,
+        worlds: Annotated[
+            int,
+            typer.Option(help="Run so many rows at once, as worlds of one graph, where they differ in numbers only."),
+        ] = 1,
         error_budget: Annotated[
             bool, typer.Option("--error-budget", help="Also the error budget of each run.")
         ] = False,
@@ -93,7 +97,7 @@ def add_sweep_command(app: typer.Typer, quiet: Callable[[], bool]) -> None:
                 store=Path("out") / f"{scene_file.stem}.sweep" if out is None else out, sample=sample, seed=seed,
                 settings=settings or (), equilibrium={} if only_equilibrium else None, workers=workers,
                 client=scheduler, device=device[0] if device and len(device) == 1 else device or None,
-                error_budget=error_budget, overwrite=overwrite, resume=resume, progress=not quiet(),
+                worlds=worlds, error_budget=error_budget, overwrite=overwrite, resume=resume, progress=not quiet(),
             )  # fmt: skip
             if not quiet():
                 print(found.report())

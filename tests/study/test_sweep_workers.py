@@ -174,3 +174,12 @@ def test_progress_counts_runs(tmp_path: Path, monkeypatch: Any) -> None:
     monkeypatch.setattr(sweep, "Progress", Bar)
     run(tmp_path / "s")
     assert counted == [0, 1, 2, 3, 4, 5, 6, -1]
+
+
+def test_worlds_of_one_graph_give_the_same_bits(tmp_path: Path, alone: np.ndarray) -> None:
+    """Four of six rows at once, then two; a row that is wrong lets those beside it run one by one."""
+    found = run(tmp_path / "s", worlds=4)
+    assert np.array_equal(found[NAME], alone) and found["worlds"].tolist() == [4, 4, 4, 4, 2, 2]
+    found = run(tmp_path / "t", [{"stiffness": k} for k in (1000, -1, 2000)], worlds=3)
+    assert found.counts == {"completed": 2, "refused": 1} and found["worlds"].tolist() == [1, 1, 1]
+    assert np.array_equal(found[NAME][[0, 2]], alone[:2])

@@ -6,6 +6,7 @@ design       the rows of a sweep: all combinations, a sample, or rows as given
 outputs      what is kept of a run, by the names of its histories
 scenes       where the scene of a row comes from: a file or a function
 job          what a worker does with a row, and what it answers
+together     rows as worlds of one graph
 parcel       what is sent to workers
 packing      a job packed and opened again, reduced bodies by their content hash
 crews        who runs rows: this process, processes of our own, anybody with the interface of concurrent.futures

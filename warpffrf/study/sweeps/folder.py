@@ -153,7 +153,7 @@ class Folder:
         about = {
             "number": answer.number, "status": answer.status, "message": answer.message,
             "wall_seconds": answer.wall_seconds, "set_up_seconds": answer.set_up_seconds, "device": answer.device,
-            "host": answer.host, "versions": answer.versions, "budget": answer.budget,
+            "host": answer.host, "versions": answer.versions, "worlds": answer.worlds, "budget": answer.budget,
             "values": {name: [list(v.dims), v.units, v.frame] for name, v in answer.values.items()},
         }  # fmt: skip
         arrays = {f"value {name}": [np.asarray(value.array)] for name, value in answer.values.items()}

@@ -12,10 +12,10 @@ import platform
 import socket
 import threading
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -31,6 +31,7 @@ from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.outputs import TIME, Output, Value
 from warpffrf.study.sweeps.scenes import Built, Scenes
+from warpffrf.study.sweeps.together import results_together
 
 REFUSED, FAILED, LOST = "refused", "failed", "lost"  # statuses of rows beside those of results
 NO_QUANTITY, OTHER_VERSIONS = "no quantity", "other versions"  # of answers that are no rows
@@ -45,7 +46,8 @@ _alone = threading.Lock()  # threads of a worker run one after the other: a proc
 
 @dataclass
 class Answer:
-    """What came of row `number`: how it ended, what was wanted of it (name -> `Value`), what it took [s], and where."""
+    """What came of row `number`: how it ended, what was wanted of it (name -> `Value`), what it took [s], where, and
+    in how many worlds of one graph it ran."""
 
     number: int
     status: str
@@ -58,6 +60,7 @@ class Answer:
     device: str = ""
     host: str = ""
     versions: str = ""
+    worlds: int = 1
 
     @property
     def ran(self) -> bool:
@@ -86,7 +89,12 @@ class Job:
     error_budget: bool = False
 
     def call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
-        """Which call is made of a scene, and its options. Raises `InputError` where nothing says it."""
+        """Which call is made of a scene, and its options but those about files. Raises `InputError` where nothing says
+        it."""
+        call, options = self._call_of(built)
+        return call, {name: value for name, value in options.items() if name not in FILES}
+
+    def _call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
         if self.equilibrium is not None:
             return "equilibrium", {**(built.equilibrium or {}), **self.equilibrium}
         if self.simulate is not None or built.simulate is not None:
@@ -98,25 +106,59 @@ class Job:
         )
 
     def answers(self, rows: Numbered, device: str | None) -> list[Answer]:
-        """Run `rows`, each with its number, one after the other. Raises KeyboardInterrupt where one is interrupted."""
+        """Run `rows`, each with its number: several as worlds of one graph where they can be. Raises KeyboardInterrupt
+        where a run is interrupted."""
         with _alone, _only_errors(), threadpool_limits(1):
-            return [self.answer(number, row, device) for number, row in rows]
+            together = self._together(rows, device) if len(rows) > 1 else None
+            return together or [self.answer(number, row, device) for number, row in rows]
 
     def answer(self, number: int, row: Row, device: str | None) -> Answer:
         """Run one row."""
+        return self._answer(number, device, lambda: self._run(row, device))
+
+    def _run(self, row: Row, device: str | None) -> tuple[Result, float]:
+        """The result of a row, and the seconds of its set-up."""
+        begin = time.perf_counter()
+        built = self.scenes.built(row)
+        call, options = self.call_of(built)
+        seconds = time.perf_counter() - begin
+        with built.running(call):
+            result = CALLS[call](built.scene, **options, device=device, progress=False)
+        return result, seconds + float(result.history.counters.get("build_seconds", 0.0))
+
+    def _together(self, rows: Numbered, device: str | None) -> list[Answer] | None:
+        """Answers to rows as worlds of one graph; None where they have to run one by one."""
+        begin = time.perf_counter()
+        try:
+            built = [self.scenes.built(row) for _, row in rows]
+            calls = [self.call_of(one) for one in built]
+        except Exception:  # of which row, and why, it says when it runs by itself
+            return None
+        if any(call != "simulate" for call, _ in calls):
+            return None
+        seconds = time.perf_counter() - begin
+        results = results_together([one.scene for one in built], [options for _, options in calls], device)
+        if results is None:
+            return None
+        share = (time.perf_counter() - begin) / len(rows)
+        seconds = (seconds + float(results[0].history.counters.get("build_seconds", 0.0))) / len(rows)
+        found = []
+        for (number, _), result in zip(rows, results, strict=True):
+            answer = self._answer(number, device, partial(tuple, (result, seconds)))
+            answer.wall_seconds += share
+            answer.worlds = len(rows)
+            found.append(answer)
+        return found
+
+    def _answer(self, number: int, device: str | None, run: Callable[[], tuple[Result, float]]) -> Answer:
+        """What came of `run`."""
         begin = time.perf_counter()
         answer = Answer(number, "", host=socket.gethostname())
         answer.versions = ", ".join(f"{name} {version}" for name, version in versions().items())
         try:
-            built = self.scenes.built(row)
-            call, options = self.call_of(built)
-            seconds = time.perf_counter() - begin
-            with built.running(call):
-                chosen = {name: value for name, value in options.items() if name not in FILES}
-                result = CALLS[call](built.scene, **chosen, device=device, progress=False)
+            result, answer.set_up_seconds = run()
             if result.status == INTERRUPTED:
                 raise KeyboardInterrupt
-            answer.set_up_seconds = seconds + float(result.history.counters.get("build_seconds", 0.0))
             answer.device = chosen_device(device)
             self._read(answer, result)
             answer.status, answer.message = result.status, result.message
@@ -125,8 +167,7 @@ class Job:
         except InputError as error:
             answer.status, answer.message = REFUSED, str(error)
         except Exception as error:  # a row that fails is no reason to lose the others
-            log = logging.getLogger("warpffrf")
-            log.debug("sweep: run %d failed", number, exc_info=True)
+            logging.getLogger("warpffrf").debug("sweep: run %d failed", number, exc_info=True)
             answer.status, answer.message = FAILED, f"{type(error).__name__}: {error}"
         answer.wall_seconds = time.perf_counter() - begin
         return answer

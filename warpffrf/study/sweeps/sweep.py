@@ -55,6 +55,7 @@ def sweep(
     client: Any = None,
     device: str | Sequence[str] | None = None,
     error_budget: bool = False,
+    worlds: int = 1,
     overwrite: bool = False,
     resume: bool = False,
     progress: bool = True,
@@ -73,8 +74,9 @@ def sweep(
 
     workers: processes of this machine. client: instead, a `distributed.Client`, the address of its scheduler
     "tcp://HOST:8786", or another executor with the `submit` of concurrent.futures. device: "cpu" or "cuda:0", a list of
-    them for workers in turn. error_budget: also the error budget of each run. Numbers are the same bit for bit whoever
-    runs a row.
+    them for workers in turn. worlds: run so many rows at once as worlds of one graph, where their scenes differ in
+    numbers only: less set-up for short runs, and what a GPU is for. error_budget: also the error budget of each run.
+    Numbers are the same bit for bit whoever runs a row, and on a CPU in whatever number of worlds.
 
     A row that cannot be run is a row with its message. Ctrl-C and SIGTERM keep what has been run; resume: go on with a
     sweep in the store, whose rows that have been run, failed ones too, are not run again. overwrite: begin anew.
@@ -88,7 +90,7 @@ def sweep(
     >>> found.to_dataframe()  # doctest: +SKIP
     """
     refuse_in_workers()
-    workers = require_count(workers, "sweep: workers", 1)
+    workers, worlds = require_count(workers, "sweep: workers", 1), require_count(worlds, "sweep: worlds", 1)
     with terminated_as_interrupted(), speaking(progress):
         scenes = scenes_of(scene, settings)
         design = design_of(parameters, sample, seed)
@@ -110,7 +112,7 @@ def sweep(
                 log.info("sweep: %d of %d rows have been run", len(done), len(design.rows))
             if left:
                 crew = _crew(job, folder, workers, client, devices)
-                _run(crew, left, folder, len(design.rows), progress)
+                _run(crew, left, worlds, folder, len(design.rows), progress)
         finally:
             folder.release()
         return Sweep(store)
@@ -181,13 +183,13 @@ def _crew(job: Job, folder: Folder, workers: int, client: Any, devices: list[str
     return Elsewhere(parcel, client, devices[0])
 
 
-def _run(crew: Crew, left: list[tuple[int, Row]], folder: Folder, count: int, progress: bool) -> None:
+def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, count: int, progress: bool) -> None:
     """Have the rows that are left run, and keep their answers."""
     bar = Progress("sweep", count, enabled=progress, unit="run")
     bar.update(count - len(left))
     keeping = _Keeping(folder, bar, count - len(left))
     try:
-        _dispatch(crew, left, keeping)
+        _dispatch(crew, left, worlds, keeping)
     except KeyboardInterrupt:
         log.warning(
             "sweep: interrupted, %d of %d rows have been run; go on with resume=True (--resume)", keeping.done, count
@@ -229,26 +231,28 @@ class _Keeping:
         self.bar.update(self.done)
 
 
-def _dispatch(crew: Crew, left: list[tuple[int, Row]], keeping: _Keeping) -> None:
-    waiting = deque(left)
-    out: dict[Answers, tuple[int, Row]] = {}
+def _dispatch(crew: Crew, left: list[tuple[int, Row]], worlds: int, keeping: _Keeping) -> None:
+    """Rows go out in packs of `worlds`; those of a worker that died go out again one by one, so that the one that it
+    died of is known."""
+    waiting = deque(left[n : n + worlds] for n in range(0, len(left), worlds))
+    out: dict[Answers, list[tuple[int, Row]]] = {}
     deaths: Counter[int] = Counter()
     while waiting or out:
         while waiting and len(out) < (crew.capacity if keeping.open else 1):
-            numbered = waiting.popleft()
-            out[crew.submit([numbered])] = numbered
+            pack = waiting.popleft()
+            out[crew.submit(pack)] = pack
         ended, _ = wait(out, timeout=LOOK_EVERY, return_when=FIRST_COMPLETED)
         for future in ended:
-            number, row = out.pop(future)
+            pack = out.pop(future)
             try:
                 answers = crew.collect(future)
             except WorkerDied:
-                deaths[number] += 1
-                if deaths[number] < MOST_TRIES:
-                    log.warning("sweep: a worker died at row %d; the row is run again", number)
-                    waiting.appendleft((number, row))
+                log.warning("sweep: a worker died at row %s; it is run again", ", ".join(str(n) for n, _ in pack))
+                deaths[pack[0][0]] += len(pack) == 1
+                if deaths[pack[0][0]] < MOST_TRIES:
+                    waiting.extendleft([one] for one in reversed(pack))
                     continue
                 message = f"its worker died {MOST_TRIES} times; memory may be short, or try it by itself"
-                answers = [Answer(number, LOST, message)]
+                answers = [Answer(pack[0][0], LOST, message)]
             for answer in answers:
                 keeping.take(answer)

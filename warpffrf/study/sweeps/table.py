@@ -4,10 +4,10 @@
     xarray.open_dataset("crown.sweep/table.h5", engine="h5netcdf")
 
 Every variable has the dimension `run`: parameters, which are coordinates; status, message, wall_seconds,
-set_up_seconds, device, host and versions; outputs, those with times as (run, time, ...). `time` is a coordinate where
-all runs were saved at the same times, as far as each got, `saved_steps`; else `time_of_run` (run, time) has those of
-each. Numbers that a run does not have are NaN, and arrays are as large as the largest run's. `error_budget`
-(run, error_source) is the largest size of each source over the quantities of a run.
+set_up_seconds, device, host, versions and worlds (how many rows ran in one graph); outputs, those with times as
+(run, time, ...). `time` is a coordinate where all runs were saved at the same times, as far as each got, `saved_steps`;
+else `time_of_run` (run, time) has those of each. Numbers that a run does not have are NaN, and arrays are as large as
+the largest run's. `error_budget` (run, error_source) is the largest size of each source over the quantities of a run.
 
 HDF5 and not Zarr: h5py is needed by results and bodies already; 100,000 runs of ten histories are one file instead of
 some thousands, which moves, copies and is checked as one, with the seal of all our HDF5 files
@@ -36,8 +36,8 @@ from warpffrf.study.sweeps.outputs import TIME
 MARK, SCHEMA = "warpffrf sweep table", 1
 RUN, TIME_OF_RUN, SAVED, BUDGET, SOURCE = "run", "time_of_run", "saved_steps", "error_budget", "error_source"
 TEXTS = ("status", "message", "device", "host", "versions")
-SECONDS = ("wall_seconds", "set_up_seconds")
-TAKEN = (RUN, TIME, TIME_OF_RUN, SAVED, BUDGET, SOURCE, *TEXTS, *SECONDS, *COMPONENTS)  # names that outputs cannot have
+NUMBERS = {"wall_seconds": "s", "set_up_seconds": "s", "worlds": "1"}  # name -> unit
+TAKEN = (RUN, TIME, TIME_OF_RUN, SAVED, BUDGET, SOURCE, *TEXTS, *NUMBERS, *COMPONENTS)  # names that outputs cannot have
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."  # netCDF's mark of a dimension without coordinate
 PACKED_FROM = 4096  # bytes of an array that is worth packing
 
@@ -58,7 +58,7 @@ class Table:
 
     parameters: dict[str, np.ndarray]
     texts: dict[str, np.ndarray]  # (run,) of texts
-    seconds: dict[str, np.ndarray]
+    numbers: dict[str, np.ndarray]
     columns: dict[str, Column] = field(default_factory=dict)
     time: np.ndarray | None = None  # (run, time)
     budget: dict[str, np.ndarray] = field(default_factory=dict)  # source of errors -> (run,)
@@ -67,8 +67,8 @@ class Table:
     def empty(cls, names: Sequence[str], rows: Sequence[Row]) -> Table:
         """The table of rows that are still to be run."""
         texts = {name: np.full(len(rows), "", dtype=object) for name in TEXTS}
-        seconds = {name: np.full(len(rows), np.nan) for name in SECONDS}
-        return cls({name: _values([row[name] for row in rows]) for name in names}, texts, seconds)
+        numbers = {name: np.full(len(rows), np.nan) for name in NUMBERS}
+        return cls({name: _values([row[name] for row in rows]) for name in names}, texts, numbers)
 
     @property
     def count(self) -> int:
@@ -82,8 +82,8 @@ class Table:
     def add(self, answer: Answer) -> None:
         """Put a run into its row. A run whose arrays have other axes than those before counts as failed."""
         n = answer.number
-        for name in (*TEXTS, *SECONDS):
-            (self.texts if name in TEXTS else self.seconds)[name][n] = getattr(answer, name)
+        for name in (*TEXTS, *NUMBERS):
+            (self.texts if name in TEXTS else self.numbers)[name][n] = getattr(answer, name)
         for name, value in answer.values.items():
             column = self.columns.get(name)
             if column is not None and column.array.ndim != value.array.ndim + 1:
@@ -116,8 +116,8 @@ class Table:
                 writer.variable(name, values, (RUN,), {"parameter": "yes"})
             for name, texts in self.texts.items():
                 writer.variable(name, texts, (RUN,), {})
-            for name, values in self.seconds.items():
-                writer.variable(name, values, (RUN,), {"units": "s"})
+            for name, values in self.numbers.items():
+                writer.variable(name, values, (RUN,), {"units": NUMBERS[name]})
             if self.time is not None:
                 self._write_times(writer, self.time)
             for name, column in self.columns.items():
@@ -148,8 +148,8 @@ class Table:
                         if kind in file[name].attrs:
                             kinds[kind][name] = file[name]
                 texts = {name: texts_of(file, name) for name in TEXTS}
-                seconds = {name: hdf5_parts.read(file, name) for name in SECONDS}
-                found = cls({name: values_of(file, name) for name in kinds["parameter"]}, texts, seconds)
+                numbers = {name: hdf5_parts.read(file, name) for name in NUMBERS}
+                found = cls({name: values_of(file, name) for name in kinds["parameter"]}, texts, numbers)
                 for name, data in kinds["output"].items():
                     units, frame = str(data.attrs["units"]), str(data.attrs["frame"])
                     found.columns[name] = Column(hdf5_parts.read(file, name), axes_of(data), units, frame)
@@ -162,7 +162,7 @@ class Table:
                     found.budget = dict(zip(texts_of(file, SOURCE), sizes.T.copy(), strict=True))
             except (KeyError, ValueError, IndexError, TypeError) as error:
                 raise InputError(f"{subject} is damaged ({error}); run the sweep again") from None
-        lengths = {len(v) for part in (found.parameters, found.texts, found.seconds) for v in part.values()}
+        lengths = {len(v) for part in (found.parameters, found.texts, found.numbers) for v in part.values()}
         lengths |= {len(column.array) for column in found.columns.values()}
         if lengths != {count}:
             raise InputError(f"{subject} does not have the {count} rows of the sweep; run the sweep again")
