@@ -61,12 +61,11 @@ EDGE = 1.1  # times the pressure in the middle, which the end of a straight roll
 
 @dataclass(frozen=True)
 class Size:
-    """The sweep: curvatures of the crown [1/m], loads [N] and tilts [rad], and frames of the recording."""
+    """The sweep: curvatures of the crown [1/m], loads [N] and tilts [rad]."""
 
     curvatures: tuple[float, ...] = (0.0, 1 / 16, 1 / 8, 1 / 4, 1 / 2)
     loads: tuple[float, ...] = (500.0, 1000.0, 2000.0, 4000.0)
     tilts: tuple[float, ...] = (0.0, 0.5e-3, 1e-3)
-    frames: int = 1
 
 
 FULL, QUICK = Size(), Size(curvatures=(0.0, 1 / 8, 1 / 2), loads=(500.0, 4000.0), tilts=(0.0, 1e-3))
@@ -279,9 +278,7 @@ def main(out: str | Path = "out/crown_sweep", *, quick: bool = False, progress: 
     n = worst(found)[best(found)]
     row = {name: float(found[name][n]) for name in found.parameter_names}
     again = wf.equilibrium(build(**row), progress=progress)
-    code = finish(
-        folder / "crown_sweep", {"best": again}, checks(found, again), panels(found), frames=size.frames
-    )  # fmt: skip
+    code = finish(folder / "crown_sweep", {"best": again}, checks(found, again), panels(found), frames=1)
     print(table(found))
     print(found.response("peak", where={"load": row["load"], "tilt": row["tilt"]}).report())
     print(f"the whole sweep: {found.page(folder / 'crown_sweep.html', overwrite=True)}")

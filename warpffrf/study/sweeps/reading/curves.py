@@ -36,13 +36,20 @@ class Curves:
         """Draw on matplotlib axes."""
         factor, label = self.values.shown()
         has = self.rows & self.values.has
+        alone: dict[int, list[int]] = {}  # rows that no other shares a line with, by their mark: drawn at once
         for line in self._lines(has):
-            at, y = self.x.positions[line], self.values.numbers[line] * factor
-            hue = 0.0 if self.hue.axis is None else float(self.hue.axis.positions[line[0]])
-            order = self._place(line[0])
+            place = self._place(line[0])
+            if len(line) == 1:
+                alone.setdefault(place, []).append(line[0])
+                continue
             ax.plot(
-                at, y, STYLES[order % len(STYLES)], marker=MARKS[order % len(MARKS)], ms=4.5, lw=1.4,
-                color=self.hue.color(hue),
+                self.x.positions[line], self.values.numbers[line] * factor, STYLES[place % len(STYLES)], lw=1.4,
+                marker=MARKS[place % len(MARKS)], ms=4.5, color=self._color(line[0]),
+            )  # fmt: skip
+        for place, rows in alone.items():
+            ax.scatter(
+                self.x.positions[rows], self.values.numbers[rows] * factor, marker=MARKS[place % len(MARKS)], s=20.0,
+                c=[self._color(row) for row in rows],
             )  # fmt: skip
         missing = np.flatnonzero(self.rows & ~self.values.has)
         if len(missing):
@@ -67,6 +74,10 @@ class Curves:
                                return_inverse=True)  # fmt: skip
         lines = [chosen[of_line == n] for n in range(of_line.max() + 1)]
         return [line[np.argsort(self.x.positions[line], kind="stable")] for line in lines]
+
+    def _color(self, row: int) -> Any:
+        """That of a row's value of `hue`."""
+        return self.hue.color(0.0 if self.hue.axis is None else float(self.hue.axis.positions[row]))
 
     def _place(self, row: int) -> int:
         """The place of a row's value among those of `style`."""

@@ -11,6 +11,8 @@ from warpffrf.output.plots.figure import REFERENCE
 from warpffrf.study.sweeps.reading.hues import Hue
 from warpffrf.study.sweeps.reading.values import Values, shown_in
 
+MOST_LINES = 400  # rows that are drawn, spread over all
+
 
 @dataclass(frozen=True, eq=False)
 class Histories:
@@ -27,8 +29,9 @@ class Histories:
         factor, label = self.values.shown()
         times = np.asarray(self.values.time)
         to_unit, unit = shown_in("s", times[self.rows])
-        early = False
-        for row in np.flatnonzero(self.rows):
+        early, rows = False, np.flatnonzero(self.rows)
+        shown = rows if len(rows) <= MOST_LINES else rows[np.linspace(0, len(rows) - 1, MOST_LINES).round().astype(int)]
+        for row in shown:
             there = np.isfinite(self.values.numbers[row])
             if not there.any():
                 continue
@@ -41,6 +44,8 @@ class Histories:
                 ax.plot(t[-1:], y[-1:], "x", ms=7.0, mew=1.6, color=REFERENCE)
         ax.set(xlabel=f"time [{unit}]", ylabel=label)
         missing = self.values.missing(self.rows)
+        if len(shown) < len(rows):
+            missing = "; ".join(filter(None, (f"{len(shown)} of {len(rows)} rows", missing)))
         ax.set_title("\n".join(filter(None, (self.title, missing))), fontsize=10)
         ax.grid(alpha=0.25, lw=0.5)
         named = []

@@ -21,7 +21,7 @@ from warpffrf.output.plots.panels import COLUMNS, panels_figure
 from warpffrf.study.sweeps.design import GIVEN
 from warpffrf.study.sweeps.reading.axes import Axis, axes_of, axis_of
 from warpffrf.study.sweeps.reading.plot import MOST_PANELS, plot
-from warpffrf.study.sweeps.reading.sensitivities import SALTELLI, sensitivities
+from warpffrf.study.sweeps.reading.sensitivities import Sensitivities, of_rows, of_surface, sensitivities
 from warpffrf.study.sweeps.reading.surface import surface
 from warpffrf.study.sweeps.reading.values import COMPLETED, TIME, WAITING, Table, shown_in
 
@@ -166,10 +166,7 @@ def _output(table: Table, name: str) -> list[str]:
     if len(axes) > 1:
         parts.append(_said(lambda: _map(table, name, axes)))
     if axes:
-        parts += [
-            _said(lambda: f"<pre>{escape(surface(table, name).report())}</pre>"),
-            _said(lambda: _sensitivities(table, name)),
-        ]
+        parts.append(_said(lambda: _surface(table, name)))
     return parts
 
 
@@ -188,16 +185,22 @@ def _map(table: Table, name: str, axes: Sequence[Axis]) -> str:
     return _picture(plot(table, name, x=x.name, y=y.name, col=col), f"map of {name} over {x.name} and {y.name}")
 
 
-def _sensitivities(table: Table, name: str) -> str:
-    if not str(table.definition["sample"]).startswith(SALTELLI):
-        error = surface(table, name).relative_error
-        if not error <= FAITHFUL:
-            return _paragraph(
-                "No sensitivities: the response surface is off by more than half of the standard deviation, or by how "
-                "much is not known; sweep more rows, or a sample 'saltelli:N'."
-            )
-    found = sensitivities(table, name)
-    return _picture(panels_figure([found]), f"Sobol indices of {name}") + f"<pre>{escape(found.report())}</pre>"
+def _surface(table: Table, name: str) -> str:
+    """What the response surface says, and sensitivities: of rows that are made for them, else of that surface."""
+    found = surface(table, name)
+    report = f"<pre>{escape(found.report())}</pre>"
+    if of_rows(table):
+        return report + _said(lambda: _bars(sensitivities(table, name)))
+    if not found.relative_error <= FAITHFUL:
+        return report + _paragraph(
+            "No sensitivities: the response surface is off by more than half of the standard deviation, or by how much "
+            "is not known; sweep more rows, or a sample 'saltelli:N'."
+        )
+    return report + _said(lambda: _bars(of_surface(table, found)))
+
+
+def _bars(found: Sensitivities) -> str:
+    return _picture(panels_figure([found]), f"Sobol indices of {found.name}") + f"<pre>{escape(found.report())}</pre>"
 
 
 def _times(table: Table) -> list[str]:

@@ -31,7 +31,7 @@ from scipy.stats import sobol_indices
 from warpffrf.model import looks
 from warpffrf.model.errors import InputError
 from warpffrf.study.sweeps.reading.axes import axis_of
-from warpffrf.study.sweeps.reading.surface import surface
+from warpffrf.study.sweeps.reading.surface import Surface, surface
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, values_of
 from warpffrf.study.sweeps.samples import saltelli
 
@@ -93,6 +93,11 @@ class Sensitivities(looks.Shown):
         return {"name": self.name, **{f"total of {p}": f"{total:.3f}" for p, total in pairs}}
 
 
+def of_rows(table: Table) -> bool:
+    """Whether the rows of a sweep are points that Sobol indices are made of."""
+    return str(table.definition["sample"]).startswith(SALTELLI)
+
+
 def sensitivities(
     table: Table, output: str, component: str | int | None = None, where: Mapping[str, Any] | None = None
 ) -> Sensitivities:
@@ -101,12 +106,12 @@ def sensitivities(
     subject = f"sensitivities of {output!r}"
     if values.time is not None:
         raise InputError(f"{subject}: it is over time; sweep one number of it, as 'max({values.text})'")
-    kind, _, number = str(table.definition["sample"]).partition(":")
-    if kind != SALTELLI:
-        return _of_surface(table, output, component, where)
+    if not of_rows(table):
+        return of_surface(table, surface(table, output, component, where), where)
     if where:
         raise InputError(f"{subject}: a sample for Sobol indices is used as a whole; leave where out")
-    return _of_rows(subject, values, tuple(table.parameter_names), int(number))
+    number = int(str(table.definition["sample"]).partition(":")[2])
+    return _of_rows(subject, values, tuple(table.parameter_names), number)
 
 
 def _of_rows(subject: str, values: Values, names: tuple[str, ...], n: int) -> Sensitivities:
@@ -124,11 +129,8 @@ def _of_rows(subject: str, values: Values, names: tuple[str, ...], n: int) -> Se
     return _indices(subject, values.name, names, values.numbers, n, f"from {len(values.numbers)} rows", False)
 
 
-def _of_surface(
-    table: Table, output: str, component: str | int | None, where: Mapping[str, Any] | None
-) -> Sensitivities:
-    """From points of the response surface."""
-    found = surface(table, output, component, where)
+def of_surface(table: Table, found: Surface, where: Mapping[str, Any] | None = None) -> Sensitivities:
+    """From points of a response surface through the rows `where`."""
     rows = chosen_rows(table, where)
     names, n = tuple(found.ranges), SURFACE_POINTS
     q = saltelli(n, len(names), SEED)
@@ -140,7 +142,7 @@ def _of_surface(
         f"of a response surface through {found.rows} rows, whose error is {found.relative_error:.2g} of the standard "
         f"deviation" + (f"; {found.note}" if found.note else "")
     )
-    return _indices(f"sensitivities of {output!r}", found.name, names, found(point), n, method, True)
+    return _indices(f"sensitivities of {found.name!r}", found.name, names, found(point), n, method, True)
 
 
 def _indices(

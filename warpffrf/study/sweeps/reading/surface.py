@@ -16,7 +16,8 @@ that is used, whose error is smaller, of smooth outputs by 2^(degree + 1).
     s(u) = sum_i w_i |u - u_i|^2 log|u - u_i| + a + b.u,    s(u_i) = y_i.
 
 The error is that of leave-one-out: each row is predicted from all others; of more than `MOST_FOLDS` rows, groups of
-them that are drawn once for all. Rows at the rim are extrapolated when they are left out, so that it is larger than the
+`MOST_LEFT_OUT` of them that are drawn once for all. Of more than `MANY` rows each place looks at its
+`NEIGHBOURS` nearest ones. Rows at the rim are extrapolated when they are left out, so that it is larger than the
 error between rows.
 
 Both errors are root mean squares of prediction less value, in the unit of the output, and `relative_error` is that over
@@ -39,7 +40,8 @@ from warpffrf.study.sweeps.reading.axes import Axis, axes_of, grid_places
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, shown_in, values_of
 from warpffrf.study.sweeps.samples import sobol
 
-MOST_FOLDS = 100  # surfaces that are made to find an error
+MANY, NEIGHBOURS = 1000, 100  # rows, from which on thin plates are local; those that they go through then
+MOST_FOLDS, MOST_LEFT_OUT = 100, 500  # surfaces that are made to find an error, and rows that they are asked for
 DEGREE = 3  # of splines along a parameter with enough values
 OUTSIDE = 1e-9  # of a range: round-off by which a point may lie beyond it
 STARTS, BEST = 512, 6  # points where a least value is looked for, and of the best of them to its bottom
@@ -187,7 +189,7 @@ def _through(values: Values, rows: np.ndarray, axes: Sequence[Axis]) -> Surface:
                 f"{u.shape[1] + 1} at least" + (f" ({missing})" if missing else "")
             )
         misses, error_method = _left_out(values.name, u, y)
-        made = _Made(_plates(values.name, u, y), "thin-plate splines", misses, error_method)
+        made = _Made(_plates(values.name, u, y), _plates_are(len(y)), misses, error_method)
     error = float(np.sqrt(np.mean(made.misses**2))) if len(made.misses) else np.nan
     deviation = float(np.std(y))
     relative = error / deviation if deviation > 0.0 else 0.0 if error == 0.0 else np.inf
@@ -272,7 +274,8 @@ def _once(u: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def _plates(name: str, u: np.ndarray, y: np.ndarray) -> Unit:
     """Thin-plate splines through y (n,) at u (n, d). Raises `InputError` where the points do not span the space."""
     try:
-        return RBFInterpolator(u, y, kernel="thin_plate_spline", degree=1)
+        nearest = NEIGHBOURS if len(y) > MANY else None
+        return RBFInterpolator(u, y, kernel="thin_plate_spline", degree=1, neighbors=nearest)
     except np.linalg.LinAlgError:
         raise InputError(
             f"response of {name!r}: the rows with values stand on a line or a plane between the parameters; sweep rows "
@@ -280,14 +283,21 @@ def _plates(name: str, u: np.ndarray, y: np.ndarray) -> Unit:
         ) from None
 
 
+def _plates_are(rows: int) -> str:
+    """What a report calls them."""
+    return f"thin-plate splines through the {NEIGHBOURS} nearest" if rows > MANY else "thin-plate splines"
+
+
 def _left_out(name: str, u: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, str]:
     """Prediction less value of rows that are left out, and how they were."""
     n = len(y)
     if n < u.shape[1] + 3:
         return np.empty(0), f"{n} rows are too few to leave one out"
-    folds = np.array_split(np.random.default_rng(SEED).permutation(n), min(n, MOST_FOLDS))
-    misses = np.empty(n)
+    chosen = np.random.default_rng(SEED).permutation(n)[:MOST_LEFT_OUT]
+    folds = np.array_split(chosen, min(len(chosen), MOST_FOLDS))
+    misses = []
     for fold in folds:
         rest = np.setdiff1d(np.arange(n), fold)
-        misses[fold] = _plates(name, u[rest], y[rest])(u[fold]) - y[fold]
-    return misses, "each row left out in turn" if n <= MOST_FOLDS else f"left out in {MOST_FOLDS} groups in turn"
+        misses.append(_plates(name, u[rest], y[rest])(u[fold]) - y[fold])
+    said = "each row left out in turn" if n <= MOST_FOLDS else f"{len(chosen)} rows left out in {MOST_FOLDS} groups"
+    return np.concatenate(misses), said
