@@ -198,9 +198,9 @@ class Engine:
 
     def word(self, name: str) -> np.ndarray:
         """A word of `Control` or `Clock`, of every world."""
-        words = self.state.ctl.numpy()
+        words = self.state.read("ctl")
         if name not in (words.dtype.names or ()):
-            words = self.state.clk.numpy()
+            words = self.state.read("clk")
         return words[name].copy()
 
     def locked_rows(self, world: int) -> list[int]:

@@ -80,7 +80,11 @@ class Arrays:
 
     def to_numpy(self) -> dict[str, np.ndarray]:
         """Copies of all arrays by name."""
-        return {name: getattr(self, name).numpy().copy() for name in self.declarations}
+        return {name: self.read(name).copy() for name in self.declarations}
+
+    def read(self, name: str) -> np.ndarray:
+        """One array on the host, to be read only: a view on the CPU, a copy from another device."""
+        return getattr(self, name).numpy()
 
     def assign(self, values: Mapping[str, np.ndarray]) -> None:
         """Overwrite all arrays with the copies of `to_numpy`."""

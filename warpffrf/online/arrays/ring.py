@@ -117,7 +117,7 @@ class Ring(
 
     def on_host(self) -> SavedRows:
         """All arrays, worlds first: views on the CPU, one copy each from another device."""
-        return {name: getattr(self, name).numpy() for name in self.declarations}
+        return {name: self.read(name) for name in self.declarations}
 
 
 def taken(ring: SavedRows, world: int, rows: range) -> SavedRows:

@@ -19,7 +19,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.model.integrators import Integrator
 from warpffrf.model.scene import Scene
-from warpffrf.online.arrays.views import Views, part
+from warpffrf.online.arrays.views import OnHost, Views, part
 from warpffrf.online.compile.constants import Shared
 from warpffrf.online.compile.scene import CompiledScene, compile_scene, enlarge
 from warpffrf.online.engine import Engine, ready_device
@@ -48,6 +48,7 @@ class SharedEngine(Engine):
         refuse_other_kinds(scenes)
         enlarge(scenes, max(compiled.model.capacity.slots for compiled in scenes))
         self._begin(scenes, settings, integrator, step_error, progress)
+        self.on_host = OnHost()
         self.rooms = 0  # times that there was made more room, which makes scratch arrays anew
 
     def make_room(self, slots: int) -> None:
@@ -64,11 +65,12 @@ class SharedEngine(Engine):
         seconds = self.graph.replay(each)
         while self._relieve():
             seconds += self.graph.replay(each)
+        self.on_host.forget()
         return seconds
 
     def steps(self) -> int:
         """User steps that all worlds have done."""
-        words = self.state.ctl.numpy()
+        words = self.on_host.array(self.state.ctl)
         return int(np.where(np.isin(words["mode"], (int(k.DYNAMIC), int(k.LOADING))), words["step"], 0).min())
 
 
@@ -90,10 +92,16 @@ class Place(Engine):
         shared = self.shared
         self._rooms = shared.rooms
         whole = shared.graph.program
-        views = Views(whole.arrays, self.world, shared.worlds, OF_WORLDS)
+        self._views = views = Views(whole.arrays, self.world, shared.worlds, OF_WORLDS, shared.on_host)
         self.state, self.ring = part(shared.state, views), part(shared.ring, views)
         self.scratch = part(shared.scratch, views)
-        self.graph = _Together(self, whole.on(views, self._sizes()))
+        self._graph = _Together(self, whole.on(views, self._sizes()))
+
+    @property
+    def graph(self) -> _Together:
+        """The parts of a step in this place; who asks for them may change the arrays."""
+        self._views.touched = True
+        return self._graph
 
     def make_room(self, slots: int) -> None:
         """For all worlds."""
@@ -114,6 +122,7 @@ class Place(Engine):
     def attempt(self, budget: int) -> float:
         """At most so many attempts, beside those of the other worlds; returns the wall time [s] of all."""
         seconds = self._company.attempt(self.world, budget)
+        self._views.touched = False
         self.after_others()
         return seconds
 
