@@ -135,14 +135,15 @@ def main() -> None:
         times = apart[0]["whole"] / beside[0]["whole"]
         difference = max(differs(a, b) for a, b in zip(beside[1], apart[1], strict=True))
         for how, (seconds, _) in (("apart", apart), ("beside", beside)):
-            rows.append({"scenes": name, "steps": steps, "worlds": given.worlds, "how": how, **seconds})
+            times_of = {f"{part}_seconds_per_step": value / steps for part, value in seconds.items()}
+            rows.append({"scene": name, "case": how, "runs": given.worlds, "steps": steps, **times_of})
             columns = " ".join(f"{1e3 * seconds[part]:8.2f}" for part in ("whole", *PARTS, "rest"))
             ends = f"{times:7.2f}  {difference:.1e}" if how == "beside" else ""
             print(f"{name:9} {steps:5}  {how:7} {columns} {ends}".rstrip(), flush=True)
         rows[-1] |= {"times": times, "differs": difference}
     if given.json:
         given.json.parent.mkdir(parents=True, exist_ok=True)
-        given.json.write_text(json.dumps({"machine": machine(), "rows": rows}, indent=1) + "\n")
+        given.json.write_text(json.dumps({**machine(), "rows": rows}, indent=1) + "\n")
 
 
 if __name__ == "__main__":
