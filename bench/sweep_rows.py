@@ -134,9 +134,8 @@ def main() -> None:
     walls = ", ".join(f"{a:.1f} and {b:.1f}" for a, b in zip(both["walls_1"], both["walls_2"], strict=True))
     print(f"{given.rows} rows on one process and on two: {walls} s; {both['ratio']:.2f} times", end="")
     print(f", bits {'the same' if both['same_bits'] else 'DIFFER'}")
-    print(
-        f"a row beyond its run {over['seconds_beyond_a_run'] * 1e3:.2f} ms, its file {over['seconds_to_keep'] * 1e3:.2f} ms"
-    )
+    beyond, file = over["seconds_beyond_a_run"], over["seconds_to_keep"]
+    print(f"a row beyond its run {beyond * 1e3:.2f} ms, its file {file * 1e3:.2f} ms")
     print(f"set-up of row 2 on: median {over['set_up_seconds']:.3f} s, largest {over['largest_set_up_seconds']:.3f} s")
     print(f"table of {kept['rows']} rows: {kept['bytes'] / kept['rows']:.0f} bytes a row")
     for name in (name for name in kept if name.startswith("seconds")):
