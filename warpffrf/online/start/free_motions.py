@@ -179,6 +179,13 @@ class FreeMotions:
         if self.possible:
             self.engine.scratch.hold_count.zero_()
 
+    def resisted_part(self, world: int, step: np.ndarray) -> np.ndarray:
+        """Of small motions of the bodies (bodies, 6), ways [m] and turns [rad], what is left without those that the
+        last look found free."""
+        weight = self._weight()
+        motion, free = step.ravel() * weight, self.found[world]
+        return ((motion - free.T @ (free @ motion)) / weight).reshape(step.shape)
+
     def notes(self) -> list[str]:
         """What was left where it is, one line."""
         bodies = self.engine.scene.bodies

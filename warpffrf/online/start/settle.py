@@ -7,7 +7,7 @@ a shorter one; once the scene has come much nearer to rest, longer ones are trie
 
 Motions that nothing resists (`warpffrf.online.start.free_motions`) are held where they are as soon as the rest is known
 to within the tolerance of Newton's method: round-off, and what the grids leave of torques that are zero, would carry
-them off.
+them off. What moves along them all the same, as balls turn by round-off, is no movement of a scene that rests.
 
 Laps that rub go down with their energy and what friction has taken since the state that its history begins in: as
 pressures come to rest that falls, and the energy alone may rise by as much. Where even steps shorter than the first one
@@ -23,7 +23,6 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import FreeMotions
-from warpffrf.online.start.rest import ROUND_OFF as REST
 from warpffrf.online.start.rest import creeping_notes, left_over
 from warpffrf.online.start.slow_films import stretch
 
@@ -78,7 +77,6 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     before = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
     rubs = any(lap.friction.acts for lap in engine.scene.laps)
-    lumped_alone = free.told and not free.possible  # where round-off turns round bodies, and no patch has to settle
     settled = balanced = still = False
     for _ in range(MOST_STEPS):
         words = engine.state.ctl.numpy().copy()
@@ -119,8 +117,7 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
             too_long, before = np.inf, np.full(engine.worlds, np.inf)
         longer = [min(tau * growth, last) for growth in (GROWTH, CAREFUL, 1.0)]
         longer = next(t for t in longer if t < too_long)
-        resting = (moved <= TOLERANCE * length) | (lumped_alone & (left <= REST))
-        settled = bool(np.all(resting)) and _films_steady(engine)
+        settled = bool(np.all(_moved_else(engine, free) <= TOLERANCE * length)) and _films_steady(engine)
         still = tau >= FIRST * length and bool(np.all(moved <= ROUND_OFF * length))
         balanced = bool(np.all(left <= model.limits.residual_tolerance))
         creeping = balanced and bool(np.any(moved > CREEP * before))
@@ -135,10 +132,26 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
 def _turned(engine: Engine) -> np.ndarray:
     """Largest turn of a body in the last step, at its radius of gyration (worlds,) [m]; one that turns about its centre
     of mass does not move otherwise."""
+    turns = np.linalg.norm(engine.scratch.psi.numpy()[:, : len(engine.scene.bodies)], axis=-1)
+    return np.asarray((_gyration(engine) * turns).max(axis=1, initial=0.0))
+
+
+def _moved_else(engine: Engine, free: FreeMotions) -> np.ndarray:
+    """Largest movement of a body in the last step but for what is free (worlds,) [m], turns at radii of gyration."""
+    count, gyration = len(engine.scene.bodies), _gyration(engine)
+    found = []
+    for world in range(engine.worlds):
+        step = np.hstack([getattr(engine.scratch, name).numpy()[world, :count] for name in ("dx", "psi")])
+        rest = free.resisted_part(world, step)
+        ways, turns = np.linalg.norm(rest.reshape(count, 2, 3), axis=-1).T
+        found.append(max(ways.max(initial=0.0), (gyration * turns).max(initial=0.0)))
+    return np.array(found)
+
+
+def _gyration(engine: Engine) -> np.ndarray:
+    """Radii of gyration (bodies,) [m]."""
     bodies, count = engine.compiled.model.bodies, len(engine.scene.bodies)
-    gyration = np.sqrt(np.trace(bodies.inertia.numpy(), axis1=1, axis2=2)[:count] / (3.0 * bodies.mass.numpy()[:count]))
-    turns = np.linalg.norm(engine.scratch.psi.numpy()[:, :count], axis=-1)
-    return np.asarray((gyration * turns).max(axis=1, initial=0.0))
+    return np.sqrt(np.trace(bodies.inertia.numpy(), axis1=1, axis2=2)[:count] / (3.0 * bodies.mass.numpy()[:count]))
 
 
 def _films_steady(engine: Engine) -> bool:
