@@ -30,6 +30,7 @@ from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf.verification.scenes.rollers import STEEL, Path, guided_pair, roller_body, solve_path
 
 STEP, STEPS = 2e-5, 5
+RESISTANCE = laws.RollingLever(1e-4, 1.0)
 RADIUS, BALL = 0.05, 0.02  # m
 ALUMINIUM = Material(70e9, 0.34, 2700.0)
 WIDE = Settings(window_strain=0.3)  # patches of many hats on coarse grids
@@ -170,14 +171,14 @@ def pendulum() -> Scene:
     return scene
 
 
-def meeting(first: Any, second: Any, law: Any, height: float) -> Scene:
+def meeting(first: Any, second: Any, law: Any, height: float, **contact: Any) -> Scene:
     """A rigid body that is thrown on the ground, along it too, in lumped contact with friction."""
     scene = Scene()
     body = scene.add_rigid_body(
         0.1, (1e-5, 1e-5, 1e-5), name="body", position=(0, 0, height), velocity=(0.1, 0, -0.1), surfaces={"skin": first}
     )
     floor = scene.ground.surface(second, name="floor")
-    scene.add(LumpedContact(body["skin"], floor, law=law, friction=0.2, name="pair"))
+    scene.add(LumpedContact(body["skin"], floor, law=law, friction=0.2, name="pair", **contact))
     return scene
 
 
@@ -438,7 +439,7 @@ CASES: dict[str, Case] = {
     "chain, projected": Case(chain, 1e-3, {"integrator": PROJECTED, "step_error": 1e-6}),
     "pendulum": Case(pendulum, 1e-3),
     "bead": Case(lambda: meeting(BEAD, FLOOR, laws.HertzPoint(STEEL, STEEL), 0.01), 1e-5),
-    "wheel": Case(lambda: meeting(WHEEL, FLOOR, laws.PalmgrenLine(0.01, 5), 0.01), 1e-5),
+    "wheel": Case(lambda: meeting(WHEEL, FLOOR, laws.PalmgrenLine(0.01, 5), 0.01, rolling_resistance=RESISTANCE), 1e-5),
     "beams": Case(beams, 1e-4),
     "plates": Case(plates, 1e-4),
     "rollers": Case(lambda: rollers(roller(), roller(sectors=42, outer_radius=0.035)), options=REST),

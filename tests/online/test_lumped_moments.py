@@ -11,9 +11,10 @@ from lumped_scenes import HERTZ, ORIGIN, STEEL
 from scipy.integrate import solve_ivp
 
 from warpffrf.model import forces, laws, signals, surfaces
+from warpffrf.model.errors import InputError
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.scene import Scene
-from warpffrf.online import Engine, History, run
+from warpffrf.online import Engine, History, find_equilibrium, run
 
 RADIUS, GRAVITY, MASS = 0.01, 9.81, 0.03
 LINE = laws.PalmgrenLine(0.012, 2)
@@ -131,3 +132,12 @@ def test_a_run_with_moments_goes_on_bit_for_bit() -> None:
     for name in ("position", "rotation", "angular_velocity"):
         np.testing.assert_array_equal(getattr(rest.bodies["body"], name)[-1], getattr(whole.bodies["body"], name)[-1])
     assert np.all(whole.lumped_contacts["contact"].moment[-1] != 0.0)
+
+
+def test_rest_says_that_rolling_resistance_does_not_act() -> None:
+    scene = on_floor(LINE, friction=0.3, rolling_resistance=laws.RollingLever(LEVER, 1.0))
+    found = find_equilibrium(scene)
+    assert found.status == "completed", found.message
+    assert "rolling resistance of 'contact' does not act in the equilibrium: nothing turns" in found.notes
+    with pytest.raises(InputError, match="rolling resistance of 'contact' holds nothing at rest"):
+        find_equilibrium(scene, friction=True)

@@ -28,10 +28,11 @@ LACKING = {
     "lap_1c9c54a": ["lap_partner", "lap_partner_frame", "lap_share", "lap_share_cell"],
     "lap_8550b66": ["lap_partner_frame", "lap_share", "lap_share_cell"],
     "lumped_5b7e4a4": ["lumped_moment"],
+    "lumped_5f4be54": ["lumped_moment"],
 }
 SCHEMAS = {  # results, bodies
     "rollers_da78f9a": (1, 1), "rubbing_118e139": (1, 4), "lumped_5b7e4a4": (1, None), "film_ef98a2e": (2, 8),
-    "lap_1c9c54a": (2, 9), "lap_8550b66": (2, 9),
+    "lap_1c9c54a": (2, 9), "lap_8550b66": (2, 9), "lumped_5f4be54": (3, None),
 }  # fmt: skip
 
 
