@@ -114,6 +114,9 @@ def test_sobol_indices_need_all_rows_and_some_variance() -> None:
     rows.columns["y"] = np.ones(20)
     with pytest.raises(InputError, match="no variance"):
         sensitivities(rows, "y")
+    alone = np.linspace(0.0, 1.0, 6)
+    with pytest.raises(InputError, match="u varies alone"):
+        sensitivities(Rows({"u": alone}, {"y": alone**2}), "y")
 
 
 # --- response surfaces
