@@ -1,6 +1,6 @@
 """What a sweep costs beside its runs: `python bench/sweep_rows.py [--json FILE] [--rows N] [--rounds N] [--table N]`.
 
-*processes*: the pendulum that comes with the package, N rows of a second each, on one process and on two, in turn;
+*processes*: the pendulum that comes with the package, N rows of 3000 steps each, on one process and on two, in turn;
 wall time of a sweep, processes being there already, and whether the bits are the same.
 *overhead*: what a row takes beyond its run, in this process (parameters, scene, outputs, its file, progress), and the
 set-up of row 2 to N. *table*: a table of many rows of 4 numbers and 2 histories of 101 steps, made without runs: its
@@ -10,6 +10,7 @@ size, what it takes to write, to open, and to read a number and a history of eve
 from __future__ import annotations
 
 import argparse
+import importlib
 import json
 import os
 import shutil
@@ -29,6 +30,7 @@ from warpffrf.study.sweeps.table import Table
 
 ROWS, ROUNDS, TABLE = 64, 3, 10_000
 STEPS, HISTORIES, NUMBERS = 101, 2, 4  # of a row of the table
+LONG = ("simulate.duration=3.0", "simulate.save_every=30")
 PENDULUM = Path(wf.__file__).parent / "examples" / "pendulum" / "pendulum.toml"
 OUTPUTS = {
     "lowest": "min(body_position_z[bob])",
@@ -43,6 +45,7 @@ def swept(folder: Path, rows: int, workers: int) -> tuple[Any, float]:
     found = wf.study.sweep(
         PENDULUM,
         {"arm": f"0.3:0.6:{rows}"},
+        settings=LONG,
         outputs=OUTPUTS,
         store=folder,
         workers=workers,
@@ -106,6 +109,8 @@ def table(folder: Path, rows: int) -> dict[str, float]:
     file = Folder(folder).table
     timed("write", lambda: made.write(file))
     opened = timed("open", lambda: wf.study.open_sweep(folder))
+    for module in ("h5netcdf", "xarray"):  # seconds, once a process
+        importlib.import_module(module)
     data = timed("open_in_xarray", opened.to_xarray)
     timed("read_a_number", lambda: data["number_0"].values)
     timed("read_a_history", lambda: data["history_1"].values)
@@ -134,9 +139,8 @@ def main() -> None:
     walls = ", ".join(f"{a:.1f} and {b:.1f}" for a, b in zip(both["walls_1"], both["walls_2"], strict=True))
     print(f"{given.rows} rows on one process and on two: {walls} s; {both['ratio']:.2f} times", end="")
     print(f", bits {'the same' if both['same_bits'] else 'DIFFER'}")
-    print(
-        f"a row beyond its run {over['seconds_beyond_a_run'] * 1e3:.2f} ms, its file {over['seconds_to_keep'] * 1e3:.2f} ms"
-    )
+    beyond, file = over["seconds_beyond_a_run"], over["seconds_to_keep"]
+    print(f"a row beyond its run {beyond * 1e3:.2f} ms, its file {file * 1e3:.2f} ms")
     print(f"set-up of row 2 on: median {over['set_up_seconds']:.3f} s, largest {over['largest_set_up_seconds']:.3f} s")
     print(f"table of {kept['rows']} rows: {kept['bytes'] / kept['rows']:.0f} bytes a row")
     for name in (name for name in kept if name.startswith("seconds")):

@@ -27,6 +27,9 @@ from warpffrf.model.sealed_arrays import HEAD
 from warpffrf.model.sealed_file import TRAILER, seal
 from warpffrf.output.files import unfinished
 from warpffrf.output.result import Result
+from warpffrf.study.sweeps.job import Answer
+from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.table import Table
 
 TESTS = Path(__file__).resolve().parents[1]
 DATA = TESTS / "data"
@@ -264,6 +267,23 @@ step = 1e-3
 save_every = 2
 """
 
+
+def make_sweep(path: Path) -> None:
+    """A table of three runs, one with a shorter history and one not run."""
+    table = Table.empty(["load", "kind"], [{"load": 0.5 * n, "kind": "ab"[n % 2]} for n in range(3)])
+    for n in range(2):
+        values = {"peak": Value(np.array(2.0 + n)), "force": Value(np.arange(40.0 - n), ("time",), "N")}
+        table.add(Answer(n, "completed", values=values, time=np.arange(40.0 - n), budget={"time step": 0.1}))
+    table.write(path)
+
+
+def read_sweep(path: Path) -> str:
+    table = Table.read(path, 3)
+    columns = {name: (column.array, column.dims, column.units) for name, column in table.columns.items()}
+    texts = {name: list(values) for name, values in table.texts.items()}
+    return digest(list(table.parameters["load"]), texts, table.numbers, columns, table.time, table.budget)
+
+
 FORMATS: dict[str, Format] = {
     "body .h5": Format(".h5", make_body, read_body, bytewise, exact=True),
     "results .h5": Format(".h5", make_results, read_results, bytewise, exact=True),
@@ -271,6 +291,7 @@ FORMATS: dict[str, Format] = {
     "results .h5, arrays": Format(".h5", make_results, read_results, array_of_results),
     "run under way": Format(".arrays", make_source, read_source, bytewise, exact=True),
     "run under way, header": Format(".arrays", make_source, read_source, header_of_arrays),
+    "sweep .h5": Format(".h5", make_sweep, read_sweep, bytewise, exact=True),
     ".msh 4.1": Format(".msh", copied("gmsh_hex8.msh"), read_mesh, textwise),
     ".msh 2.2": Format(".msh", copied("gmsh_wedge6.msh"), read_mesh, textwise),
     ".msh binary": Format(".msh", copied(wf.examples.path("roller") / "roller.msh"), read_mesh, bytewise),

@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+import meshio
 import numpy as np
 import pytest
 from sweep_scenes import GRAVITY, TIMES, bob, fall, rest, scene_file, shy_bob, timed_bob
@@ -21,6 +22,29 @@ OUTPUTS = {
     "end": fall,
 }
 ROUND_OFF = 1e-12
+BEAM = """
+[parameters]
+load = 1.0
+density = 7850.0
+modes = 1
+[materials.steel]
+youngs_modulus = 210e9
+poisson_ratio = 0.3
+density = "= density"
+[meshes.beam]
+kind = "read"
+path = "a.vtu"
+length_unit = "m"
+[reduced_bodies.beam]
+mesh = "beam"
+material = "steel"
+modes = "= modes"
+cache = false
+[bodies.beam]
+body = "beam"
+[scene]
+gravity = ["= load", 0, 0]
+"""
 
 
 def run(
@@ -148,6 +172,35 @@ def test_a_run_that_ends_early_keeps_its_status(tmp_path: Path) -> None:
     found = run(tmp_path / "s", {"stiffness": [1e3]}, scene=bob, error_budget=True)
     with found.to_xarray() as data:
         assert data["error_budget"].dims == ("run", "error_source") and "time step" in data["error_source"].values
+
+
+def write_block(file: Path, length: float) -> None:
+    """A mesh of two cells."""
+    x, y, z = np.meshgrid([0.0, 0.5 * length, length], [0.0, 0.01], [0.0, 0.01], indexing="ij")
+    corners = np.array([0, 4, 6, 2, 1, 5, 7, 3])
+    points = np.stack([x, y, z], axis=-1).reshape(-1, 3)
+    meshio.Mesh(points, [("hexahedron", np.stack([corners, corners + 4]))]).write(file)
+
+
+def test_rows_of_a_file_share_their_bodies_and_no_more(tmp_path: Path) -> None:
+    """Another load is the same body; another mesh, another material or a file that has changed is another one."""
+    from warpffrf.scene_file.kept import Kept
+    from warpffrf.scene_file.load import load_another
+
+    write_block(tmp_path / "a.vtu", 0.1)
+    file = tmp_path / "beam.toml"
+    file.write_text(BEAM, encoding="utf-8")
+    kept = Kept()
+
+    def body(*settings: str) -> Any:
+        return load_another(file, settings, kept).made["reduced_bodies"]["beam"]
+
+    first = body()
+    assert body("load=2.0") is first and load_another(file, ["load=2.0"], kept).document["meshes"]["beam"]["path"]
+    assert body("density=7000.0") is not first and body("modes=2") is not first and body() is first
+    write_block(tmp_path / "a.vtu", 0.2)
+    other = body()
+    assert other is not first and other.mass == pytest.approx(2.0 * first.mass)
 
 
 # --- what is refused

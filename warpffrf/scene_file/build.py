@@ -7,6 +7,7 @@ with the line of the key that the message speaks of, or of the table.
 from __future__ import annotations
 
 import copy
+import json
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path as FilePath
@@ -25,6 +26,7 @@ from warpffrf.scene_file.forms import (
     signal_kinds,
     value_kinds,
 )
+from warpffrf.scene_file.kept import MADE_OF, SECTIONS, Kept
 from warpffrf.scene_file.numbers import read_numbers
 from warpffrf.scene_file.refused_line import Refused, refused_place
 from warpffrf.scene_file.source import Path, Source
@@ -39,8 +41,9 @@ WHOLE = ("interface", "point", "surface")
 class Builder:
     """One document on its way to a scene; `scene` after `build()`."""
 
-    def __init__(self, source: Source) -> None:
-        self.source = source
+    def __init__(self, source: Source, kept: Kept | None = None) -> None:
+        """kept: meshes and reduced bodies of scenes before, of which those that are the same are taken."""
+        self.source, self.kept = source, kept
         self.fixed, self.items, self.values = fixed_forms(), item_kinds(), value_kinds()
         self.made: dict[str, dict[str, Any]] = {}  # section -> name -> object
         self.making: set[tuple[str, str]] = set()  # section and name of what is made of others, while it is made
@@ -296,7 +299,24 @@ class Builder:
             return self.made[section][name]
         if (section, name) in self.making:
             raise InputError(f"[{section}.{name}] is made of itself; name another one in its table")
+        if self.kept is not None and section in SECTIONS and (found := self.kept.find(self._recipe(section, name))):
+            thing, files = found
+            self.files |= files
+            return self._keep(section, name, thing)
         self.making.add((section, name))
+        thing = self._keep(section, name, self._made(section, name))
+        if self.kept is not None and section in SECTIONS:
+            files = {path: file for path, file in self.files.items() if path[0] in MADE_OF}
+            self.kept.keep(self._recipe(section, name), thing, files)
+        return thing
+
+    def _recipe(self, section: str, name: str) -> str:
+        """What tells an object from others: its name, and all tables that it may be made of."""
+        tables = {part: self.source.values.get(part) for part in MADE_OF[: MADE_OF.index(section) + 1]}
+        return json.dumps([section, name, str(self.source.place((section, name)).folder), tables], default=str)
+
+    def _made(self, section: str, name: str) -> Any:
+        """The object of a name, made."""
         path, table = (section, name), self.source.values[section][name]
         form = self._form(path, table)
         with self._blamed(path, table):
@@ -305,7 +325,7 @@ class Builder:
                 arguments["name"] = name
             if form.title == "reduction" and "material" not in arguments:
                 arguments["material"] = arguments["mesh"].materials or None
-            return self._keep(section, name, form.call(**arguments))
+            return form.call(**arguments)
 
     def _arguments(self, path: Path, table: dict[str, Any], form: Form) -> dict[str, Any]:
         return {

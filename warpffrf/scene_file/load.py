@@ -14,6 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.scene_file.build import TITLE, Builder
 from warpffrf.scene_file.document import document_of, read_document, to_toml
+from warpffrf.scene_file.kept import Kept
 from warpffrf.scene_file.source import Source
 
 log = logging.getLogger("warpffrf")
@@ -47,10 +48,15 @@ class LoadedScene:
 def load_scene(path: str | os.PathLike[str], *, settings: Sequence[str] = ()) -> LoadedScene:
     """The scene in the TOML file at `path`, ready to run. settings: "name=value" as of `--set`. Raises `InputError`,
     with file and line, for everything that is wrong."""
+    return load_another(path, settings, None)
+
+
+def load_another(path: str | os.PathLike[str], settings: Sequence[str], kept: Kept | None) -> LoadedScene:
+    """`load_scene`, with meshes and reduced bodies that are `kept` of scenes before, where they are the same."""
     file = Path(path).expanduser()
     if not file.is_file():
         raise InputError(f"scene file {str(path)!r} does not exist; check the path")
-    return _loaded(read_document(file, settings), file.stem)
+    return _loaded(read_document(file, settings), file.stem, kept)
 
 
 def scene_of(text: str, folder: str | os.PathLike[str] = ".", *, settings: Sequence[str] = ()) -> LoadedScene:
@@ -58,8 +64,8 @@ def scene_of(text: str, folder: str | os.PathLike[str] = ".", *, settings: Seque
     return _loaded(document_of(text, Path(folder), settings), "scene")
 
 
-def _loaded(source: Source, name: str) -> LoadedScene:
-    builder = Builder(source)
+def _loaded(source: Source, name: str, kept: Kept | None = None) -> LoadedScene:
+    builder = Builder(source, kept)
     scene = builder.build()
     runs = {section: builder.run_arguments(section) for section in ("equilibrium", "simulate")}
     return LoadedScene(

@@ -8,6 +8,7 @@ scenes       where the scene of a row comes from: a file or a function
 job          what a worker does with a row, and what it answers
 together     rows as worlds of one graph
 parcel       what is sent to workers
+errand       the function that opens it there
 packing      a job packed and opened again, reduced bodies by their content hash
 crews        who runs rows: this process, processes of our own, anybody with the interface of concurrent.futures
 cluster      who else does: dask.distributed

@@ -16,8 +16,9 @@ from typing import Any
 
 from warpffrf.model.errors import InputError
 from warpffrf.study.sweeps.crews import LEAST_OPEN, Answers, Elsewhere, WorkerDied
+from warpffrf.study.sweeps.errand import answers
 from warpffrf.study.sweeps.job import Answer, Numbered
-from warpffrf.study.sweeps.parcel import Parcel, answers
+from warpffrf.study.sweeps.parcel import Parcel
 
 ANSWERS_IN = 10  # s that a scheduler has to answer in: one that is there does at once
 WORKERS_IN = 30  # s that the first worker has to come in before a line says that there is none

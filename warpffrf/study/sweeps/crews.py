@@ -24,8 +24,9 @@ from typing import Any, Protocol
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
 from warpffrf.model.interruption import deaf_children
+from warpffrf.study.sweeps.errand import answers
 from warpffrf.study.sweeps.job import Answer, Job, Numbered
-from warpffrf.study.sweeps.parcel import Parcel, answers
+from warpffrf.study.sweeps.parcel import Parcel
 
 WORKER = "warpffrf sweep worker"  # name of our processes
 LEAST_OPEN = 64  # rows sent at once, where it is not known how many workers there are

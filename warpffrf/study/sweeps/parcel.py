@@ -1,14 +1,9 @@
-"""What is sent to workers: a parcel, and the function that opens it there.
-
-Schedulers read what passes through them. So nothing is imported here but what they have, and the seconds that the rest
-takes are the worker's.
-"""
+"""A job on its way to workers. Schedulers read what passes through them: nothing is imported but what they have."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 
 @dataclass(frozen=True)
@@ -19,10 +14,3 @@ class Parcel:
     digest: str
     folder: str
     versions: Mapping[str, str]
-
-
-def answers(parcel: Parcel, rows: Sequence[tuple[int, dict[str, Any]]], device: str | None) -> list[Any]:
-    """Run the rows of a parcel in this process; a list of `Answer`."""
-    from warpffrf.study.sweeps.packing import answers_of
-
-    return answers_of(parcel, rows, device)

@@ -13,8 +13,9 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.scene_file import load_scene
 from warpffrf.scene_file.document import merged_document, read_document
+from warpffrf.scene_file.kept import Kept
+from warpffrf.scene_file.load import load_another
 from warpffrf.study.sweeps.design import Row
 
 
@@ -54,7 +55,11 @@ class FileScenes:
         self.path, self.settings = Path(path).expanduser().absolute(), tuple(settings)
         if not self.path.is_file():
             raise InputError(f"sweep: scene file {str(path)!r} does not exist; check the path")
+        self._kept = Kept()
         self.title = str(merged_document(self.path, self.settings).values.get("title", self.path.stem))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**vars(self), "_kept": Kept()}  # workers have their own
 
     def check(self, row: Row) -> None:
         """Names, and the types of values, are held against the file."""
@@ -67,7 +72,7 @@ class FileScenes:
 
     def built(self, row: Row) -> Built:
         """Reads the file with the values of the row set."""
-        found = load_scene(self.path, settings=self._settings(row))
+        found = load_another(self.path, self._settings(row), self._kept)
         return Built(found.scene, found.simulate, found.equilibrium, found.running)
 
     def _settings(self, row: Row) -> list[str]:

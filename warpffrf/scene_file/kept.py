@@ -1,0 +1,61 @@
+"""Meshes and reduced bodies that scenes of one file have in common, kept from one to the next.
+
+A scene file is read anew for every row of a sweep, and most rows change a load or a speed. What a mesh or a reduced
+body is made of are its table, the tables of materials and meshes, and files: where all these are as they were, it is
+the same object again. Bodies are then in memory once, and scenes that are worlds of one graph share them.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from typing import Any
+
+from warpffrf.scene_file.source import Path
+
+SECTIONS = ("meshes", "reduced_bodies")
+MADE_OF = ("materials", *SECTIONS)  # sections that their tables refer to
+MOST = 16  # objects: a sweep over meshes makes another one for each row
+
+State = tuple[int, int]  # of a file: when it was changed, and its size
+
+
+@dataclass(frozen=True)
+class _Entry:
+    thing: Any
+    files: dict[Path, FilePath]
+    states: dict[FilePath, State]
+
+
+class Kept:
+    """What there is, the least used first."""
+
+    def __init__(self) -> None:
+        self._entries: OrderedDict[str, _Entry] = OrderedDict()
+
+    def find(self, recipe: str) -> tuple[Any, dict[Path, FilePath]] | None:
+        """What was made by a recipe, and the input files that it names; None where there is none, and where a file has
+        changed."""
+        entry = self._entries.get(recipe)
+        if entry is None or any(_state(file) != state for file, state in entry.states.items()):
+            return None
+        self._entries.move_to_end(recipe)
+        return entry.thing, entry.files
+
+    def keep(self, recipe: str, thing: Any, files: Mapping[Path, FilePath]) -> None:
+        """Keep what was made by a recipe of these files."""
+        states = {file: state for file in files.values() if (state := _state(file)) is not None}
+        if len(states) == len(set(files.values())):
+            self._entries[recipe] = _Entry(thing, dict(files), states)
+        while len(self._entries) > MOST:
+            self._entries.popitem(last=False)
+
+
+def _state(file: FilePath) -> State | None:
+    try:
+        found = file.stat()
+    except OSError:
+        return None
+    return found.st_mtime_ns, found.st_size
