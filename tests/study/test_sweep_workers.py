@@ -8,7 +8,7 @@ import sys
 import textwrap
 import threading
 import time
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,9 @@ from sweep_scenes import TIMES, bob, deadly_bob
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.study.sweeps import job, sweep
+from warpffrf.study.sweeps.crews import WorkerDied
+from warpffrf.study.sweeps.folder import Folder
+from warpffrf.study.sweeps.outputs import Value
 
 STIFFNESS = {"stiffness": "1000:6000:6"}
 NAME = "body_position_z[bob]"
@@ -46,6 +49,7 @@ def test_two_processes_give_the_same_bits_also_where_one_is_killed(tmp_path: Pat
     assert found.counts == {"completed": 6} and np.array_equal(found[NAME], alone)
 
 
+@pytest.mark.slow  # three processes more
 def test_a_row_that_kills_its_worker_every_time_is_a_row_with_a_message(tmp_path: Path, alone: np.ndarray) -> None:
     found = run(tmp_path / "s", scene=partial(deadly_bob, folder=str(tmp_path), times=9), workers=2)
     assert found.counts == {"completed": 5, "lost": 1}
@@ -53,6 +57,54 @@ def test_a_row_that_kills_its_worker_every_time_is_a_row_with_a_message(tmp_path
     assert row["stiffness"] == 2000 and "died 3 times" in row["message"]
     others = [0, 2, 3, 4, 5]
     assert np.array_equal(found[NAME][others], alone[others]) and np.isnan(found[NAME][1]).all()
+
+
+class Dying:
+    """A crew whose workers die at some rows."""
+
+    capacity = 2
+
+    def __init__(self, *rows: int) -> None:
+        self.rows, self.packs = rows, []
+
+    def submit(self, rows: Any) -> Any:
+        future: Any = Future()
+        future.set_result([number for number, _ in rows])
+        self.packs.append(future.result())
+        return future
+
+    def collect(self, future: Any) -> list[job.Answer]:
+        if set(future.result()) & set(self.rows):
+            raise WorkerDied
+        return [job.Answer(n, "completed", values={"y": Value(np.array(1.0))}) for n in future.result()]
+
+    def close(self) -> None:
+        pass
+
+
+def dispatched(tmp_path: Path, crew: Any, worlds: int) -> dict[str, int]:
+    """The statuses of six rows."""
+    from warpffrf.study.sweeps.design import design_of
+
+    design, folder = design_of({"x": "1:6:6"}, None, 0), Folder(tmp_path / "s")
+    about = {"kind": "warpffrf sweep", "count": 6, "parameters": {"x": ""}, "outputs": {}}
+    folder.begin(about, design, overwrite=True, resume=False)
+    try:
+        sweep._run(crew, list(enumerate(design.rows)), worlds, folder, 6, False)
+    finally:
+        folder.release()
+    return wf.study.open_sweep(tmp_path / "s").counts
+
+
+def test_rows_of_a_worker_that_died_go_out_again_one_by_one(tmp_path: Path) -> None:
+    crew = Dying(4)
+    assert dispatched(tmp_path, crew, worlds=3) == {"completed": 5, "lost": 1}
+    assert crew.packs[:2] == [[0, 1, 2], [3, 4, 5]] and sorted(crew.packs[2:]) == [[3], [4], [4], [4], [5]]
+
+
+def test_workers_that_all_die_are_told_of_before_all_rows_are_lost(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="workers die before any row has been run"):
+        dispatched(tmp_path, Dying(*range(6)), worlds=1)
 
 
 def test_any_executor_will_do(tmp_path: Path, alone: np.ndarray) -> None:
@@ -106,8 +158,6 @@ def test_workers_with_other_versions_are_named(tmp_path: Path, monkeypatch: Any)
 
     class Foreign:
         def submit(self, call: Any, *rest: Any) -> Any:
-            from concurrent.futures import Future
-
             future: Any = Future()
             future.set_result([job.Answer(0, job.OTHER_VERSIONS, "warp 1.18, here 1.19", host="blade7")])
             return future

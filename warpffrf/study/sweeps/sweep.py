@@ -208,7 +208,7 @@ class _Keeping:
 
     def __init__(self, folder: Folder, bar: Progress, done: int) -> None:
         self.folder, self.bar, self.done = folder, bar, done
-        self.proved, self.answers = False, 0  # whether a row has been run; answers so far
+        self.proved, self.answers, self.lost = False, 0, 0  # whether a row has been run; answers so far, those lost
 
     @property
     def open(self) -> bool:
@@ -222,6 +222,12 @@ class _Keeping:
             raise InputError(
                 f"sweep: the worker on {answer.host} has other versions ({answer.message}), and its numbers would be "
                 "others; install the same on all workers, and go on with resume=True (--resume)"
+            )
+        self.lost += answer.status == LOST
+        if self.lost >= UNPROVED and not self.proved:
+            raise InputError(
+                f"sweep: workers die before any row has been run, {UNPROVED} rows were tried {MOST_TRIES} times each; "
+                "run one here, workers=1, to see why"
             )
         if answer.status == NO_QUANTITY and not self.proved:
             raise InputError(f"sweep: outputs: {answer.message}")
