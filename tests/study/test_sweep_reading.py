@@ -15,6 +15,7 @@ from sweep_scenes import TIMES, bob, rest, shy_bob
 import warpffrf as wf
 from warpffrf import cli
 from warpffrf.model.errors import InputError
+from warpffrf.study.sweeps.reading import surface as surfaces
 from warpffrf.study.sweeps.reading.page import page
 from warpffrf.study.sweeps.reading.plot import plot
 from warpffrf.study.sweeps.reading.sensitivities import sensitivities
@@ -114,6 +115,9 @@ def test_sobol_indices_need_all_rows_and_some_variance() -> None:
     rows.columns["y"] = np.ones(20)
     with pytest.raises(InputError, match="no variance"):
         sensitivities(rows, "y")
+    alone = np.linspace(0.0, 1.0, 6)
+    with pytest.raises(InputError, match="u varies alone"):
+        sensitivities(Rows({"u": alone}, {"y": alone**2}), "y")
 
 
 # --- response surfaces
@@ -153,6 +157,17 @@ def test_the_error_of_a_surface_is_that_of_left_out_rows() -> None:
     at = grid(u=np.linspace(0, 1, 7).tolist(), v=np.linspace(0, 1, 5).tolist())
     of_grid = surface(Rows(at, {"y": y(at["u"], at["v"])}), "y")
     assert true_error(of_grid) < of_grid.error < 20.0 * true_error(of_grid)
+
+
+def test_a_surface_through_many_rows_is_local(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A plane is exact through any neighbours; a bend is not, and rows that are left out say so."""
+    monkeypatch.setattr(surfaces, "MANY", 30)
+    monkeypatch.setattr(surfaces, "NEIGHBOURS", 12)
+    points = latin(60, 2, 0)
+    of = dict(zip("uv", points.T, strict=True))
+    plane, bend = (surface(Rows(of, {"y": y}), "y") for y in (points @ [1.0, 2.0], np.abs(points[:, 0] - 0.5)))
+    assert "12 nearest" in plane.method and plane({"u": 0.4, "v": 0.7}) == pytest.approx(1.8, rel=1e-9)
+    assert plane.error < 1e-9 < 1e-3 < bend.error
 
 
 def test_a_surface_says_which_rows_it_leaves_out_and_refuses_what_it_cannot_do() -> None:
@@ -279,7 +294,9 @@ def test_the_page_of_a_sweep_stands_by_itself_and_shows_texts_as_texts() -> None
     at = grid(load=[1.0, 2.0, 3.0], tilt=[0.0, 1.0, 2.0])
     rows = Rows(at, {"y": at["load"] + at["tilt"] ** 2}, failed=(4,))
     rows.columns["message"][4] = "<script>alert(1)</script> & more"
-    rows.definition["title"] = "<b>bold</b>"
+    rows.definition |= {"title": "<b>bold</b>", "error_budget": True}
+    sources = np.array(["time step", "contact grid"], dtype=object)
+    rows.columns |= {"error_source": sources, "error_budget": np.outer(np.ones(9), [0.25, np.nan])}
     read = Read(page(rows))
     assert not read.open and "script" not in read.tags and "b" not in read.tags
     assert "<script>alert(1)</script> & more" in read.text and "Sweep: <b>bold</b>" in read.text
@@ -288,6 +305,7 @@ def test_the_page_of_a_sweep_stands_by_itself_and_shows_texts_as_texts() -> None
     for picture in read.pictures:
         kind, _, data = picture.partition("base64,")
         assert kind == "data:image/png;" and base64.b64decode(data).startswith(b"\x89PNG")
+    assert "time step0.250.259" in read.text and "contact gridnot foundnot found0" in read.text
     assert "wf.study.sweep(" in read.text and "left out in turn" in read.text
 
 

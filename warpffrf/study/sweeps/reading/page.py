@@ -60,6 +60,7 @@ def page(table: Table) -> str:
         _section("What was swept", _parameters(table), _outputs(table)),
         *_failed(table),
         *(_section(f"Output: {name}", *_output(table, name)) for name in table.output_names),
+        *_budget(table),
         _section("Times, machines and versions", *_times(table)),
         _section("How to run it again", f"<pre>{escape(call_of(table))}</pre>"),
     ]
@@ -159,7 +160,7 @@ def _output(table: Table, name: str) -> list[str]:
     axes = axes_of(table, np.ones(len(table["status"]), dtype=bool))
     if TIME in dims:
         colors = [axis.name for axis in axes] or [None]
-        return [_said(lambda by=by: _picture(plot(table, name, hue=by), f"{name} over time")) for by in colors]
+        return [_said(lambda by=by: _picture(plot(table, name, hue=by), f"{name} over time, by {by}")) for by in colors]
     parts = [
         _said(lambda axis=axis: _picture(plot(table, name, x=axis.name), f"{name} over {axis.name}")) for axis in axes
     ]
@@ -201,6 +202,18 @@ def _surface(table: Table, name: str) -> str:
 
 def _bars(found: Sensitivities) -> str:
     return _picture(panels_figure([found]), f"Sobol indices of {found.name}") + f"<pre>{escape(found.report())}</pre>"
+
+
+def _budget(table: Table) -> list[str]:
+    """Sizes of the sources of errors, where the sweep has them."""
+    if not table.definition.get("error_budget"):
+        return []
+    rows = []
+    for source, sizes in zip(table["error_source"], np.asarray(table["error_budget"], dtype=float).T, strict=True):
+        found = sizes[np.isfinite(sizes)]
+        told = (f"{np.median(found):.2g}", f"{found.max():.2g}") if len(found) else ("not found", "not found")
+        rows.append((source, *told, len(found)))
+    return [_section("Error budget", _rows(("source", "median", "largest", "rows that have it"), rows))]
 
 
 def _times(table: Table) -> list[str]:

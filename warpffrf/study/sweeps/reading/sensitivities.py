@@ -149,6 +149,8 @@ def _indices(
     subject: str, name: str, names: tuple[str, ...], y: np.ndarray, n: int, method: str, of_surface: bool
 ) -> Sensitivities:
     """Estimate and bootstrap, from outputs y at the points A, B, AB_1, ..., AB_d, n of each."""
+    if len(names) < 2:
+        raise InputError(f"{subject}: {''.join(names)} varies alone, and all variance is its own; vary two parameters")
     if np.ptp(y) <= CONSTANT * np.abs(y).max():
         raise InputError(f"{subject}: it is {y[0]:g} in all rows, there is no variance to share out")
     parts, rng = y.reshape(len(names) + 2, n), np.random.default_rng(SEED)
