@@ -1,7 +1,8 @@
 """What a sweep costs beside its runs: `python bench/sweep_rows.py [--json FILE] [--rows N] [--rounds N] [--table N]`.
 
-*processes*: the pendulum that comes with the package, N rows of 3000 steps each, on one process and on two, in turn;
-wall time of a sweep, processes being there already, and whether the bits are the same.
+*processes*: the pendulum that comes with the package, N rows of 15,000 steps each, on one process and on two, in turn;
+wall time of a sweep, what processes are forked from being there already, and whether the bits are the same. On a
+machine that others use wall times say little; CPU seconds, of one process against the mean of two, say more.
 *overhead*: what a row takes beyond its run, in this process (parameters, scene, outputs, its file, progress), and the
 set-up of row 2 to N. *table*: a table of many rows of 4 numbers and 2 histories of 101 steps, made without runs: its
 size, what it takes to write, to open, and to read a number and a history of every row.
@@ -30,13 +31,15 @@ from warpffrf.study.sweeps.table import Table
 
 ROWS, ROUNDS, TABLE = 64, 3, 10_000
 STEPS, HISTORIES, NUMBERS = 101, 2, 4  # of a row of the table
-LONG = ("simulate.duration=3.0", "simulate.save_every=30")
+LONG = ("simulate.duration=15.0", "simulate.save_every=150")
 PENDULUM = Path(wf.__file__).parent / "examples" / "pendulum" / "pendulum.toml"
-OUTPUTS = {
+CLOCK, PROCESS = "cpu", "process"  # CPU seconds of the process after a row, and its number
+OUTPUTS: dict[str, Any] = {
     "lowest": "min(body_position_z[bob])",
     "height": "body_position_z[bob]",
     "swing": "range(body_position_x[bob])",
 }
+CLOCKS: dict[str, Any] = {CLOCK: lambda result: time.process_time(), PROCESS: lambda result: os.getpid()}
 
 
 def swept(folder: Path, rows: int, workers: int) -> tuple[Any, float]:
@@ -46,7 +49,7 @@ def swept(folder: Path, rows: int, workers: int) -> tuple[Any, float]:
         PENDULUM,
         {"arm": f"0.3:0.6:{rows}"},
         settings=LONG,
-        outputs=OUTPUTS,
+        outputs={**OUTPUTS, **CLOCKS},
         store=folder,
         workers=workers,
         overwrite=True,
@@ -55,9 +58,18 @@ def swept(folder: Path, rows: int, workers: int) -> tuple[Any, float]:
     return found, time.perf_counter() - begin
 
 
+def cpu_seconds(found: Any) -> float:
+    """CPU seconds of a process in a sweep: of one those of all rows, of two the mean, with what they need to begin."""
+    clock, process = found[CLOCK], found[PROCESS]
+    if len(set(process)) == 1:
+        return float(np.ptp(clock)) * len(clock) / (len(clock) - 1)  # from the end of the first row on
+    return float(np.mean([clock[process == one].max() for one in set(process)]))
+
+
 def processes(folder: Path, rows: int, rounds: int) -> dict[str, Any]:
     """One process against two, in turn."""
     walls: dict[int, list[float]] = {1: [], 2: []}
+    shares: dict[int, list[float]] = {1: [], 2: []}
     bits: set[bytes] = set()
     for workers in walls:  # what begins once
         swept(folder / f"{workers}", 2 * workers, workers)
@@ -65,21 +77,25 @@ def processes(folder: Path, rows: int, rounds: int) -> dict[str, Any]:
         for workers, times in walls.items():
             found, wall = swept(folder / f"{workers}", rows, workers)
             times.append(wall)
+            shares[workers].append(cpu_seconds(found))
             bits.add(b"".join(found[name].tobytes() for name in OUTPUTS))
     ratios = [one / two for one, two in zip(walls[1], walls[2], strict=True)]
-    return {"walls_1": walls[1], "walls_2": walls[2], "ratio": float(np.median(ratios)), "same_bits": len(bits) == 1}
+    both = {"walls_1": walls[1], "walls_2": walls[2], "ratio": float(np.median(ratios)), "same_bits": len(bits) == 1}
+    return {**both, "cpu_ratio": float(np.median(shares[1]) / np.median(shares[2]))}
 
 
 def overhead(folder: Path, rows: int) -> dict[str, float]:
     """Seconds of a row beyond its run, of its set-up, and of its file."""
-    swept(folder, 2, 1)
+    few, wall_of_few = swept(folder, 2, 1)
+    once = wall_of_few - float(few["wall_seconds"].sum())
     found, wall = swept(folder, rows, 1)
     begin, work = time.perf_counter(), Folder(folder)
     for n in range(rows):
         work.keep(Answer(n, "completed", values={"height": Value(np.zeros(STEPS), ("time",))}, time=np.zeros(STEPS)))
     kept = time.perf_counter() - begin
     return {
-        "seconds_beyond_a_run": (wall - float(found["wall_seconds"].sum())) / rows,
+        "seconds_once": once,
+        "seconds_beyond_a_run": (wall - float(found["wall_seconds"].sum()) - once) / (rows - 2),
         "set_up_seconds": float(np.median(found["set_up_seconds"][1:])),
         "largest_set_up_seconds": float(found["set_up_seconds"][1:].max()),
         "seconds_to_keep": kept / rows,
@@ -138,9 +154,11 @@ def main() -> None:
     print(f"load average {load:.1f} before")
     walls = ", ".join(f"{a:.1f} and {b:.1f}" for a, b in zip(both["walls_1"], both["walls_2"], strict=True))
     print(f"{given.rows} rows on one process and on two: {walls} s; {both['ratio']:.2f} times", end="")
+    print(f", {both['cpu_ratio']:.2f} by CPU seconds", end="")
     print(f", bits {'the same' if both['same_bits'] else 'DIFFER'}")
     beyond, file = over["seconds_beyond_a_run"], over["seconds_to_keep"]
-    print(f"a row beyond its run {beyond * 1e3:.2f} ms, its file {file * 1e3:.2f} ms")
+    print(f"a sweep beyond its rows {over['seconds_once']:.2f} s, a row beyond its run {beyond * 1e3:.2f} ms", end="")
+    print(f", its file {file * 1e3:.2f} ms")
     print(f"set-up of row 2 on: median {over['set_up_seconds']:.3f} s, largest {over['largest_set_up_seconds']:.3f} s")
     print(f"table of {kept['rows']} rows: {kept['bytes'] / kept['rows']:.0f} bytes a row")
     for name in (name for name in kept if name.startswith("seconds")):

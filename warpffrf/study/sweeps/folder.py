@@ -38,6 +38,7 @@ DEFINITION, LOCK, RUNS, TABLE, BODIES = "sweep.json", "lock", "runs", "table.h5"
 RUN = "{:06d}.arrays"
 AGAIN = "choose another folder, or begin anew with overwrite=True (--overwrite)"
 GATHER_FROM = 500  # files of runs that are put into the table, later as many as are in it: a row is written few times
+GATHER_AT = 4000  # the most of them: whoever writes one looks through the folder
 TIMES = "time"
 
 log = logging.getLogger("warpffrf")
@@ -161,7 +162,7 @@ class Folder:
             arrays[TIMES] = [answer.time]
         write_arrays(self.path / RUNS / RUN.format(answer.number), about, arrays)
         self._loose += 1
-        if self._loose >= max(GATHER_FROM, self._in_table):
+        if self._loose >= max(GATHER_FROM, min(self._in_table, GATHER_AT)):
             self.gather()
 
     def gather(self) -> Table:

@@ -19,7 +19,7 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
@@ -78,6 +78,12 @@ def versions() -> dict[str, str]:
     return {**numbers, "Python": ".".join(platform.python_version_tuple()[:2])}
 
 
+@cache
+def _threads() -> ThreadpoolController:
+    """What limits threads in this process; to look for it takes some milliseconds."""
+    return ThreadpoolController()
+
+
 @dataclass(frozen=True)
 class Job:
     """A sweep without its rows. simulate, equilibrium: options of the call, None for those that come with the scene."""
@@ -108,7 +114,7 @@ class Job:
     def answers(self, rows: Numbered, device: str | None) -> list[Answer]:
         """Run `rows`, each with its number: several as worlds of one graph where they can be. Raises KeyboardInterrupt
         where a run is interrupted."""
-        with _alone, _only_errors(), threadpool_limits(1):
+        with _alone, _only_errors(), _threads().limit(limits=1):
             together = self._together(rows, device) if len(rows) > 1 else None
             return together or [self.answer(number, row, device) for number, row in rows]
 
