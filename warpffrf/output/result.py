@@ -171,8 +171,8 @@ class Result(looks.Shown):
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
         """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central
         differences of twelve equilibria (`warpffrf.output.bearings.stiffness`); `.left_out` names friction and loads of
-        elements that are not in it. Raises InputError for flexible parts, for a bearing without load, and for a result
-        that was read from a file."""
+        elements that are not in it. Raises InputError for flexible rings that nothing holds, for a bearing without
+        load, and for a result that was read from a file."""
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)

@@ -19,6 +19,7 @@ from warpffrf.output.plots.colors import (
     map_axes_picture,
 )
 from warpffrf.output.recording import frames as fr
+from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS
 from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pressure_map
 
 MAP_SHAPE = (220, 480)  # pixels (height, width) of the patch map
@@ -155,13 +156,19 @@ class ContactScene:
         )
 
     def _forces(self, frame: fr.PatchFrame, i: int) -> None:
-        """Both forces, drawn beside the bodies' end so that no body hides them."""
+        """Both forces, drawn beside the bodies' end so that no body hides them; none of a pair that carries nothing,
+        and no numbers where many pairs would write over each other."""
         recorder, contact = self.recorder, self.contact
         low, high = contact.ends
         origin = frame.origin - frame.axes[:, 1] * 0.75 * (high - low)
         scale = ARROW_LENGTH * recorder.size / recorder.top_force if recorder.top_force > 0.0 else 0.0
         vectors = np.stack([contact.force[i], contact.force_second[i]]) * scale
         newton = [float(np.linalg.norm(contact.force[i])), float(np.linalg.norm(contact.force_second[i]))]
+        path = recorder.path("world", "forces", contact.name)
+        if max(newton) <= LEAST_SHOWN * recorder.top_force:
+            recorder.stream.log(path, recorder.rr.Arrows3D(vectors=np.zeros((0, 3))))
+            return
+        labelled = len(recorder.contacts) <= MOST_LABELS
         names = (contact.view.first_body.name, contact.view.second_body.name)
         labels = [f"on {name}: {value * 1e-3:.4g} kN" for name, value in zip(names, newton, strict=True)]
         arrows = recorder.rr.Arrows3D(
@@ -169,7 +176,7 @@ class ContactScene:
             vectors=vectors,
             colors=[FIRST_COLOR, SECOND_COLOR],
             radii=0.012 * recorder.size,
-            labels=labels,
-            show_labels=True,
+            labels=labels if labelled else None,
+            show_labels=labelled,
         )
-        recorder.stream.log(recorder.path("world", "forces", contact.name), arrows)
+        recorder.stream.log(path, arrows)

@@ -1,0 +1,23 @@
+"""The study of flexible bearings: its rigid cases are the published ones, and cases are looked up by name."""
+
+from __future__ import annotations
+
+import pytest
+
+from warpffrf.model.errors import InputError
+from warpffrf.study.flexible_bearings import CASES, HEAD, main, page, row
+
+
+def test_rigid_cases_are_the_published_ones(capsys: pytest.CaptureFixture[str]) -> None:
+    main(["p10"])
+    assert "P10 | rigid | 1,965 | 1,379" in capsys.readouterr().out
+    found = row(CASES["p9"])
+    assert len(found) == len(HEAD)
+    assert float(found[2].replace(",", "")) == pytest.approx(1679.0, rel=1e-2)
+    assert float(found[5]) == pytest.approx(41.5, abs=0.05)
+    assert "| P9 | rigid |" in page([found])
+
+
+def test_a_case_that_there_is_not_is_named() -> None:
+    with pytest.raises(InputError, match="there is no case 'p11'; choose from p7, p7-balls"):
+        main(["p11"])
