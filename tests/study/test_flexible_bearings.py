@@ -1,4 +1,4 @@
-"""The study of flexible bearings: its rigid cases are the published ones, its list of cases is looked up by name."""
+"""The study of flexible bearings: its rigid cases are the published ones, and cases are looked up by name."""
 
 from __future__ import annotations
 

@@ -19,6 +19,7 @@ AROUND = 0.6  # of the largest body
 POINTS = (97, 25)  # around and along
 POLE = 1.0 - 1e-6  # of the radius of an arc: the last ring before its end
 Reach = tuple[tuple[float, float], tuple[float, float]]  # ranges of theta and z
+GROOVE = 0.7  # of it, of a groove: farther up, that of a ring would close over the balls
 COLOR = (168, 176, 186, 255)
 
 
@@ -110,14 +111,16 @@ def shape_mesh(
     shape: Any, theta: tuple[float, float], z: tuple[float, float]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Points (n, 3) [m], outward normals (n, 3) and triangles (t, 3) of a shape over ranges of theta and z; a surface
-    of revolution all around, and no farther along than its arc reaches, of a sphere all of it."""
+    of revolution all around, and no farther along than its arc reaches, of a sphere all of it, of a groove
+    what raceways have of it."""
     profile = shape.profile()
     around, along = theta, z
     if not profile.planar:
         around = (0.0, 2.0 * np.pi)
         if profile.crown:
-            end = POLE * abs(profile.crown)
             whole = profile.crown == profile.radius
+            hollow = profile.side * profile.crown < 0.0 and not whole
+            end = (GROOVE if hollow else POLE) * abs(profile.crown)
             along = (-end, end) if whole else (max(z[0], -end), min(z[1], end))
     t, s = np.meshgrid(np.linspace(*around, POINTS[0]), _spread(along, profile, POINTS[1]), indexing="ij")
     t, s = t.ravel(), s.ravel()
