@@ -102,7 +102,8 @@ class RigidShapes:
         return self._around(places)
 
     def _around(self, places: list[tuple[float, float]]) -> Reach:
-        low, high = (np.min(places, axis=0), np.max(places, axis=0)) if places else (np.zeros(2), np.zeros(2))
+        found = np.asarray(places) if places else np.zeros((1, 2))
+        low, high = found.min(axis=0), found.max(axis=0)
         more = AROUND * self.recorder.size
         return (low[0] - more, high[0] + more), (low[1] - more, high[1] + more)
 
