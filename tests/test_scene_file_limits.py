@@ -18,17 +18,17 @@ mass = 2.0
 inertia_tensor = [0.01, 0.01, 0.01]
 """
 RUN = "[simulate]\nduration = 0.002\nstep = 1e-3\n"
-SECONDS = 5.0
+SECONDS = 5.0  # of the processor, whatever else it does: what multiplies takes hours
 SIZE = "outer_radius = 0.05\nwidth = 0.02"
 
 
 def refused(tmp_path: Path, text: str, message: str) -> str:
     file = tmp_path / "s.toml"
     file.write_text(text)
-    start = time.monotonic()
+    start = time.process_time()
     with pytest.raises(wf.InputError, match=message) as refusal:
         wf.load_scene(file)
-    assert time.monotonic() - start < SECONDS
+    assert time.process_time() - start < SECONDS
     assert len(str(refusal.value)) < 1000 and "s.toml" in str(refusal.value)
     return str(refusal.value)
 
@@ -59,9 +59,9 @@ def test_long_lists_and_many_keys_are_read(tmp_path: Path) -> None:
     file = tmp_path / "s.toml"
     many = "".join(f"k{n} = {n}\n" for n in range(2000))
     file.write_text("[parameters]\nx = [" + "1," * 200_000 + "]\n" + many + BASE)
-    start = time.monotonic()
+    start = time.process_time()
     assert wf.load_scene(file).scene.bodies[0].mass == 2.0
-    assert time.monotonic() - start < 2 * SECONDS
+    assert time.process_time() - start < 2 * SECONDS
 
 
 def test_files_that_are_too_long(tmp_path: Path) -> None:

@@ -3,7 +3,6 @@ run in time makes of them."""
 
 from __future__ import annotations
 
-import time
 from typing import Any
 
 import numpy as np
@@ -25,6 +24,7 @@ from warpffrf.output.simulate import StagedResult
 from warpffrf.verification.scenes.rollers import Path, guided_pair, prescribed_pair
 
 LENGTH, WIDTH, HEIGHT, YOUNG, DENSITY = 1.0, 0.03, 0.01, 210e9, 7850.0  # m, Pa, kg/m3
+MOST_ITERATIONS = 5  # of a load step: it takes 4, of Newton's method that converges quadratically
 BENDING = YOUNG * WIDTH * HEIGHT**3 / 12.0  # N m2
 BALANCED = 1e-8  # forces balance to 1e-9 of the largest one
 ORIGIN = (0.0, 0.0, 0.0)
@@ -123,13 +123,12 @@ def test_the_elastica_is_found_at_once(load: float, parts: int, deflection: floa
     assert np.abs(found.history.sensors["root"].values).max() < 1e-12
 
 
-def test_five_hundred_load_steps_take_less_than_three_seconds(beam: ReducedBody) -> None:
-    scene = cantilever(beam, cycle(BENDING / LENGTH**2), stiffening=True)
-    static(scene, 0.02, 0.01)  # compiles the kernels
-    began = time.perf_counter()
-    result = static(scene, 5.0, 0.01)
-    assert time.perf_counter() - began < 3.0
+def test_five_hundred_load_steps(beam: ReducedBody) -> None:
+    """Each takes few iterations: the load path is smooth, and Newton begins at the equilibrium before."""
+    result = static(cantilever(beam, cycle(BENDING / LENGTH**2), stiffening=True), 5.0, 0.01)
     assert result.history.counters["steps"] == 500
+    print(result.history.counters, result.history.iterations)
+    assert result.history.iterations.max() <= MOST_ITERATIONS
 
 
 def test_contact_pressed_by_a_drive_is_the_equilibrium_of_each_place(plain_body: ReducedBody) -> None:
