@@ -127,7 +127,6 @@ def test_five_hundred_load_steps(beam: ReducedBody) -> None:
     """Each takes few iterations: the load path is smooth, and Newton begins at the equilibrium before."""
     result = static(cantilever(beam, cycle(BENDING / LENGTH**2), stiffening=True), 5.0, 0.01)
     assert result.history.counters["steps"] == 500
-    print(result.history.counters, result.history.iterations)
     assert result.history.iterations.max() <= MOST_ITERATIONS
 
 
