@@ -28,6 +28,7 @@ from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
+OF_AN_ATTEMPT = ("attempt", "accept", "record")  # words of `Control` that the next one begins with at zero
 NO_ATTEMPT = -1  # of a world, where others are attempted
 EngineOf = Callable[..., "Engine"]
 """Makes the engine of a run, with the scene and the options of `Engine`."""
@@ -250,8 +251,12 @@ class Engine:
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Copies of all that the next step needs to go on bit for bit: the state and, with cells that travel with the
         patch, what is kept of them from step to step. Tableaus of laps are not among them: their numbers are made anew
-        of the forces of the state, and a run goes on to round-off of their solve."""
-        return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
+        of the forces of the state, and a run goes on to round-off of their solve. Words of the last attempt are left
+        out, as it depends on other worlds whether that was one of this world."""
+        state = self.state.to_numpy()
+        for word in OF_AN_ATTEMPT:
+            state["ctl"][word] = 0
+        return state | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew, with a
