@@ -8,10 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from same_histories import unlike
 from warpffrf_kernels.core import control as k
 
+import warpffrf as wf
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
+from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, find_equilibrium, run
 from warpffrf.online.arrays.scratch import Scratch, scratch_for
@@ -112,3 +115,49 @@ def test_a_run_without_memory_for_more_keeps_what_it_has(little: None, monkeypat
     )
     assert history.status == "memory" and "no memory for" in history.message and "traction_spacing" in history.message
     assert len(history.time) >= 1 and np.all(np.isfinite(history.bodies["plate"].position))
+
+
+def test_a_world_without_memory_leaves_the_others_their_room(little: None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Three plates fall on balls, and there is memory for ten hats: the first wants 45 at once and ends by itself, the
+    second gets its five later, the third needs none. Each run is that of the scene alone, with as much memory."""
+
+    def scarce(scenes: Any, sizes: Any, state: Any) -> Scratch:
+        if sizes["slot"] > 10:
+            raise MemoryError
+        return scratch_for(scenes, sizes, state)
+
+    monkeypatch.setattr("warpffrf.online.engine.scratch_for", scarce)
+    falls = ((2e-5, 5.0), (1e-4, 0.5), (1e-4, 0.2))
+    scenes = [plate_on_balls((0.0,), height=height, speed=speed) for height, speed in falls]
+    found = wf.simulate_worlds(scenes, 6 * STEP, step=STEP, progress=False)
+    assert [result.status for result in found] == ["memory", "completed", "completed"]
+    assert "no memory for 45 active hats" in found[0].message
+    for scene, result in zip(scenes, found, strict=True):
+        alone = wf.simulate(scene, 6 * STEP, step=STEP, progress=False)
+        assert unlike(alone.history, result.history) == []
+
+
+def test_room_for_one_world_is_no_more_attempts_for_another(little: None) -> None:
+    """Three attempts of each: the plate that falls fast comes again with more room, the one that is far away has made
+    its three steps."""
+    engine = Engine(plate_on_balls((0.0,), height=2e-5), worlds=2)
+    r, v = engine.state.r.numpy().copy(), engine.state.v.numpy().copy()
+    r[1, 0, 2] += 1.0
+    v[0, 0, 2] = -5.0
+    engine.state.r.assign(r)
+    engine.state.v.assign(v)
+    start_consistently(engine)
+    slots = engine.compiled.model.capacity.slots
+    engine.enter(k.DYNAMIC, STEP, target=100)
+    engine.control(every=1)
+    engine.replay(3)
+    assert engine.compiled.model.capacity.slots > slots
+    assert engine.word("step")[1] == 3
+
+
+def test_worlds_whose_room_may_grow_to_other_sizes_are_refused(little: None) -> None:
+    """They begin with one slot a pair; the second pair of scene 1 is to have no more."""
+    scenes = [plate_on_balls((-7e-3, 6e-3)) for _ in range(2)]
+    scenes[1].contacts[1].capacity = 1
+    with pytest.raises(InputError, match=r"^the contacts of scene 1 allow \d+ hats .* of scene 0 \d+; worlds"):
+        wf.simulate_worlds(scenes, STEP, step=STEP, progress=False)

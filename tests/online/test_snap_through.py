@@ -11,7 +11,8 @@ from scipy.spatial.transform import Rotation
 
 import warpffrf as wf
 from warpffrf.demos import snapping_arch as arch
-from warpffrf.online.snap_through import _turns
+from warpffrf.online import snap_through
+from warpffrf.online.engine import Engine
 
 NEAR = 5e-3  # of the crown's way: `arch.LANDS`, what a reduced arch is off behind the jump
 PATH = 0.02  # of the limit load, at 4 kN; 2.5 % at the end of the path, see `arch.PATH`
@@ -118,9 +119,28 @@ def test_a_jump_in_halved_steps_is_that_in_whole_ones(cycle) -> None:
     assert jump[3] < coarse[3]
 
 
+def test_a_jump_on_whose_way_room_was_made_is_the_same(cycle, monkeypatch) -> None:
+    """Scratch arrays are others then: the load step begins with what is in those."""
+    settled, made = snap_through._settled, []
+
+    def with_more_room(engine: Engine, time: float) -> bool:
+        found = settled(engine, time)
+        before, capacity = engine.scratch, engine.compiled.model.capacity
+        capacity.slot_limit = capacity.slots + 1  # for a hat of a contact that is not there
+        assert engine.make_room(capacity.slot_limit)
+        made.append(engine.scratch is not before)
+        return found
+
+    monkeypatch.setattr(snap_through, "_settled", with_more_room)
+    push = wf.signals.Table([0.0, 0.5 * UP_AND_DOWN], [0.0, -arch.LARGEST])
+    found = wf.simulate(pushed(push), float(np.ceil(jumps(cycle)[0][1])), step=1.0, kind="static", progress=False)
+    assert found.status == "completed" and made == [True] and jumps(found) == jumps(cycle)[:1]
+    np.testing.assert_array_equal(arch.crown_way(found), arch.crown_way(cycle)[: len(found.time)])
+
+
 def test_turns_between_orientations() -> None:
     rng = np.random.default_rng(0)
     p0, p1 = Rotation.random(8, rng), Rotation.random(8, rng)
     expected = (p0.inv() * p1).as_rotvec()
-    np.testing.assert_allclose(_turns(p0.as_quat(), -p1.as_quat()), expected, atol=1e-12)
-    assert np.abs(_turns(p0.as_quat(), p0.as_quat())).max() < 1e-12
+    np.testing.assert_allclose(snap_through._turns(p0.as_quat(), -p1.as_quat()), expected, atol=1e-12)
+    assert np.abs(snap_through._turns(p0.as_quat(), p0.as_quat())).max() < 1e-12

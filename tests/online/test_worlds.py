@@ -17,9 +17,13 @@ from same_histories import unlike
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.online.arrays.views import Views
+from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.engine import Engine
+from warpffrf.online.settings import Settings
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.online.turn import TURN
+from warpffrf.online.worlds.engines import SharedEngine
 from warpffrf.online.worlds.meeting import Ended, Meeting
 from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
@@ -162,12 +166,17 @@ def test_wrong_input_of_one_scene_is_that_of_the_call() -> None:
         beside([swing(), wrong, swing()])
     with pytest.raises(InputError, match="a list of scenes is needed first"):
         wf.simulate_worlds([], 1.0, step=0.1)
-    with pytest.raises(InputError, match="a Scene is needed first"):
+    with pytest.raises(InputError, match="^simulate_worlds: scene 1: a Scene is needed first"):
         wf.simulate_worlds([swing(), "scene"], 1.0, step=0.1)  # type: ignore[list-item]
     with pytest.raises(InputError, match="RungeKutta4 steps without the graph"):
         beside([swing()], integrator=wf.integrators.RungeKutta4())
     with pytest.raises(InputError, match="step_error is for runs in time"):
         beside([swing()], kind="static", step_error=1e-3)
+    for name, value in {"step_error": -1.0, "save_every": 0, "energy_tolerance": 0.0}.items():
+        with pytest.raises(InputError, match=f"^simulate_worlds: {name} must be"):
+            beside([swing()], **{name: value})
+    with pytest.raises(InputError, match="^device 'cuda:99' is not available here"):
+        beside([swing()], device="cuda:99")
 
 
 def test_results_are_written_into_a_folder(tmp_path: Path) -> None:
@@ -178,6 +187,20 @@ def test_results_are_written_into_a_folder(tmp_path: Path) -> None:
         assert np.array_equal(wf.Result.load(file).body("bob").position, result.body("bob").position)
     with pytest.raises(InputError, match="exists"):
         beside(swings()[:2], results=tmp_path / "runs")
+
+
+def test_a_folder_has_no_worlds_of_an_earlier_call(tmp_path: Path) -> None:
+    """What the first call has left is removed where it may be replaced; what it did not write stays."""
+    beside(swings()[:2], results=tmp_path)
+    (tmp_path / "world_000.h5").unlink()
+    with pytest.raises(InputError, match=r"world_001\.h5' exists"):
+        beside(swings()[:1], results=tmp_path)
+    (tmp_path / "world_view.h5").write_text("of somebody else")
+    beside(swings()[:1], results=tmp_path, overwrite=True)
+    assert sorted(file.name for file in tmp_path.iterdir()) == ["world_000.h5", "world_view.h5"]
+    (tmp_path / "world_007.h5").write_text("of somebody else")
+    with pytest.raises(InputError, match=r"world_007\.h5' was not written by warpffrf"):
+        beside(swings()[:1], results=tmp_path, overwrite=True)
 
 
 def test_an_interruption_keeps_what_all_worlds_have(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -195,6 +218,55 @@ def test_an_interruption_keeps_what_all_worlds_have(monkeypatch: pytest.MonkeyPa
     found = beside(swings()[:3])
     assert [result.status for result in found] == ["interrupted"] * 3
     assert all(1 < len(result.time) < STEPS + 1 for result in found)
+
+
+def test_an_interruption_while_runs_begin_ends_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first run waits for a second one that is never started."""
+    start = threading.Thread.start
+
+    def interrupted(thread: threading.Thread) -> None:
+        if thread.name == "world 1":
+            raise KeyboardInterrupt
+        start(thread)
+
+    monkeypatch.setattr(threading.Thread, "start", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        beside([swing(), swing(), swing()])
+    assert not any(thread.name.startswith("world") for thread in threading.enumerate())
+
+
+class Counted:
+    """An array of another device, which counts its copies to the host."""
+
+    def __init__(self, values: np.ndarray) -> None:
+        self.values, self.shape, self.copies = values, values.shape, 0
+
+    def __getitem__(self, places: slice) -> Counted:
+        return Counted(self.values[places])
+
+    def numpy(self) -> np.ndarray:
+        self.copies += 1
+        return self.values.copy()
+
+
+def test_all_worlds_read_one_copy_until_they_are_stepped() -> None:
+    used = Settings()
+    scenes = [compile_scene(swing(), used, "cpu") for _ in range(2)]
+    engine = SharedEngine(scenes, used, None, None, False)
+    array = Counted(np.arange(6.0))
+    worlds = [Views(w, 2, ("place",), engine.on_host) for w in range(2)]
+    for views in worlds:
+        views.see({"place": array})
+        views.touched = False
+
+    def read() -> list[list[float]]:
+        return [views.numpy("place").tolist() for views in worlds]
+
+    assert read() == read() == [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]] and array.copies == 1
+    worlds[1].touched, array.values = True, array.values + 1.0
+    assert read() == [[0.0, 1.0, 2.0], [4.0, 5.0, 6.0]] and array.copies == 1  # its own part, by itself
+    engine.attempt({})
+    assert read()[0] == [1.0, 2.0, 3.0] and array.copies == 2
 
 
 def test_whoever_leaves_is_not_waited_for() -> None:

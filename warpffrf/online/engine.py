@@ -28,6 +28,8 @@ from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
+OF_AN_ATTEMPT = ("attempt", "accept", "record")  # words of `Control` that the next one begins with at zero
+NO_ATTEMPT = -1  # of a world, where others are attempted
 EngineOf = Callable[..., "Engine"]
 """Makes the engine of a run, with the scene and the options of `Engine`."""
 NOT_KEPT = (
@@ -91,7 +93,7 @@ class Engine:
 
     def _open_books(self) -> None:
         """What the host keeps of a run."""
-        self.no_room = 0  # hats in play that there was no memory for
+        self.no_room: dict[int, int] = {}  # world -> hats in play that it wanted and there was no memory for
         self.chunks: list[list[SavedRows]] = [[] for _ in range(self.worlds)]  # taken out of the ring, in chunks
         self.drained = np.zeros(self.worlds, dtype=int)
         self.seconds_in_graph = 0.0
@@ -118,17 +120,17 @@ class Engine:
             adaptive=self._step_error is not None,
         )  # fmt: skip
 
-    def make_room(self, slots: int) -> None:
-        """Room for `slots` hats in play at least, up to what the capacities of the contacts allow.
+    def make_room(self, slots: int) -> bool:
+        """Room for `slots` hats in play at least, up to what the capacities of the contacts allow; False where the
+        memory does not suffice, and all stays as it is.
 
-        Scratch arrays are made anew; what they hold stays, but for the matrices of hats and cells: a world that is not
-        short may still have to be recorded from them. Where the memory does not suffice, all stays as it is and
-        `no_room` says how many were wanted.
+        Scratch arrays are made anew, so that whoever holds some asks for them again; what they hold stays, but for the
+        matrices of hats and cells: a world that is not short may still have to be recorded from them.
         """
         m = self.compiled.model
         slots = min(slots, m.capacity.slot_limit)
         if slots <= m.capacity.slots:
-            return
+            return True
         room, kept = (m.capacity.slots, m.capacity.cells), (self.scratch, self.graph)
         before = vars(self.scratch)
         try:
@@ -138,30 +140,37 @@ class Engine:
             self.scratch, self.graph = kept
             for compiled in self.scenes:
                 compiled.model.capacity.slots, compiled.model.capacity.cells = room
-            self.no_room = slots
-            return
+            return False
         for name, array in vars(self.scratch).items():
             if name in before and before[name].shape == array.shape:
                 array.assign(before[name])
         self.scratch.lasting.zero_()
-        self.control(stale=1)  # compliances of cells that are kept from step to step have another shape now
+        if m.capacity.cells:
+            self.control(stale=1)  # compliances that are kept from step to step have another shape now
+        return True
 
-    def _relieve(self) -> bool:
-        """More room where an attempt ran short of it, so that it can come again; False where none did."""
-        status = self.word("status")
-        short = (status & int(k.ROOM)) != 0
+    def _relieve(self) -> np.ndarray:
+        """More room where an attempt ran short of it: the worlds (worlds,) for which there is some now, so that it can
+        come again.
+
+        The world that wants most may be one that there is no memory for. It has failed, and is asked for no more; the
+        others get what they want.
+        """
+        capacity = self.compiled.model.capacity
+        short = (self.word("status") & int(k.ROOM)) != 0
+        short[list(self.no_room)] = False
         if not np.any(short):
-            return False
-        if self.no_room:
-            return False
-        self.make_room(max(ROOM_GROWTH * self.compiled.model.capacity.slots, int(self.word("spare")[short].max())))
-        if self.no_room:
-            return False
+            return short
+        wanted = np.minimum(np.maximum(ROOM_GROWTH * capacity.slots, self.word("spare")), capacity.slot_limit)
+        while np.any(short) and not self.make_room(most := int(wanted[short].max())):
+            refused = short & (wanted == most)
+            self.no_room |= dict.fromkeys(np.flatnonzero(refused).tolist(), most)
+            short &= ~refused
         words = self.state.ctl.numpy().copy()
         for word in ("status", "spare"):
             words[word][short] = 0
         self.state.ctl.assign(words)
-        return True
+        return short
 
     @property
     def models(self) -> wp.array:
@@ -210,11 +219,17 @@ class Engine:
 
     def replay(self, attempts: int) -> float:
         """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
-        seconds = self.graph.replay(attempts)
-        while self._relieve():
-            seconds += self.graph.replay(attempts)
+        seconds = self._attempt(np.full(self.worlds, attempts))
         self.seconds_in_graph += seconds
         self.drain()
+        return seconds
+
+    def _attempt(self, attempts: np.ndarray) -> float:
+        """At most so many attempts (worlds,) of each world, none where the number is negative, and as many again of one
+        that has been given more room; returns the wall time [s]."""
+        seconds = self.graph.replay(attempts)
+        while np.any(relieved := self._relieve()):
+            seconds += self.graph.replay(np.where(relieved, attempts, NO_ATTEMPT))
         return seconds
 
     def drain(self) -> None:
@@ -236,8 +251,12 @@ class Engine:
     def checkpoint(self) -> dict[str, np.ndarray]:
         """Copies of all that the next step needs to go on bit for bit: the state and, with cells that travel with the
         patch, what is kept of them from step to step. Tableaus of laps are not among them: their numbers are made anew
-        of the forces of the state, and a run goes on to round-off of their solve."""
-        return self.state.to_numpy() | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
+        of the forces of the state, and a run goes on to round-off of their solve. Words of the last attempt are left
+        out, as it depends on other worlds whether that was one of this world."""
+        state = self.state.to_numpy()
+        for word in OF_AN_ATTEMPT:
+            state["ctl"][word] = 0
+        return state | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew, with a

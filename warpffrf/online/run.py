@@ -318,9 +318,10 @@ def finish(
     `films`: states of its oil films on the way."""
     left = engine.checkpoint()  # before anything is evaluated for notes
     bits = int(engine.word("status")[0])
-    if not engine.no_room:
+    wanted = engine.no_room.get(0)
+    if wanted is None:
         bits &= ~int(k.ROOM)  # left where the user interrupts
-    status, message = describe(bits, engine.no_room or int(engine.word("spare")[0]))
+    status, message = describe(bits, wanted or int(engine.word("spare")[0]))
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
         message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)

@@ -33,6 +33,7 @@ from warpffrf.online.start.settle import LEAST, settle
 
 Array = np.ndarray
 LOST = int(k.NOT_CONVERGED | k.NOT_FINITE | k.ENERGY | k.RESTLESS | k.UNDERFLOW)  # failures at a limit point
+HOLDS = ("hold", "hold_count", "hold_firm", "hold_weak")  # of free motions
 NUMERICAL = ENERGY_LINES.index("numerical")
 
 
@@ -66,22 +67,22 @@ def snap_through(engine: Engine) -> Jump | None:
     step, target, rejected = (int(engine.word(name)[0]) for name in ("step", "target", "rejected"))
     start, size, begin = (float(engine.word(name)[0]) for name in ("start_time", "user_step", "time"))
     before, energy = _places(engine), _numerical(engine)
-    state, scratch = engine.state, engine.scratch
-    held = {name: getattr(scratch, name).numpy().copy() for name in ("hold", "hold_count", "hold_firm", "hold_weak")}
-    scratch.hold_count.zero_()
+    held = {name: getattr(engine.scratch, name).numpy().copy() for name in HOLDS}
+    engine.scratch.hold_count.zero_()
     settled = _settled(engine, start + size * (step + 1))
     for name, values in held.items():
-        getattr(scratch, name).assign(values)
-    after = {name: getattr(state, name).numpy().copy() for name in ("r", "p", "q", "lam")}
+        getattr(engine.scratch, name).assign(values)
+    after = {name: getattr(engine.state, name).numpy().copy() for name in ("r", "p", "q", "lam")}
     engine.start_notes[:] = notes
     engine.resume(kept)
     engine.start_notes[:] = notes
     engine.control(status=0)
     if settled:
+        scratch = engine.scratch  # not that of before: where an attempt was short of room, there are other arrays now
         scratch.dx.assign(after["r"] - kept["r"])
         scratch.psi.assign(_turns(kept["p"], after["p"]))
         scratch.dq.assign(after["q"] - kept["q"])
-        state.lam.assign(after["lam"])
+        engine.state.lam.assign(after["lam"])
         engine.control(again=1, level=0, sub=0, careful=0)  # a repeated attempt starts from what is in `scratch`
     engine.control(target=step + 1)
     engine.replay(1)  # without x_1 it fails as before

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -17,11 +18,12 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.speech import notes, speaking
 from warpffrf.model.step_count import step_count
 from warpffrf.online import Settings, run
-from warpffrf.online.engine import EngineOf
+from warpffrf.online.engine import EngineOf, ready_device
 from warpffrf.online.history.history import History
 from warpffrf.online.load_steps import run_static
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.stages import KINDS
+from warpffrf.online.turn import TURN
 from warpffrf.online.worlds.side_by_side import side_by_side
 from warpffrf.output.outputs import Outputs, run_options
 from warpffrf.output.result import Result
@@ -33,6 +35,8 @@ from warpffrf.output.simulate import (
     known_scene,
     refuse_in_statics,
 )
+
+OF_A_WORLD = re.compile(r"world_\d+\.h5")
 
 log = logging.getLogger("warpffrf")
 
@@ -70,12 +74,13 @@ def simulate_worlds(
     One scene may stand there several times. Their reduced bodies are best the same objects.
 
     results: a folder, with a file each, world_000.h5 and so on, written when all have ended; overwrite: replace those
-    of an earlier call. The others as of `simulate`, for all scenes alike. start: "initial", or "equilibrium" of each.
-    kind: "dynamic", or "static" for load steps. local: treatment of the local modes. integrator: None for
-    GeneralizedAlpha(rho_inf=0.8). step_error: local error of a step [m, rad] beyond which it is halved.
-    energy_tolerance: what a step of an impact may gain [J/J of the energy at hand]. save_every: save every so many
-    steps, and the last. device: "cpu" or "cuda:0", None for what WARPFFRF_DEVICE names. progress: bar and notes on
-    stderr, notes that several scenes share once. project_start: change initial velocities that do not fit the joints.
+    of an earlier call, and remove those it has left of more scenes. The others as of `simulate`, for all scenes alike.
+    start: "initial", or "equilibrium" of each. kind: "dynamic", or "static" for load steps. local: treatment of the
+    local modes. integrator: None for GeneralizedAlpha(rho_inf=0.8). step_error: local error of a step [m, rad] beyond
+    which it is halved. energy_tolerance: what a step of an impact may gain [J/J of the energy at hand]. save_every:
+    save every so many steps, and the last. device: "cpu" or "cuda:0", None for what WARPFFRF_DEVICE names. progress:
+    bar and notes on stderr, notes that several scenes share once. project_start: change initial velocities that do not
+    fit the joints.
     Stages, accuracy, going on from a Result, resume, recordings, the monolithic method and check integrators are for
     single runs.
 
@@ -96,18 +101,22 @@ def simulate_worlds(
             f"simulate_worlds: {type(integrator).__name__} steps without the graph; run the scenes one by one, with "
             "simulate"
         )
-    steps, _ = step_count(duration, step)
-    save_every = require_count(save_every, "simulate: save_every", 1)
-    options: dict[str, Any] = {"save_every": save_every, "device": device, "local": local}
-    if energy_tolerance is not None:
-        energy_tolerance = require_number(energy_tolerance, "simulate: energy_tolerance", positive=True)
-        options["settings"] = Settings(energy_tolerance=energy_tolerance)
     if kind == "static":
         refuse_in_statics(
             "simulate_worlds", integrator=integrator, step_error=step_error, energy_tolerance=energy_tolerance,
             project_start=project_start or None,
         )  # fmt: skip
-    else:
+    steps, _ = step_count(duration, step)
+    with TURN:
+        ready_device(device)
+    save_every = require_count(save_every, "simulate_worlds: save_every", 1)
+    options: dict[str, Any] = {"save_every": save_every, "device": device, "local": local}
+    if energy_tolerance is not None:
+        energy_tolerance = require_number(energy_tolerance, "simulate_worlds: energy_tolerance", positive=True)
+        options["settings"] = Settings(energy_tolerance=energy_tolerance)
+    if step_error is not None:
+        require_number(step_error, "simulate_worlds: step_error", positive=True)
+    if kind == "dynamic":
         options |= {"integrator": DEFAULT_INTEGRATOR if integrator is None else integrator}
         options |= {"step_error": step_error, "project_start": project_start}
 
@@ -121,7 +130,7 @@ def simulate_worlds(
     named |= {"step_error": step_error, "method": "separated"} | ({"kind": kind} if kind == "static" else {})
     named |= {} if energy_tolerance is None else {"energy_tolerance": energy_tolerance}
     outputs = Outputs(overwrite)
-    files = _files(results, len(scenes), outputs)
+    files, left_over = _files(results, len(scenes), outputs)
     with terminated_as_interrupted(), speaking(progress), ExitStack() as locks:
         log.info("simulate_worlds: %d scenes, %s s in steps of %s s", len(scenes), duration, step)
         wholes = [locks.enter_context(outputs.locked(file)) for file in files]
@@ -130,7 +139,9 @@ def simulate_worlds(
             history.options = run_options(scene, start, duration, step, named)
         found = [Result(history) for history in histories]
         _tell_ends(found)
-        return [whole.kept(result) for whole, result in zip(wholes, found, strict=True)]
+        found = [whole.kept(result) for whole, result in zip(wholes, found, strict=True)]
+        _remove(left_over)
+        return found
 
 
 def _known_scenes(scenes: Any) -> list[Scene]:
@@ -138,22 +149,36 @@ def _known_scenes(scenes: Any) -> list[Scene]:
         raise InputError(
             f"simulate_worlds: a list of scenes is needed first, got {scenes!r}; one alone goes to simulate"
         )
-    for scene in scenes:
-        known_scene(scene, "simulate_worlds")
+    for i, scene in enumerate(scenes):
+        known_scene(scene, f"simulate_worlds: scene {i}")
     return list(scenes)
 
 
-def _files(results: Any, count: int, outputs: Outputs) -> list[Path | None]:
-    """The results files of the worlds. Raises `InputError` for those that cannot be written."""
+def _files(results: Any, count: int, outputs: Outputs) -> tuple[list[Path | None], list[Path]]:
+    """The results files of the worlds, and those of an earlier call that are to go. Raises `InputError` for files that
+    cannot be written, or must not be replaced or removed."""
     if results is None:
-        return [None] * count
+        return [None] * count, []
     if not isinstance(results, str | os.PathLike):
         raise InputError(f"simulate_worlds: results must be the name of a folder, got {results!r}")
     digits = max(3, len(str(count - 1)))
-    files: list[Path | None] = [Path(results) / f"world_{i:0{digits}d}.h5" for i in range(count)]
-    for file in files:
+    folder = Path(results).expanduser()
+    files = [folder / f"world_{i:0{digits}d}.h5" for i in range(count)]
+    left_over = sorted(file for file in folder.glob("world_*.h5") if OF_A_WORLD.fullmatch(file.name))
+    left_over = [file for file in left_over if file not in files]
+    for file in (*files, *left_over):
         outputs.check(file, None)
-    return files
+    return [*files], left_over
+
+
+def _remove(left_over: Sequence[Path]) -> None:
+    for file in left_over:
+        try:
+            file.unlink(missing_ok=True)
+        except OSError as error:
+            log.error("results: '%s' of an earlier call could not be removed: %s; it is not of this one", file, error)
+        else:
+            log.info("results: '%s' of an earlier call with more scenes is removed", file)
 
 
 def _tell_ends(found: Sequence[Result]) -> None:

@@ -41,19 +41,25 @@ class OnHost:
 
 
 class Views(dict[str, Any]):
-    """Views on `arrays`, by name, of `world` of `worlds`; the constants called `of_worlds` have worlds first, too.
+    """Views on the arrays that it is to `see`, by name, of `world` of `worlds`; those called `of_worlds` have worlds
+    first.
 
     An array that takes the place of another is one view with it. on_host: what all worlds read. `touched`: whether this
     world may have changed its part since they were stepped together.
     """
 
-    def __init__(
-        self, arrays: Mapping[str, Any], world: int, worlds: int, of_worlds: tuple[str, ...], on_host: OnHost
-    ) -> None:
+    def __init__(self, world: int, worlds: int, of_worlds: tuple[str, ...], on_host: OnHost) -> None:
         super().__init__()
-        self._arrays, self._world, self._worlds, self._of_worlds = arrays, world, worlds, of_worlds
+        self._arrays: Mapping[str, Any] = {}
+        self._world, self._worlds, self._of_worlds = world, worlds, of_worlds
         self._on_host, self.touched = on_host, True
         self._made: dict[int, Any] = {}  # by the identity of the array
+
+    def see(self, arrays: Mapping[str, Any]) -> None:
+        """`arrays` from now on, also where views are held already (`part`)."""
+        self.clear()
+        self._made.clear()
+        self._arrays, self.touched = arrays, True
 
     def __missing__(self, name: str) -> Any:
         array = self._arrays[name]

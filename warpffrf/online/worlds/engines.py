@@ -21,8 +21,8 @@ from warpffrf.model.integrators import Integrator
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.views import OnHost, Views, part
 from warpffrf.online.compile.constants import Shared
-from warpffrf.online.compile.scene import CompiledScene, compile_scene, enlarge
-from warpffrf.online.engine import Engine, ready_device
+from warpffrf.online.compile.scene import CompiledScene, compile_scene
+from warpffrf.online.engine import NO_ATTEMPT, Engine, ready_device
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.step.graph import Parts
@@ -46,25 +46,23 @@ class SharedEngine(Engine):
         progress: bool,
     ) -> None:
         refuse_other_kinds(scenes)
-        enlarge(scenes, max(compiled.model.capacity.slots for compiled in scenes))
         self._begin(scenes, settings, integrator, step_error, progress)
         self.on_host = OnHost()
         self.rooms = 0  # times that there was made more room, which makes scratch arrays anew
 
-    def make_room(self, slots: int) -> None:
+    def make_room(self, slots: int) -> bool:
         """As of any engine."""
         scratch = self.scratch
-        super().make_room(slots)
+        found = super().make_room(slots)
         self.rooms += self.scratch is not scratch
+        return found
 
     def attempt(self, budgets: Mapping[int, int]) -> float:
         """At most so many attempts in each world, none where there is no number, and more room where one asks for it;
         returns the wall time [s]."""
-        each = np.full(self.worlds, -1)
+        each = np.full(self.worlds, NO_ATTEMPT)
         each[list(budgets)] = list(budgets.values())
-        seconds = self.graph.replay(each)
-        while self._relieve():
-            seconds += self.graph.replay(each)
+        seconds = self._attempt(each)
         self.on_host.forget()
         return seconds
 
@@ -84,6 +82,9 @@ class Place(Engine):
         self.scenes, self.worlds, self.scene = [self.compiled], 1, self.compiled.scene
         self._integrator, self._step_error, self._projected = shared._integrator, shared._step_error, shared._projected
         self._pattern = shared._pattern
+        self._views = views = Views(self.world, shared.worlds, OF_WORLDS, shared.on_host)
+        self.state, self.ring = part(shared.state, views), part(shared.ring, views)
+        self.scratch = part(shared.scratch, views)
         self._sit_down()
         self._open_books()
 
@@ -92,10 +93,8 @@ class Place(Engine):
         shared = self.shared
         self._rooms = shared.rooms
         whole = shared.graph.program
-        self._views = views = Views(whole.arrays, self.world, shared.worlds, OF_WORLDS, shared.on_host)
-        self.state, self.ring = part(shared.state, views), part(shared.ring, views)
-        self.scratch = part(shared.scratch, views)
-        self._graph = _Together(self, whole.on(views, self._sizes()))
+        self._views.see(whole.arrays)
+        self._graph = _Together(self, whole.on(self._views, self._sizes()))
 
     @property
     def graph(self) -> _Together:
@@ -103,21 +102,22 @@ class Place(Engine):
         self._views.touched = True
         return self._graph
 
-    def make_room(self, slots: int) -> None:
+    def make_room(self, slots: int) -> bool:
         """For all worlds."""
-        self.shared.make_room(slots)
+        found = self.shared.make_room(slots)
         self.after_others()
+        return found
 
     def after_others(self) -> None:
         """Take up what the shared engine has done for all worlds."""
         if self._rooms != self.shared.rooms:
             self._sit_down()
-        short = bool(self.word("status")[0] & int(k.ROOM))
-        self.no_room = self.shared.no_room if short else 0
+        if self.world in self.shared.no_room:
+            self.no_room = {0: self.shared.no_room[self.world]}
 
-    def _relieve(self) -> bool:
+    def _relieve(self) -> np.ndarray:
         """The shared engine has done it."""
-        return False
+        return np.zeros(1, dtype=bool)
 
     def attempt(self, budget: int) -> float:
         """At most so many attempts, beside those of the other worlds; returns the wall time [s] of all."""
@@ -136,7 +136,7 @@ class _Together(Parts):
 
     def replay(self, budget: int | np.ndarray) -> float:
         """Attempt steps until the world has reached its target or failed, at most `budget` times."""
-        return self._place.attempt(int(budget))
+        return self._place.attempt(int(np.max(budget)))
 
 
 class Company:

@@ -2,7 +2,9 @@
 
 One graph launches the same kernels over the same axes in every world, so whatever has an axis has to be there as often
 in all scenes. The order in which the outer matrix is eliminated is one for all, so joints, contacts and films are to be
-between the same bodies. All else is read from the tables of each world's own scene.
+between the same bodies. Hats in play have room in slots, as many in all worlds; this room grows up to what the contacts
+allow, which is to be as much in all scenes, so that no world gets more than it would alone. All else is read from the
+tables of each world's own scene.
 """
 
 from __future__ import annotations
@@ -30,7 +32,9 @@ def refuse_other_kinds(scenes: Sequence[CompiledScene]) -> None:
     first, pattern = couplings(scenes[0]), pattern_of(scenes[0])
     sizes = [sizes_of(compiled, 1, 1, pattern, projected=False, adaptive=False) for compiled in scenes]
     for i, (compiled, own) in enumerate(zip(scenes, sizes, strict=True)):
-        difference = _counts(compiled.scene, scenes[0].scene, i) or _axes(own, sizes[0], i)
+        difference = (
+            _counts(compiled.scene, scenes[0].scene, i) or _axes(own, sizes[0], i) or _room(compiled, scenes[0], i)
+        )
         if not difference:
             unlike = [not np.array_equal(a, b) for a, b in zip(couplings(compiled), first, strict=True)]
             if any(unlike):
@@ -49,6 +53,11 @@ def _counts(scene: Scene, first: Scene, i: int) -> str:
 
 def _several(one: str) -> str:
     return f"{one[:-1]}ies" if one.endswith("y") else f"{one}s"
+
+
+def _room(own: CompiledScene, first: CompiledScene, i: int) -> str:
+    here, there = own.model.capacity.slot_limit, first.model.capacity.slot_limit
+    return "" if here == there else f"the contacts of scene {i} allow {here} hats in play, those of scene 0 {there}"
 
 
 def _axes(own: Sizes, first: Sizes, i: int) -> str:

@@ -49,13 +49,17 @@ def side_by_side(runs: Sequence[Run], steps: int, *, progress: bool) -> list[His
         threading.Thread(target=contextvars.copy_context().run, args=(work, i), name=f"world {i}", daemon=True)
         for i in range(len(runs))
     ]
-    for thread in threads:
-        thread.start()
     bar = Progress("simulate", steps, enabled=progress)
     try:
+        for thread in threads:
+            thread.start()
         _wait(threads, company, bar)
-    except KeyboardInterrupt:
+    except KeyboardInterrupt as interruption:
         company.meeting.end(KeyboardInterrupt)
+        for i, thread in enumerate(threads):
+            if thread.ident is None:  # it never began, and the others wait for it
+                errors[i] = interruption
+                company.meeting.leave(i)
         _wait(threads, company, bar)
     bar.close()
     if errors:
