@@ -158,6 +158,22 @@ def test_a_file_and_a_function_give_the_same_bits(tmp_path: Path) -> None:
     assert np.array_equal(of_file[name], of_function[name])
 
 
+def test_a_file_that_is_edited_while_a_sweep_runs_is_the_one_that_was_read(tmp_path: Path) -> None:
+    """The first row writes another gravity into it, as a user with an editor would; resume tells of it."""
+    file, z = scene_file(tmp_path), "last(body_position_z[bob])"
+    text = file.read_text()
+
+    def edited(result: Any) -> float:
+        file.write_text(text.replace("-9.81", "-5.0"))
+        return 0.0
+
+    parameters, outputs = {"spring.stiffness": STIFFNESS}, {"z": z, "edit": edited}
+    found = run(tmp_path / "s", parameters, outputs, file, equilibrium={})
+    assert np.allclose(found["z"], [rest(k) for k in STIFFNESS], rtol=1e-9)  # equilibria are found to 1e-10
+    with pytest.raises(InputError, match="the scene differs"):
+        run(tmp_path / "s", parameters, outputs, file, equilibrium={}, resume=True)
+
+
 def test_rows_that_fail_are_rows_with_their_message(tmp_path: Path) -> None:
     found = run(tmp_path / "s", {"stiffness": [-1.0, 1000.0, 4000.0]}, ["max(energy[kinetic])"], shy_bob)
     assert found.counts == {"refused": 1, "completed": 1, "failed": 1} and found.status == "completed"
@@ -184,19 +200,23 @@ def write_block(file: Path, length: float) -> None:
 
 def test_rows_of_a_file_share_their_bodies_and_no_more(tmp_path: Path) -> None:
     """Another load is the same body; another mesh, another material or a file that has changed is another one."""
+    from warpffrf.scene_file.document import read_document
     from warpffrf.scene_file.kept import Kept
-    from warpffrf.scene_file.load import load_another
+    from warpffrf.scene_file.load import scene_of_document
 
     write_block(tmp_path / "a.vtu", 0.1)
     file = tmp_path / "beam.toml"
     file.write_text(BEAM, encoding="utf-8")
     kept = Kept()
 
+    def loaded(*settings: str) -> Any:
+        return scene_of_document(read_document(file, settings), "beam", kept)
+
     def body(*settings: str) -> Any:
-        return load_another(file, settings, kept).made["reduced_bodies"]["beam"]
+        return loaded(*settings).made["reduced_bodies"]["beam"]
 
     first = body()
-    assert body("load=2.0") is first and load_another(file, ["load=2.0"], kept).document["meshes"]["beam"]["path"]
+    assert body("load=2.0") is first and loaded("load=2.0").document["meshes"]["beam"]["path"]
     assert body("density=7000.0") is not first and body("modes=2") is not first and body() is first
     write_block(tmp_path / "a.vtu", 0.2)
     other = body()
