@@ -184,6 +184,31 @@ def test_rows_that_fail_are_rows_with_their_message(tmp_path: Path) -> None:
     assert "far too stiff" in found.report()
 
 
+def test_a_first_row_that_fails_is_a_row_as_others_are(tmp_path: Path) -> None:
+    found = run(tmp_path / "s", {"stiffness": [4000.0, 1000.0]}, scene=shy_bob)
+    assert found.counts == {"failed": 1, "completed": 1}
+    assert found.failed()[0]["message"] == "ZeroDivisionError: far too stiff"
+    with pytest.raises(InputError, match="nothing says how to run"):
+        wf.study.sweep(bob, {"stiffness": [1e3]}, outputs=["energy[kinetic]"], store=tmp_path / "t", progress=False)
+
+
+@pytest.mark.parametrize(("name", "value"), [("device", "cpu"), ("progress", False)])
+def test_options_that_a_sweep_says_are_refused_of_a_function_and_of_a_file(
+    tmp_path: Path, name: str, value: Any
+) -> None:
+    def build(stiffness: float) -> Any:
+        return bob(stiffness), {name: value}
+
+    for worlds in (1, 2):
+        with pytest.raises(InputError, match=f"simulate: {name} is an argument of sweep; give it there"):
+            run(tmp_path / "s", {"stiffness": STIFFNESS}, scene=build, worlds=worlds)
+    if name == "device":  # progress is none of a file
+        file = scene_file(tmp_path)
+        file.write_text(file.read_text() + 'device = "cpu"\n')
+        with pytest.raises(InputError, match="simulate: device is an argument of sweep; give it there"):
+            run(tmp_path / "t", {"spring.stiffness": STIFFNESS}, scene=file)
+
+
 def test_a_run_that_ends_early_keeps_its_status(tmp_path: Path) -> None:
     found = run(tmp_path / "s", {"stiffness": [1e3]}, scene=bob, error_budget=True)
     with found.to_xarray() as data:

@@ -323,3 +323,24 @@ def test_worlds_of_one_graph_give_the_same_bits(tmp_path: Path, alone: np.ndarra
     found = run(tmp_path / "t", [{"stiffness": k} for k in (1000, -1, 2000)], worlds=3)
     assert found.counts == {"completed": 2, "refused": 1} and found["worlds"].tolist() == [1, 1, 1]
     assert np.array_equal(found[NAME][[0, 2]], alone[:2])
+
+
+def test_worlds_that_fail_together_run_one_by_one(tmp_path: Path, alone: np.ndarray, monkeypatch: Any) -> None:
+    """Whatever it is that they fail of: here memory."""
+    from warpffrf.study.sweeps import together
+
+    def full(*_: Any, **rest: Any) -> Any:
+        raise MemoryError("no memory for so many")
+
+    monkeypatch.setattr(together, "simulate_worlds", full)
+    found = run(tmp_path / "s", worlds=3)
+    assert np.array_equal(found[NAME], alone) and found["worlds"].tolist() == [1] * 6
+
+
+def test_a_job_that_cannot_be_sent_asks_for_no_client(tmp_path: Path, monkeypatch: Any) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(sweep, "client_at", asked.append)
+    lock = threading.Lock()
+    with pytest.raises(InputError, match="cannot be sent to other processes"):
+        run(tmp_path / "s", scene=lambda stiffness: (lock, bob(stiffness))[1], client="tcp://127.0.0.1:1")
+    assert not asked
