@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
+from warpffrf.model.interruption import terminated_as_interrupted
 
 GRAVITY, MASS = 9.81, 2.0  # m/s2, kg
 TIMES = {"duration": 0.01, "step": 1e-3}
@@ -67,13 +68,15 @@ def shy_bob(stiffness: float) -> wf.Scene:
 
 
 def deadly_bob(stiffness: float, folder: str, times: int) -> wf.Scene:
-    """A bob of 2000 N/m that takes its process with it, so many `times`."""
+    """A bob of 2000 N/m that takes its process with it, so many `times`: every other time by SIGTERM, which a run takes
+    as Ctrl-C."""
     if stiffness == 2000.0:
         for n in range(times):
             mark = Path(folder) / f"death {n}"
             if not mark.exists():
                 mark.touch()
-                os.kill(os.getpid(), signal.SIGKILL)
+                with terminated_as_interrupted():
+                    os.kill(os.getpid(), signal.SIGKILL if n % 2 else signal.SIGTERM)
     return bob(stiffness)
 
 

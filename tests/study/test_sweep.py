@@ -158,6 +158,22 @@ def test_a_file_and_a_function_give_the_same_bits(tmp_path: Path) -> None:
     assert np.array_equal(of_file[name], of_function[name])
 
 
+def test_a_file_that_is_edited_while_a_sweep_runs_is_the_one_that_was_read(tmp_path: Path) -> None:
+    """The first row writes another gravity into it, as a user with an editor would; resume tells of it."""
+    file, z = scene_file(tmp_path), "last(body_position_z[bob])"
+    text = file.read_text()
+
+    def edited(result: Any) -> float:
+        file.write_text(text.replace("-9.81", "-5.0"))
+        return 0.0
+
+    parameters, outputs = {"spring.stiffness": STIFFNESS}, {"z": z, "edit": edited}
+    found = run(tmp_path / "s", parameters, outputs, file, equilibrium={})
+    assert np.allclose(found["z"], [rest(k) for k in STIFFNESS], rtol=1e-9)  # equilibria are found to 1e-10
+    with pytest.raises(InputError, match="the scene differs"):
+        run(tmp_path / "s", parameters, outputs, file, equilibrium={}, resume=True)
+
+
 def test_rows_that_fail_are_rows_with_their_message(tmp_path: Path) -> None:
     found = run(tmp_path / "s", {"stiffness": [-1.0, 1000.0, 4000.0]}, ["max(energy[kinetic])"], shy_bob)
     assert found.counts == {"refused": 1, "completed": 1, "failed": 1} and found.status == "completed"
@@ -166,6 +182,31 @@ def test_rows_that_fail_are_rows_with_their_message(tmp_path: Path) -> None:
     assert failed["stiffness"] == 4000.0 and failed["message"] == "ZeroDivisionError: far too stiff"
     assert np.isnan(found["max(energy[kinetic])"][[0, 2]]).all()
     assert "far too stiff" in found.report()
+
+
+def test_a_first_row_that_fails_is_a_row_as_others_are(tmp_path: Path) -> None:
+    found = run(tmp_path / "s", {"stiffness": [4000.0, 1000.0]}, scene=shy_bob)
+    assert found.counts == {"failed": 1, "completed": 1}
+    assert found.failed()[0]["message"] == "ZeroDivisionError: far too stiff"
+    with pytest.raises(InputError, match="nothing says how to run"):
+        wf.study.sweep(bob, {"stiffness": [1e3]}, outputs=["energy[kinetic]"], store=tmp_path / "t", progress=False)
+
+
+@pytest.mark.parametrize(("name", "value"), [("device", "cpu"), ("progress", False)])
+def test_options_that_a_sweep_says_are_refused_of_a_function_and_of_a_file(
+    tmp_path: Path, name: str, value: Any
+) -> None:
+    def build(stiffness: float) -> Any:
+        return bob(stiffness), {name: value}
+
+    for worlds in (1, 2):
+        with pytest.raises(InputError, match=f"simulate: {name} is an argument of sweep; give it there"):
+            run(tmp_path / "s", {"stiffness": STIFFNESS}, scene=build, worlds=worlds)
+    if name == "device":  # progress is none of a file
+        file = scene_file(tmp_path)
+        file.write_text(file.read_text() + 'device = "cpu"\n')
+        with pytest.raises(InputError, match="simulate: device is an argument of sweep; give it there"):
+            run(tmp_path / "t", {"spring.stiffness": STIFFNESS}, scene=file)
 
 
 def test_a_run_that_ends_early_keeps_its_status(tmp_path: Path) -> None:
@@ -184,19 +225,23 @@ def write_block(file: Path, length: float) -> None:
 
 def test_rows_of_a_file_share_their_bodies_and_no_more(tmp_path: Path) -> None:
     """Another load is the same body; another mesh, another material or a file that has changed is another one."""
+    from warpffrf.scene_file.document import read_document
     from warpffrf.scene_file.kept import Kept
-    from warpffrf.scene_file.load import load_another
+    from warpffrf.scene_file.load import scene_of_document
 
     write_block(tmp_path / "a.vtu", 0.1)
     file = tmp_path / "beam.toml"
     file.write_text(BEAM, encoding="utf-8")
     kept = Kept()
 
+    def loaded(*settings: str) -> Any:
+        return scene_of_document(read_document(file, settings), "beam", kept)
+
     def body(*settings: str) -> Any:
-        return load_another(file, settings, kept).made["reduced_bodies"]["beam"]
+        return loaded(*settings).made["reduced_bodies"]["beam"]
 
     first = body()
-    assert body("load=2.0") is first and load_another(file, ["load=2.0"], kept).document["meshes"]["beam"]["path"]
+    assert body("load=2.0") is first and loaded("load=2.0").document["meshes"]["beam"]["path"]
     assert body("density=7000.0") is not first and body("modes=2") is not first and body() is first
     write_block(tmp_path / "a.vtu", 0.2)
     other = body()

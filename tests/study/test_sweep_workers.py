@@ -11,6 +11,7 @@ import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any
 
 import numpy as np
@@ -19,14 +20,16 @@ from sweep_scenes import TIMES, bob, deadly_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.study.sweeps import job, sweep
+from warpffrf.study.sweeps import crews, job, sweep
 from warpffrf.study.sweeps.crews import WorkerDied
 from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.parcel import Parcel
 
 STIFFNESS = {"stiffness": "1000:6000:6"}
 NAME = "body_position_z[bob]"
 FOLDER = Path(__file__).resolve().parent
+PARCEL = Parcel(b"", "", "", {})  # of workers that run nothing
 
 
 def run(store: Path, parameters: Any = STIFFNESS, scene: Any = bob, **options: Any) -> Any:
@@ -41,7 +44,8 @@ def alone(tmp_path_factory: Any) -> np.ndarray:
 
 
 def test_two_processes_give_the_same_bits_also_where_one_is_killed(tmp_path: Path, alone: np.ndarray) -> None:
-    """A row that takes its worker with it twice is run a third time, and the others are not touched."""
+    """A row that takes its worker with it twice, by a kill and by SIGTERM, is run a third time, and the others are not
+    touched."""
     scene = partial(deadly_bob, folder=str(tmp_path), times=3)  # the first by the parent would be ours: see below
     (tmp_path / "death 0").touch()
     found = run(tmp_path / "s", scene=scene, workers=2)
@@ -105,6 +109,88 @@ def test_rows_of_a_worker_that_died_go_out_again_one_by_one(tmp_path: Path) -> N
 def test_workers_that_all_die_are_told_of_before_all_rows_are_lost(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="workers die before any row has been run"):
         dispatched(tmp_path, Dying(*range(6)), worlds=1)
+
+
+class Ended:
+    """A worker that only says whether it was ended."""
+
+    def __init__(self, *_: Any) -> None:
+        self.ended = False
+
+    def end(self) -> None:
+        self.ended = True
+
+
+def test_a_worker_whose_answer_cannot_be_read_is_ended_too() -> None:
+    crew, worker, future = crews.Processes(PARCEL, 0, [None]), Ended(), Future()
+    crew.busy[future] = worker  # type: ignore[assignment]
+    future.set_exception(UnpicklingError("no answer"))
+    with pytest.raises(UnpicklingError):
+        crew.collect(future)
+    crew.close()
+    assert worker.ended
+
+
+def test_workers_start_again_where_what_forks_them_was_killed(monkeypatch: Any) -> None:
+    """The connection to it is refused once, then another one is there; where none is, those that began are ended."""
+    begun: list[Ended] = []
+    refused = [2]
+
+    class Begun(Ended):
+        def __init__(self, *_: Any) -> None:
+            super().__init__()
+            if len(begun) == 1 and refused[0]:
+                refused[0] -= 1
+                raise ConnectionRefusedError
+            begun.append(self)
+
+    monkeypatch.setattr(crews, "_Worker", Begun)
+    monkeypatch.setattr(crews, "DYING", 0.0)
+    with pytest.raises(ConnectionRefusedError):
+        crews.Processes(PARCEL, 2, [None])
+    assert [worker.ended for worker in begun] == [True]
+    begun.clear()
+    refused[0] = 1
+    assert crews.Processes(PARCEL, 2, [None]).free == begun and len(begun) == 2
+
+
+def test_runs_of_an_executor_that_have_not_begun_are_taken_back_at_the_end(tmp_path: Path, monkeypatch: Any) -> None:
+    """Ctrl-C comes as the second row is collected, with the others sent."""
+    sent: list[Any] = []
+
+    class Slow:
+        def submit(self, call: Any, parcel: Any, rows: Any, device: Any) -> Any:
+            sent.append(Future())
+            if len(sent) <= 2:
+                sent[-1].set_result([job.Answer(rows[0][0], "completed", values={NAME: Value(np.array(1.0))})])
+            return sent[-1]
+
+    collect = crews.Elsewhere.collect
+
+    def interrupted(self: Any, future: Any) -> Any:
+        if future is sent[0]:
+            return collect(self, future)
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(crews.Elsewhere, "collect", interrupted)
+    assert run(tmp_path / "s", client=Slow()).status == "unfinished"
+    assert [future.cancelled() for future in sent] == [False, False, True, True, True, True]
+
+
+def test_a_worker_of_an_executor_that_is_asked_to_end_does_not_end_the_sweep(tmp_path: Path) -> None:
+    """Its KeyboardInterrupt comes back as the answer of its row, which is run again."""
+    asked = []
+
+    class Asked(ThreadPoolExecutor):
+        def submit(self, call: Any, parcel: Any, rows: Any, *rest: Any) -> Any:
+            if rows[0][0] != 2 or asked:
+                return super().submit(call, parcel, rows, *rest)
+            asked.append(Future())
+            asked[0].set_exception(KeyboardInterrupt())
+            return asked[0]
+
+    with Asked(1) as pool:
+        assert run(tmp_path / "s", client=pool).counts == {"completed": 6} and asked
 
 
 def test_any_executor_will_do(tmp_path: Path, alone: np.ndarray) -> None:
@@ -184,8 +270,12 @@ def test_a_script_without_its_line_is_told_of_it(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow  # likewise
-def test_sigterm_keeps_what_is_done_and_leaves_no_process(tmp_path: Path, alone: np.ndarray) -> None:
-    """SIGTERM comes as soon as a row is kept; its workers end with the sweep, and resume runs the rest."""
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_sweep_that_is_ended_keeps_what_is_done_and_leaves_no_process(
+    tmp_path: Path, alone: np.ndarray, number: int
+) -> None:
+    """The signal comes as soon as a row is kept; its workers end with the sweep, or they would hold its output open,
+    and resume runs the rest."""
     store = tmp_path / "s"
     code = textwrap.dedent(f"""
         import sys
@@ -198,10 +288,10 @@ def test_sigterm_keeps_what_is_done_and_leaves_no_process(tmp_path: Path, alone:
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     while process.poll() is None and not list((store / "runs").glob("*.arrays")):
         time.sleep(0.005)
-    process.send_signal(signal.SIGTERM)
+    process.send_signal(number)
     out, err = process.communicate()
-    assert out.strip() in ("unfinished", "completed")  # the last rows may have been quicker
-    found = wf.study.open_sweep(store)
+    assert out.strip() in ("unfinished", "completed", "" if number == signal.SIGKILL else "unfinished")
+    found = wf.study.open_sweep(store)  # the last rows may have been quicker than the signal
     assert found.counts.get("completed", 0) >= 1
     if out.strip() == "unfinished":
         assert "go on with resume=True" in err
@@ -233,3 +323,24 @@ def test_worlds_of_one_graph_give_the_same_bits(tmp_path: Path, alone: np.ndarra
     found = run(tmp_path / "t", [{"stiffness": k} for k in (1000, -1, 2000)], worlds=3)
     assert found.counts == {"completed": 2, "refused": 1} and found["worlds"].tolist() == [1, 1, 1]
     assert np.array_equal(found[NAME][[0, 2]], alone[:2])
+
+
+def test_worlds_that_fail_together_run_one_by_one(tmp_path: Path, alone: np.ndarray, monkeypatch: Any) -> None:
+    """Whatever it is that they fail of: here memory."""
+    from warpffrf.study.sweeps import together
+
+    def full(*_: Any, **rest: Any) -> Any:
+        raise MemoryError("no memory for so many")
+
+    monkeypatch.setattr(together, "simulate_worlds", full)
+    found = run(tmp_path / "s", worlds=3)
+    assert np.array_equal(found[NAME], alone) and found["worlds"].tolist() == [1] * 6
+
+
+def test_a_job_that_cannot_be_sent_asks_for_no_client(tmp_path: Path, monkeypatch: Any) -> None:
+    asked: list[str] = []
+    monkeypatch.setattr(sweep, "client_at", asked.append)
+    lock = threading.Lock()
+    with pytest.raises(InputError, match="cannot be sent to other processes"):
+        run(tmp_path / "s", scene=lambda stiffness: (lock, bob(stiffness))[1], client="tcp://127.0.0.1:1")
+    assert not asked

@@ -59,7 +59,9 @@ def add_sweep_command(app: typer.Typer) -> None:
         settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help="As of run.")] = None,
         sample: Annotated[
             str | None,
-            typer.Option(metavar="KIND:COUNT", help="Not all combinations, but latin:64, sobol:64, random:64."),
+            typer.Option(
+                metavar="KIND:COUNT", help="Not all combinations, but latin:64, sobol:64, random:64, saltelli:64."
+            ),
         ] = None,
         seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
         only_equilibrium: Annotated[

@@ -12,6 +12,7 @@ the new one must be of its type (an integer will do for a float).
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import deepcopy
 from difflib import get_close_matches
 from pathlib import Path as FilePath
 from typing import Any
@@ -44,18 +45,20 @@ def read_document(path: FilePath, settings: Sequence[str] = ()) -> Source:
 
 def merged_document(path: FilePath, settings: Sequence[str] = ()) -> Source:
     """The same with its parameters and expressions as they stand: what all settings have in common."""
-    source = _with_includes(path, path.name, (), [0])
+    return with_settings(_with_includes(path, path.name, (), [0]), settings)
+
+
+def with_settings(source: Source, settings: Sequence[str]) -> Source:
+    """A merged document with `settings` ("name=value") applied; `source` stays as it is. Raises `InputError`."""
+    changed = Source(deepcopy(source.values), dict(source.places))
     for setting in settings:
-        _set(source, setting)
-    return source
+        _set(changed, setting)
+    return changed
 
 
 def document_of(text: str, folder: FilePath, settings: Sequence[str] = (), name: str = "scene.toml") -> Source:
     """`read_document` of a text whose relative paths start from `folder`."""
-    source = _included(parse(text, name, folder), (), [0])
-    for setting in settings:
-        _set(source, setting)
-    return resolved(source)
+    return resolved(with_settings(_included(parse(text, name, folder), (), [0]), settings))
 
 
 # --- includes

@@ -48,23 +48,20 @@ class LoadedScene:
 def load_scene(path: str | os.PathLike[str], *, settings: Sequence[str] = ()) -> LoadedScene:
     """The scene in the TOML file at `path`, ready to run. settings: "name=value" as of `--set`. Raises `InputError`,
     with file and line, for everything that is wrong."""
-    return load_another(path, settings, None)
-
-
-def load_another(path: str | os.PathLike[str], settings: Sequence[str], kept: Kept | None) -> LoadedScene:
-    """`load_scene`, with meshes and reduced bodies that are `kept` of scenes before, where they are the same."""
     file = Path(path).expanduser()
     if not file.is_file():
         raise InputError(f"scene file {str(path)!r} does not exist; check the path")
-    return _loaded(read_document(file, settings), file.stem, kept)
+    return scene_of_document(read_document(file, settings), file.stem)
 
 
 def scene_of(text: str, folder: str | os.PathLike[str] = ".", *, settings: Sequence[str] = ()) -> LoadedScene:
     """`load_scene` of a text; its relative paths start from `folder`."""
-    return _loaded(document_of(text, Path(folder), settings), "scene")
+    return scene_of_document(document_of(text, Path(folder), settings), "scene")
 
 
-def _loaded(source: Source, name: str, kept: Kept | None = None) -> LoadedScene:
+def scene_of_document(source: Source, name: str, kept: Kept | None = None) -> LoadedScene:
+    """The scene of a document with its parameters put in, with meshes and reduced bodies that are `kept` of scenes
+    before, where they are the same. name: the title where the document has none."""
     builder = Builder(source, kept)
     scene = builder.build()
     runs = {section: builder.run_arguments(section) for section in ("equilibrium", "simulate")}

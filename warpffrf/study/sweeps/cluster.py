@@ -15,43 +15,36 @@ import logging
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.study.sweeps.crews import LEAST_OPEN, Answers, Elsewhere, WorkerDied
-from warpffrf.study.sweeps.errand import answers
-from warpffrf.study.sweeps.job import Answer, Numbered
+from warpffrf.study.sweeps.crews import Answers, Elsewhere, WorkerDied
+from warpffrf.study.sweeps.job import Answer
 from warpffrf.study.sweeps.parcel import Parcel
 
 ANSWERS_IN = 10  # s that a scheduler has to answer in: one that is there does at once
-WORKERS_IN = 30  # s that the first worker has to come in before a line says that there is none
-AHEAD = 2  # rows sent for each worker, so that it need not wait for the next
+AHEAD = 4  # rows sent for each worker: it need not wait for the next, and few are run again where it is lost
 
 log = logging.getLogger("warpffrf")
 
 
-class Cluster:
+class Cluster(Elsewhere):
     """The workers of a client; `own`: whether it was made here, and is closed here."""
 
     def __init__(self, parcel: Parcel, client: Any, device: str | None, own: bool) -> None:
-        self.client, self.device, self.own = client, device, own
+        super().__init__(parcel, client.get_executor(pure=False), device)
+        self.client, self.own = client, own
         if not _workers(client):
             log.warning("sweep: the scheduler has no worker yet; waiting for one: dask worker ADDRESS --nthreads 1")
-        self.executor = client.get_executor(pure=False)
-        self.parcel = parcel
 
     @property
     def capacity(self) -> int:
         """Some rows for each worker there is now: they come and go."""
-        return max(LEAST_OPEN, AHEAD * _workers(self.client))
-
-    def submit(self, rows: Numbered) -> Answers:
-        """Any worker runs them."""
-        return self.executor.submit(answers, self.parcel, rows, self.device)
+        return AHEAD * max(1, _workers(self.client))
 
     def collect(self, future: Answers) -> list[Answer]:
         """The answers."""
         from distributed import KilledWorker
 
         try:
-            return Elsewhere.collect(self, future)  # type: ignore[arg-type]
+            return super().collect(future)
         except KilledWorker:
             raise WorkerDied from None
 

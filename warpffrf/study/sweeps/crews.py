@@ -17,8 +17,11 @@ import importlib
 import multiprocessing
 import os
 import pickle
+import threading
+import time
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor, CancelledError, Future, ProcessPoolExecutor
+from multiprocessing.connection import wait
 from typing import Any, Protocol
 
 from warpffrf import __version__
@@ -30,6 +33,7 @@ from warpffrf.study.sweeps.parcel import Parcel
 
 WORKER = "warpffrf sweep worker"  # name of our processes
 LEAST_OPEN = 64  # rows sent at once, where it is not known how many workers there are
+DYING = 0.1  # s from when a process no longer answers to when the system says that it has ended
 
 
 METHOD = "forkserver" if "forkserver" in multiprocessing.get_all_start_methods() else "spawn"
@@ -43,6 +47,14 @@ class WorkerDied(Exception):
 
 
 Answers = Future[list[Answer]]
+
+
+def found_by(future: Answers) -> list[Answer]:
+    """The answers of a future that is done. A KeyboardInterrupt that comes out of it is not the user's: SIGTERM has
+    asked that worker alone to end, which is `WorkerDied`."""
+    if isinstance(future.exception(), KeyboardInterrupt):
+        raise WorkerDied
+    return future.result()
 
 
 class Crew(Protocol):
@@ -110,7 +122,7 @@ class _Worker:
 
     def __init__(self, device: str | None) -> None:
         self.device, self.context = device, _Named()
-        self.pool = ProcessPoolExecutor(1, mp_context=self.context)
+        self.pool = ProcessPoolExecutor(1, mp_context=self.context, initializer=_end_with_the_sweep)
         with deaf_children():
             self.ready = self.pool.submit(_begin, dict(os.environ))
 
@@ -119,6 +131,30 @@ class _Worker:
         for process in self.context.started:
             process.kill()
         self.pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _started(device: str | None) -> _Worker:
+    """A worker. The process that they are forked from may have been killed, which the first try finds out; the second
+    comes from another one."""
+    try:
+        return _Worker(device)
+    except OSError:
+        time.sleep(DYING)
+        return _Worker(device)
+
+
+def _end_with_the_sweep() -> None:
+    """What a worker does at once: it listens for the end of the sweep's process. One that is killed ends nobody, and
+    its workers would wait for rows for ever, with what they hold of a GPU."""
+    sweep = multiprocessing.parent_process()
+    if sweep is None:
+        raise RuntimeError("no process of a sweep started this one")
+
+    def listen(sentinel: int) -> None:
+        wait([sentinel])
+        os._exit(1)
+
+    threading.Thread(target=listen, args=(sweep.sentinel,), daemon=True).start()
 
 
 def _begin(environment: dict[str, str]) -> None:
@@ -133,8 +169,14 @@ class Processes:
 
     def __init__(self, parcel: Parcel, count: int, devices: Sequence[str | None]) -> None:
         self.parcel, self.capacity = parcel, count
-        self.free = [_Worker(devices[n % len(devices)]) for n in range(count)]
+        self.free: list[_Worker] = []
         self.busy: dict[Answers, _Worker] = {}
+        try:
+            for n in range(count):
+                self.free.append(_started(devices[n % len(devices)]))
+        except BaseException:
+            self.close()
+            raise
 
     def submit(self, rows: Numbered) -> Answers:
         """A worker that is free runs them."""
@@ -148,11 +190,11 @@ class Processes:
         return future
 
     def collect(self, future: Answers) -> list[Answer]:
-        """The answers; a worker that has died is replaced."""
+        """The answers; a worker that has died, or was asked to end, is replaced."""
         worker = self.busy.pop(future)
         try:
-            found = future.result()
-        except BrokenExecutor:
+            found = found_by(future)
+        except (BrokenExecutor, WorkerDied):
             begun = worker.ready.done() and worker.ready.exception() is None
             worker.end()
             if not begun:
@@ -160,8 +202,11 @@ class Processes:
                     "sweep: a worker process ended before it had begun; a script must call sweep below the line "
                     "if __name__ == '__main__':, because every worker reads the script; or run it here, workers=1"
                 ) from None
-            self.free.append(_Worker(worker.device))
+            self.free.append(_started(worker.device))
             raise WorkerDied from None
+        except BaseException:  # it lives, and `close` ends it
+            self.free.append(worker)
+            raise
         self.free.append(worker)
         return found
 
@@ -187,6 +232,7 @@ class Elsewhere:
 
     def __init__(self, parcel: Parcel, executor: Any, device: str | None) -> None:
         self.parcel, self.executor, self.device = parcel, executor, device
+        self.open: set[Answers] = set()
 
     @property
     def capacity(self) -> int:
@@ -195,12 +241,15 @@ class Elsewhere:
 
     def submit(self, rows: Numbered) -> Answers:
         """Any worker runs them."""
-        return self.executor.submit(answers, self.parcel, rows, self.device)
+        future = self.executor.submit(answers, self.parcel, rows, self.device)
+        self.open.add(future)
+        return future
 
     def collect(self, future: Answers) -> list[Answer]:
         """The answers."""
+        self.open.discard(future)
         try:
-            return future.result()
+            return found_by(future)
         except CancelledError:
             raise InputError("sweep: the executor has cancelled runs; go on with resume=True, on another one") from None
         except BrokenExecutor as error:
@@ -213,4 +262,7 @@ class Elsewhere:
             ) from None
 
     def close(self) -> None:
-        """It belongs to others."""
+        """Takes back what has not begun; the executor itself belongs to others."""
+        for future in self.open:
+            future.cancel()
+        self.open.clear()

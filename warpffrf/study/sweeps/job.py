@@ -68,6 +68,10 @@ class Answer:
         return bool(self.values)
 
 
+class NoCall(InputError):
+    """What a scene comes with does not say how it is run, or says what is not its to say."""
+
+
 @cache
 def versions() -> dict[str, str]:
     """What numbers depend on, name -> version; of Python without what does not matter to pickles."""
@@ -95,9 +99,15 @@ class Job:
     error_budget: bool = False
 
     def call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
-        """Which call is made of a scene, and its options but those about files. Raises `InputError` where nothing says
-        it."""
+        """Which call is made of a scene, and its options but those about files. Raises `NoCall` where nothing says it,
+        and where the options that come with the scene have some that a sweep says itself."""
         call, options = self._call_of(built)
+        for name in OWN:
+            if name in options:
+                raise NoCall(
+                    f"sweep: {call}: {name} is an argument of sweep; give it there, and not among the options that "
+                    "come with the scene"
+                )
         return call, {name: value for name, value in options.items() if name not in FILES}
 
     def _call_of(self, built: Built) -> tuple[str, dict[str, Any]]:
@@ -107,7 +117,7 @@ class Job:
             return "simulate", {**(built.simulate or {}), **(self.simulate or {})}
         if built.equilibrium is not None:
             return "equilibrium", dict(built.equilibrium)
-        raise InputError(
+        raise NoCall(
             "sweep: nothing says how to run the scene; give simulate={'duration': ..., 'step': ...}, or equilibrium={}"
         )
 

@@ -13,9 +13,10 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.scene_file.document import merged_document, read_document
+from warpffrf.scene_file.document import merged_document, resolved, with_settings
 from warpffrf.scene_file.kept import Kept
-from warpffrf.scene_file.load import load_another
+from warpffrf.scene_file.load import scene_of_document
+from warpffrf.scene_file.source import Source
 from warpffrf.study.sweeps.design import Row
 
 
@@ -49,34 +50,35 @@ class Scenes(Protocol):
 
 
 class FileScenes:
-    """A scene file; parameters are dotted names as of `--set`."""
+    """A scene file; parameters are dotted names as of `--set`. It is read once, with all that it includes, and goes to
+    workers as it was then: somebody may edit it while the sweep runs."""
 
     def __init__(self, path: str | os.PathLike[str], settings: Sequence[str]) -> None:
-        self.path, self.settings = Path(path).expanduser().absolute(), tuple(settings)
-        if not self.path.is_file():
+        file = Path(path).expanduser().absolute()
+        if not file.is_file():
             raise InputError(f"sweep: scene file {str(path)!r} does not exist; check the path")
-        self._kept = Kept()
-        self.title = str(merged_document(self.path, self.settings).values.get("title", self.path.stem))
+        self._name, self._document, self._kept = file.stem, merged_document(file, settings), Kept()
+        self.title = str(self._document.values.get("title", self._name))
 
     def __getstate__(self) -> dict[str, Any]:
         return {**vars(self), "_kept": Kept()}  # workers have their own
 
     def check(self, row: Row) -> None:
         """Names, and the types of values, are held against the file."""
-        read_document(self.path, self._settings(row))
+        self._read(row)
 
     def digest(self) -> str:
         """Of the file with all that it includes."""
-        values = merged_document(self.path, self.settings).values
-        return hashlib.sha256(json.dumps(values, sort_keys=True, default=str).encode()).hexdigest()
+        values = json.dumps(self._document.values, sort_keys=True, default=str)
+        return hashlib.sha256(values.encode()).hexdigest()
 
     def built(self, row: Row) -> Built:
-        """Reads the file with the values of the row set."""
-        found = load_another(self.path, self._settings(row), self._kept)
+        """Of the file with the values of the row set."""
+        found = scene_of_document(self._read(row), self._name, self._kept)
         return Built(found.scene, found.simulate, found.equilibrium, found.running)
 
-    def _settings(self, row: Row) -> list[str]:
-        return [*self.settings, *(f"{name}={_toml(value)}" for name, value in row.items())]
+    def _read(self, row: Row) -> Source:
+        return resolved(with_settings(self._document, [f"{name}={_toml(value)}" for name, value in row.items()]))
 
 
 def _toml(value: Any) -> str:

@@ -25,7 +25,7 @@ from warpffrf.study.sweeps.cluster import Cluster, client_at
 from warpffrf.study.sweeps.crews import Answers, Crew, Elsewhere, Here, Processes, WorkerDied, refuse_in_workers
 from warpffrf.study.sweeps.design import Design, Row, design_of
 from warpffrf.study.sweeps.folder import Folder
-from warpffrf.study.sweeps.job import FILES, LOST, NO_QUANTITY, OTHER_VERSIONS, OWN, Answer, Job, versions
+from warpffrf.study.sweeps.job import FILES, LOST, NO_QUANTITY, OTHER_VERSIONS, OWN, Answer, Job, NoCall, versions
 from warpffrf.study.sweeps.outcome import Sweep
 from warpffrf.study.sweeps.outputs import outputs_of
 from warpffrf.study.sweeps.packing import packed
@@ -142,16 +142,17 @@ def _devices(device: Any, workers: int, client: Any) -> list[str | None]:
 
 
 def _definition(job: Job, design: Design) -> dict[str, Any]:
-    """What tells a sweep from others, as plain data; the first scene is None where it cannot be built."""
+    """What tells a sweep from others, as plain data; the first scene is None where it cannot be built, which its row
+    will tell. Raises `NoCall`."""
     first, call = None, "simulate" if job.equilibrium is None else "equilibrium"
     try:
         with threadpool_limits(1):  # as workers have it
             built = job.scenes.built(design.rows[0])
         call, options = job.call_of(built)
         first = built.scene.content_hash()
-    except InputError as error:
-        if job.simulate is None and job.equilibrium is None and "nothing says how" in str(error):
-            raise
+    except NoCall:
+        raise
+    except Exception:  # a builder of the user may raise anything
         options = job.simulate or job.equilibrium or {}
     return {
         "kind": "warpffrf sweep", "title": job.scenes.title, "count": len(design.rows), "parameters": design.texts,
@@ -168,10 +169,10 @@ def _crew(job: Job, folder: Folder, workers: int, client: Any, devices: list[str
         return Here(job, devices[0])
     if client is not None and workers != 1:
         raise InputError("sweep: give workers or a client, not both; a cluster has the workers that it was given")
+    parcel = packed(job, folder.bodies)
     own = isinstance(client, str)
     if own:
         client = client_at(client)
-    parcel = packed(job, folder.bodies)
     if client is None:
         return Processes(parcel, workers, devices)
     if hasattr(client, "get_executor") and hasattr(client, "scheduler_info"):
