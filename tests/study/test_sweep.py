@@ -80,7 +80,7 @@ def test_xarray_opens_the_table_lazily_with_parameters_as_coordinates(swept: Any
     with swept.to_xarray() as data:
         assert set(data.coords) == {"run", "stiffness", "mass", "time", "axis"}
         assert data["height"].dims == ("run", "time") and data["velocity"].dims == ("run", "time", "axis")
-        assert data["height"].attrs["units"] == "m" and data["end"].dims == ("run", "end_0")
+        assert data["height"].attrs["units"] == "m" and data["end"].dims == ("run", "end[0]")
         chosen = data.where(data.stiffness == 2000.0, drop=True)["lowest"].values
         assert np.array_equal(chosen, swept["lowest"][2:4])
         assert np.allclose(data["time"].values, np.linspace(0.0, 0.01, 11), atol=ROUND_OFF)
@@ -230,6 +230,24 @@ def test_what_cannot_be_swept_is_named_with_the_cure(
     with pytest.raises(InputError) as told:
         run(tmp_path / "s", parameters, outputs, scene)
     assert words in str(told.value)
+
+
+def test_axes_of_arrays_are_called_as_nothing_else(tmp_path: Path) -> None:
+    """Of a function that is known before any row is run; of a field its row has failed, and the table can be read."""
+    from warpffrf.study.sweeps.job import Answer
+    from warpffrf.study.sweeps.outputs import Value
+    from warpffrf.study.sweeps.table import Table
+
+    for parameters, more in (({"stiffness": [1e3]}, {"p[0]": "last(energy[kinetic])"}), ({"p[0]": [1.0]}, {})):
+        with pytest.raises(InputError, match=r"'p\[0\]' is what an axis of output 'p' is called"):
+            run(tmp_path / "s", parameters, {"p": fall, **more}, lambda **parameters: bob(1e3))
+    table = Table.empty(["x", "mode"], [{"x": 1.0, "mode": 1}, {"x": 2.0, "mode": 1}])
+    table.add(Answer(0, "completed", values={"modal": Value(np.ones(3), ("mode",))}))
+    table.add(Answer(1, "completed", values={"modal": Value(np.ones(3), ("mode_bob",))}))
+    table.write(tmp_path / "table.h5")
+    read = Table.read(tmp_path / "table.h5", 2)
+    assert read.texts["status"].tolist() == ["failed", "completed"] and "'mode'" in read.texts["message"][0]
+    assert np.isnan(read.columns["modal"].array[0]).all() and read.columns["modal"].array[1].tolist() == [1, 1, 1]
 
 
 def test_options_that_a_sweep_says_itself_are_refused(tmp_path: Path) -> None:

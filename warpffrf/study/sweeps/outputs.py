@@ -29,6 +29,7 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.files.quantities import quantity
 
 TIME = "time"
+MOST_AXES = 64  # of an array of NumPy
 CALL = re.compile(r"\s*([A-Za-z_]\w*)\s*\((.*)\)\s*", re.DOTALL)
 
 
@@ -109,7 +110,12 @@ class Asked:
             array = np.asarray(given, dtype=float)
         except (TypeError, ValueError):
             raise InputError(f"output {name!r}: {self.text} must give a number or an array, got {given!r}") from None
-        return Value(array, tuple(f"{name}_{n}" for n in range(array.ndim)))
+        return Value(array, axes_of_function(name, array.ndim))
+
+
+def axes_of_function(name: str, count: int) -> tuple[str, ...]:
+    """What the axes of an array are called that a function gives for output `name`."""
+    return tuple(f"{name}[{n}]" for n in range(count))
 
 
 Output = Named | Asked
@@ -138,6 +144,15 @@ def outputs_of(given: Any, taken: Sequence[str]) -> dict[str, Output]:
             found[name] = Asked(getattr(what, "__name__", type(what).__name__) + "()", what)
         else:
             raise InputError(f"sweep: output {name!r} must be a text or a function of a result, got {what!r}")
+    axes = {
+        axis: name
+        for name, one in found.items()
+        if isinstance(one, Asked)
+        for axis in axes_of_function(name, MOST_AXES)
+    }
+    for name in (*found, *taken):
+        if name in axes:
+            raise InputError(f"sweep: {name!r} is what an axis of output {axes[name]!r} is called; rename one of them")
     return found
 
 

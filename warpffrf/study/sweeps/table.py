@@ -31,7 +31,7 @@ from warpffrf.model.sealed_file import require_seal, verify, written_sealed
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.job import FAILED, Answer
-from warpffrf.study.sweeps.outputs import TIME
+from warpffrf.study.sweeps.outputs import TIME, Value
 
 MARK, SCHEMA = "warpffrf sweep table", 1
 RUN, TIME_OF_RUN, SAVED, BUDGET, SOURCE = "run", "time_of_run", "saved_steps", "error_budget", "error_source"
@@ -80,16 +80,15 @@ class Table:
         return {int(n) for n in np.flatnonzero(self.texts["status"] != "")}
 
     def add(self, answer: Answer) -> None:
-        """Put a run into its row. A run whose arrays have other axes than those before counts as failed."""
+        """Put a run into its row. A run whose arrays have other axes than those before, or axes that are called as
+        something else of the table, counts as failed."""
         n = answer.number
         for name in (*TEXTS, *NUMBERS):
             (self.texts if name in TEXTS else self.numbers)[name][n] = getattr(answer, name)
-        for name, value in answer.values.items():
-            column = self.columns.get(name)
-            if column is not None and column.array.ndim != value.array.ndim + 1:
-                self.texts["status"][n] = FAILED
-                self.texts["message"][n] = f"output {name!r} has {value.array.ndim} axes, earlier runs have others"
-                return
+        fault = self._fault(answer.values)
+        if fault:
+            self.texts["status"][n], self.texts["message"][n] = FAILED, fault
+            return
         for name, value in answer.values.items():
             column = self.columns.get(name)
             if column is None:
@@ -102,6 +101,18 @@ class Table:
             self.time = _with_row(self.time, n, answer.time)
         for source, size in answer.budget.items():
             self.budget.setdefault(source, np.full(self.count, np.nan))[n] = size
+
+    def _fault(self, values: Mapping[str, Value]) -> str:
+        """Why the values of a run cannot stand in the table, "" where they can."""
+        names = {*TAKEN, *self.parameters, *values} - {TIME, *COMPONENTS}
+        for name, value in values.items():
+            column = self.columns.get(name)
+            if column is not None and column.array.ndim != value.array.ndim + 1:
+                return f"output {name!r} has {value.array.ndim} axes, earlier runs have others"
+            for dim in value.dims:
+                if dim in names:
+                    return f"an axis of output {name!r} is called {dim!r}, as something else is; rename that"
+        return ""
 
     # --- the file
 
