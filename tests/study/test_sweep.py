@@ -9,7 +9,7 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
-from sweep_scenes import GRAVITY, TIMES, bob, fall, rest, scene_file, shy_bob, timed_bob
+from sweep_scenes import GRAVITY, TIMES, bob, fall, named_bob, rest, scene_file, shy_bob, timed_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
@@ -298,6 +298,26 @@ def test_a_store_goes_on_where_it_stopped_and_no_other_sweep_goes_on_in_it(tmp_p
     name = "last(body_position_z[bob])"
     assert np.array_equal(again[name], whole[name])
     assert run(store, {"stiffness": [1e3]}, overwrite=True).count == 1
+
+
+def test_a_sweep_goes_on_with_a_row_that_lacks_what_others_had(tmp_path: Path, monkeypatch: Any) -> None:
+    """The second row has no such body, and is a row with its message, whether the first was run just now or before."""
+    from warpffrf.study.sweeps.job import Job
+
+    answer = Job.answer
+
+    def stopped(self: Any, number: int, row: Any, device: Any) -> Any:
+        if number == 1:
+            raise KeyboardInterrupt
+        return answer(self, number, row, device)
+
+    parameters, store = {"name": ["bob", "bub"]}, tmp_path / "s"
+    with monkeypatch.context() as patch:
+        patch.setattr(Job, "answer", stopped)
+        assert run(store, parameters, scene=named_bob).counts == {"completed": 1, "": 1}
+    again = run(store, parameters, scene=named_bob, resume=True)
+    assert again.counts == {"completed": 1, "no quantity": 1}
+    assert "body_position_z[bob]" in again["message"][1]
 
 
 def test_runs_that_a_kill_left_beside_the_table_are_found(tmp_path: Path, monkeypatch: Any) -> None:

@@ -57,6 +57,7 @@ class Folder:
         self._lock: IO[str] | None = None
         self._loose = 0  # runs that are in no table yet
         self._in_table = 0
+        self.has_values = False  # whether a run in the table has had what is wanted
 
     @property
     def bodies(self) -> Path:
@@ -182,7 +183,7 @@ class Folder:
             table.write(self.table)
         for file in files:
             file.unlink(missing_ok=True)
-        self._loose, self._in_table = 0, len(table.done())
+        self._loose, self._in_table, self.has_values = 0, len(table.done()), bool(table.columns)
         return table
 
     def waiting(self) -> int:
