@@ -288,6 +288,7 @@ def test_a_store_goes_on_where_it_stopped_and_no_other_sweep_goes_on_in_it(tmp_p
         ({"parameters": {"stiffness": [1e3, 2e3, 3e3, 5e3]}}, "values of the parameters differ"),
         ({"parameters": parameters, "outputs": ["energy[kinetic]"]}, "outputs"),
         ({"parameters": parameters, "scene": shy_bob}, "the scene differs"),
+        ({"parameters": parameters, "scene": renamed(shy_bob, "bob")}, "the scene differs"),
     ):
         with pytest.raises(InputError, match="another sweep") as told:
             run(store, resume=True, **other)
@@ -318,6 +319,54 @@ def test_a_sweep_goes_on_with_a_row_that_lacks_what_others_had(tmp_path: Path, m
     again = run(store, parameters, scene=named_bob, resume=True)
     assert again.counts == {"completed": 1, "no quantity": 1}
     assert "body_position_z[bob]" in again["message"][1]
+
+
+def renamed(function: Any, name: str) -> Any:
+    """A copy that is called otherwise."""
+    import types
+
+    copy = types.FunctionType(function.__code__, function.__globals__, name)
+    copy.__module__ = function.__module__
+    return copy
+
+
+def test_a_function_is_told_from_another_of_its_name() -> None:
+    """By numbers, by names, by what it holds, and by functions within it; the same text is the same function, also in
+    another process, where a set has another order."""
+    import functools
+    import os
+    import subprocess
+    import sys
+
+    from warpffrf.study.sweeps.functions import word_of
+    from warpffrf.study.sweeps.outputs import outputs_of
+
+    def scaled(factor: float) -> Any:
+        return lambda result: factor * result
+
+    def made(text: str, name: str = "f") -> Any:
+        found: dict[str, Any] = {}
+        exec(text, found)
+        return found[name]
+
+    texts = [
+        "def f(r): return r.max() * 2", "def f(r): return r.min() * 2", "def f(r): return r.max() * 3",
+        "def f(r, n=1): return r.max() * 2", "def f(r, n=2): return r.max() * 2",
+        "def f(r): return (lambda s: s + 1)(r)", "def f(r): return (lambda s: s + 2)(r)",
+        "def f(r): return r in {'one', 'two', 'three'}",
+    ]  # fmt: skip
+    words = [word_of(made(text)) for text in texts] + [word_of(scaled(1.0)), word_of(scaled(2.0))]
+    words += [word_of(functools.partial(rest, 1.0)), word_of(functools.partial(rest, 2.0))]
+    assert len(set(words)) == len(words)
+    assert words[: len(texts)] == [word_of(made(text)) for text in texts]
+    told = [outputs_of({"p": made(text)}, ())["p"].text for text in texts[:2]]
+    assert told == [f"f(), code {word}" for word in words[:2]]
+    code = f"from warpffrf.study.sweeps.functions import word_of\n{texts[-1]}\nprint(word_of(f))"
+    said = {
+        subprocess.check_output([sys.executable, "-c", code], text=True, env={**os.environ, "PYTHONHASHSEED": seed})
+        for seed in "12"
+    }
+    assert said == {words[len(texts) - 1] + "\n"}
 
 
 def test_runs_that_a_kill_left_beside_the_table_are_found(tmp_path: Path, monkeypatch: Any) -> None:

@@ -27,6 +27,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.files.quantities import quantity
+from warpffrf.study.sweeps.functions import word_of
 
 TIME = "time"
 MOST_AXES = 64  # of an array of NumPy
@@ -98,10 +99,15 @@ class Named:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a function of the user makes of a result: a number or an array."""
+    """What a function of the user, called `title`, makes of a result: a number or an array."""
 
-    text: str
+    title: str
     function: Callable[[Any], Any]
+
+    @property
+    def text(self) -> str:
+        """The name with a word for what the function does, by which a sweep that goes on tells another one."""
+        return f"{self.title}, code {word_of(self.function)}"
 
     def of(self, name: str, result: Any) -> Value:
         """The value in a run. Raises `InputError` where the function gives neither a number nor an array of them."""
@@ -109,7 +115,7 @@ class Asked:
         try:
             array = np.asarray(given, dtype=float)
         except (TypeError, ValueError):
-            raise InputError(f"output {name!r}: {self.text} must give a number or an array, got {given!r}") from None
+            raise InputError(f"output {name!r}: {self.title} must give a number or an array, got {given!r}") from None
         return Value(array, axes_of_function(name, array.ndim))
 
 
