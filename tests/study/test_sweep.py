@@ -135,6 +135,16 @@ def test_runs_of_other_lengths_have_their_own_times_and_nan_behind(tmp_path: Pat
         assert data["saved_steps"].values.tolist() == [5, 3]
     from warpffrf.study.sweeps.table import Table
 
+    own = wf.study.sweep(
+        lambda step: (bob(1e3), {"duration": 0.004, "step": step}), {"step": [1e-3, 2e-3]}, progress=False,
+        store=tmp_path / "t", outputs={"height": name, "end": fall},
+    )  # fmt: skip
+    assert own["time_of_run"].shape == (2, 5)
+    for axis, words in (("time", "see 'time_of_run'"), ("end[0]", "did you mean 'end'")):
+        for read in (own.__getitem__, own.about):
+            with pytest.raises(InputError, match="does not exist") as told:
+                read(axis)
+            assert words in str(told.value)
     again = Table.read(tmp_path / "s" / "table.h5", 2)
     assert again.time is not None and np.isfinite(again.time).sum(axis=1).tolist() == [5, 3]
 
@@ -401,6 +411,18 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     (store / "sweep.json").write_text(json.dumps({"kind": "another"}))
     with pytest.raises(InputError, match="damaged, or of another program"):
         wf.study.open_sweep(store)
+
+
+def test_bytes_of_a_table_are_verified_once(swept: Any, monkeypatch: Any) -> None:
+    """Until the file is another one."""
+    from warpffrf.study.sweeps import table
+
+    table._whole.cache_clear()
+    verified, verify = [], table.verify
+    monkeypatch.setattr(table, "verify", lambda *given: verified.append(given) or verify(*given))
+    assert swept.report() == wf.study.open_sweep(swept.path).report() and len(verified) == 1
+    table.Table.read(swept.path / "table.h5", 6).write(swept.path / "table.h5")
+    assert swept.counts == {"completed": 6} and len(verified) == 2
 
 
 def test_two_sweeps_do_not_write_one_store(tmp_path: Path) -> None:

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +40,7 @@ TEXTS = ("status", "message", "device", "host", "versions")
 NUMBERS = {"wall_seconds": "s", "set_up_seconds": "s", "worlds": "1"}  # name -> unit
 TAKEN = (RUN, TIME, TIME_OF_RUN, SAVED, BUDGET, SOURCE, *TEXTS, *NUMBERS, *COMPONENTS)  # names that outputs cannot have
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."  # netCDF's mark of a dimension without coordinate
+CURE = "take the table of another copy, or run the sweep again"
 PACKED_FROM = 4096  # bytes of an array that is worth packing
 
 
@@ -250,10 +252,11 @@ def opened(path: Path) -> Any:
     """The open `h5py.File` of a table whose seal holds. Raises `InputError`."""
     import h5py
 
-    subject, cure = f"sweep: {path}", "take the table of another copy, or run the sweep again"
+    subject, cure = f"sweep: {path}", CURE
     if not path.is_file():
         raise InputError(f"{subject} is missing; {cure}")
-    require_seal(verify(path, subject, cure), SCHEMA, 1, subject, cure)
+    state = path.stat()
+    _whole(path.absolute(), (state.st_ino, state.st_mtime_ns, state.st_size))
     try:
         file = h5py.File(path, "r")
     except OSError as error:
@@ -267,9 +270,22 @@ def opened(path: Path) -> Any:
     return file
 
 
+@lru_cache(maxsize=16)
+def _whole(path: Path, state: tuple[int, int, int]) -> None:
+    """Hold the seal of a table against its bytes, once for each `state` of the file: where it is, when it was written,
+    its size. Raises `InputError`, each time anew."""
+    subject = f"sweep: {path}"
+    require_seal(verify(path, subject, CURE), SCHEMA, 1, subject, CURE)
+
+
 def axes_of(data: Any) -> tuple[str, ...]:
     """Names of the axes of a variable behind `run`."""
     return tuple(str(data.dims[axis][0].name).lstrip("/") for axis in range(1, data.ndim))
+
+
+def variables_of(file: Any) -> list[str]:
+    """Names of what an open table has values of: all but axes without any."""
+    return [name for name in file if not bytes(file[name].attrs.get("NAME", b"")).startswith(NO_VARIABLE.encode())]
 
 
 def values_of(file: Any, name: str) -> np.ndarray:
