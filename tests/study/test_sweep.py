@@ -396,6 +396,31 @@ def test_runs_that_a_kill_left_beside_the_table_are_found(tmp_path: Path, monkey
     assert again.status == "completed" and np.isfinite(again[name]).all()
 
 
+def test_a_sweep_that_a_kill_ended_as_it_began_is_begun_again(tmp_path: Path, monkeypatch: Any) -> None:
+    """Before it had written what it is, and then before its table; what others have in a folder stays."""
+    from warpffrf.study.sweeps import folder
+
+    class Killed(BaseException):
+        """Nothing behind it is done."""
+
+    def kill(*given: Any) -> Any:
+        raise Killed
+
+    store, parameters = tmp_path / "s", {"stiffness": [1e3, 2e3]}
+    for owner, name, left in ((folder, "written_whole", {"lock", "runs"}), (folder.Table, "write", {"sweep.json"})):
+        with monkeypatch.context() as patch:
+            patch.setattr(owner, name, kill)
+            with pytest.raises(Killed):
+                run(store, parameters)
+        assert {file.name for file in store.iterdir()} == {"lock", "runs"} | left
+    (store / ".sweep.json.host.1.word.part").touch()
+    assert run(store, parameters, resume=True).counts == {"completed": 2}
+    (tmp_path / "t" / "runs").mkdir(parents=True)
+    (tmp_path / "t" / "runs" / "mine.arrays").touch()
+    with pytest.raises(InputError, match="other files"):
+        run(tmp_path / "t", parameters, overwrite=True)
+
+
 def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no folder of a sweep"):
         wf.study.open_sweep(tmp_path)
