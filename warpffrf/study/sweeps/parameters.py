@@ -8,10 +8,11 @@
     "triangular(0.1, 0.2, 0.4)"   least, likeliest and largest
     "lognormal(0.1, 0.5)"         median, and standard deviation of the logarithm
 
-or any distribution of scipy.stats with its numbers, `scipy.stats.weibull_min(1.5)`. Texts that look like a range or like
-numbers stand in quotes on a command line, "'A:1', 'A:2'", else they are refused. A parameter says its values for a
-grid, and the value at a probability u in (0, 1) for a sample: of a distribution where its cumulative probability is u,
-of a range the point at u between its ends, of a list of n values number floor(n u).
+or any distribution of scipy.stats with its numbers, `scipy.stats.weibull_min(1.5)`. Texts that look like a range or
+numbers stand in quotes on a command line, "'A:1', 'A:2'", else they are refused.
+
+A parameter says its values for a grid, and the value at a probability u in (0, 1) for a sample: of a distribution where
+its cumulative probability is u, of a range the point at u between its ends, of a list of n values number floor(n u).
 """
 
 from __future__ import annotations
