@@ -46,13 +46,18 @@ def scene_file(folder: Path) -> Path:
     return file
 
 
-def bob(stiffness: float, mass: float = MASS) -> wf.Scene:
+def bob(stiffness: float, mass: float = MASS, name: str = "bob") -> wf.Scene:
     """Let go from where the spring has no force."""
     scene = wf.Scene(gravity=(0.0, 0.0, -GRAVITY))
-    body = scene.add_rigid_body(mass, (0.01, 0.01, 0.01), name="bob")
+    body = scene.add_rigid_body(mass, (0.01, 0.01, 0.01), name=name)
     guide = scene.add(wf.joints.Prismatic(scene.ground, body.at((0.0, 0.0, 0.0)), axis=(0.0, 0.0, 1.0), name="guide"))
     scene.add(wf.forces.JointSpringDamper(guide, stiffness=stiffness, damping=0.0, name="spring"))
     return scene
+
+
+def named_bob(name: str) -> wf.Scene:
+    """A bob that is called so."""
+    return bob(1000.0, name=name)
 
 
 def timed_bob(stiffness: float, duration: float) -> tuple[wf.Scene, dict[str, Any]]:

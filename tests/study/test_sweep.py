@@ -9,7 +9,7 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
-from sweep_scenes import GRAVITY, TIMES, bob, fall, rest, scene_file, shy_bob, timed_bob
+from sweep_scenes import GRAVITY, TIMES, bob, fall, named_bob, rest, scene_file, shy_bob, timed_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
@@ -80,7 +80,7 @@ def test_xarray_opens_the_table_lazily_with_parameters_as_coordinates(swept: Any
     with swept.to_xarray() as data:
         assert set(data.coords) == {"run", "stiffness", "mass", "time", "axis"}
         assert data["height"].dims == ("run", "time") and data["velocity"].dims == ("run", "time", "axis")
-        assert data["height"].attrs["units"] == "m" and data["end"].dims == ("run", "end_0")
+        assert data["height"].attrs["units"] == "m" and data["end"].dims == ("run", "end[0]")
         chosen = data.where(data.stiffness == 2000.0, drop=True)["lowest"].values
         assert np.array_equal(chosen, swept["lowest"][2:4])
         assert np.allclose(data["time"].values, np.linspace(0.0, 0.01, 11), atol=ROUND_OFF)
@@ -135,6 +135,16 @@ def test_runs_of_other_lengths_have_their_own_times_and_nan_behind(tmp_path: Pat
         assert data["saved_steps"].values.tolist() == [5, 3]
     from warpffrf.study.sweeps.table import Table
 
+    own = wf.study.sweep(
+        lambda step: (bob(1e3), {"duration": 0.004, "step": step}), {"step": [1e-3, 2e-3]}, progress=False,
+        store=tmp_path / "t", outputs={"height": name, "end": fall},
+    )  # fmt: skip
+    assert own["time_of_run"].shape == (2, 5)
+    for axis, words in (("time", "see 'time_of_run'"), ("end[0]", "did you mean 'end'")):
+        for read in (own.__getitem__, own.about):
+            with pytest.raises(InputError, match="does not exist") as told:
+                read(axis)
+            assert words in str(told.value)
     again = Table.read(tmp_path / "s" / "table.h5", 2)
     assert again.time is not None and np.isfinite(again.time).sum(axis=1).tolist() == [5, 3]
 
@@ -277,6 +287,24 @@ def test_what_cannot_be_swept_is_named_with_the_cure(
     assert words in str(told.value)
 
 
+def test_axes_of_arrays_are_called_as_nothing_else(tmp_path: Path) -> None:
+    """Of a function that is known before any row is run; of a field its row has failed, and the table can be read."""
+    from warpffrf.study.sweeps.job import Answer
+    from warpffrf.study.sweeps.outputs import Value
+    from warpffrf.study.sweeps.table import Table
+
+    for parameters, more in (({"stiffness": [1e3]}, {"p[0]": "last(energy[kinetic])"}), ({"p[0]": [1.0]}, {})):
+        with pytest.raises(InputError, match=r"'p\[0\]' is what an axis of output 'p' is called"):
+            run(tmp_path / "s", parameters, {"p": fall, **more}, lambda **parameters: bob(1e3))
+    table = Table.empty(["x", "mode"], [{"x": 1.0, "mode": 1}, {"x": 2.0, "mode": 1}])
+    table.add(Answer(0, "completed", values={"modal": Value(np.ones(3), ("mode",))}))
+    table.add(Answer(1, "completed", values={"modal": Value(np.ones(3), ("mode_bob",))}))
+    table.write(tmp_path / "table.h5")
+    read = Table.read(tmp_path / "table.h5", 2)
+    assert read.texts["status"].tolist() == ["failed", "completed"] and "'mode'" in read.texts["message"][0]
+    assert np.isnan(read.columns["modal"].array[0]).all() and read.columns["modal"].array[1].tolist() == [1, 1, 1]
+
+
 def test_options_that_a_sweep_says_itself_are_refused(tmp_path: Path) -> None:
     cases: Any = (
         ({"simulate": {"results": "a.h5"}}, "files of single runs"),
@@ -315,6 +343,7 @@ def test_a_store_goes_on_where_it_stopped_and_no_other_sweep_goes_on_in_it(tmp_p
         ({"parameters": {"stiffness": [1e3, 2e3, 3e3, 5e3]}}, "values of the parameters differ"),
         ({"parameters": parameters, "outputs": ["energy[kinetic]"]}, "outputs"),
         ({"parameters": parameters, "scene": shy_bob}, "the scene differs"),
+        ({"parameters": parameters, "scene": renamed(shy_bob, "bob")}, "the scene differs"),
     ):
         with pytest.raises(InputError, match="another sweep") as told:
             run(store, resume=True, **other)
@@ -325,6 +354,74 @@ def test_a_store_goes_on_where_it_stopped_and_no_other_sweep_goes_on_in_it(tmp_p
     name = "last(body_position_z[bob])"
     assert np.array_equal(again[name], whole[name])
     assert run(store, {"stiffness": [1e3]}, overwrite=True).count == 1
+
+
+def test_a_sweep_goes_on_with_a_row_that_lacks_what_others_had(tmp_path: Path, monkeypatch: Any) -> None:
+    """The second row has no such body, and is a row with its message, whether the first was run just now or before."""
+    from warpffrf.study.sweeps.job import Job
+
+    answer = Job.answer
+
+    def stopped(self: Any, number: int, row: Any, device: Any) -> Any:
+        if number == 1:
+            raise KeyboardInterrupt
+        return answer(self, number, row, device)
+
+    parameters, store = {"name": ["bob", "bub"]}, tmp_path / "s"
+    with monkeypatch.context() as patch:
+        patch.setattr(Job, "answer", stopped)
+        assert run(store, parameters, scene=named_bob).counts == {"completed": 1, "": 1}
+    again = run(store, parameters, scene=named_bob, resume=True)
+    assert again.counts == {"completed": 1, "no quantity": 1}
+    assert "body_position_z[bob]" in again["message"][1]
+
+
+def renamed(function: Any, name: str) -> Any:
+    """A copy that is called otherwise."""
+    import types
+
+    copy = types.FunctionType(function.__code__, function.__globals__, name)
+    copy.__module__ = function.__module__
+    return copy
+
+
+def test_a_function_is_told_from_another_of_its_name() -> None:
+    """By numbers, by names, by what it holds, and by functions within it; the same text is the same function, also in
+    another process, where a set has another order."""
+    import functools
+    import os
+    import subprocess
+    import sys
+
+    from warpffrf.study.sweeps.functions import word_of
+    from warpffrf.study.sweeps.outputs import outputs_of
+
+    def scaled(factor: float) -> Any:
+        return lambda result: factor * result
+
+    def made(text: str, name: str = "f") -> Any:
+        found: dict[str, Any] = {}
+        exec(text, found)
+        return found[name]
+
+    texts = [
+        "def f(r): return r.max() * 2", "def f(r): return r.min() * 2", "def f(r): return r.max() * 3",
+        "def f(r, n=1): return r.max() * 2", "def f(r, n=2): return r.max() * 2",
+        "def f(r): return (lambda s: s + 1)(r)", "def f(r): return (lambda s: s + 2)(r)",
+        "def f(r): return r in {'one', 'two', 'three'}",
+    ]  # fmt: skip
+    words = [word_of(made(text)) for text in texts] + [word_of(scaled(1.0)), word_of(scaled(2.0))]
+    words += [word_of(functools.partial(rest, 1.0)), word_of(functools.partial(rest, 2.0))]
+    assert len(set(words)) == len(words)
+    assert words[: len(texts)] == [word_of(made(text)) for text in texts]
+    told = [outputs_of({"p": made(text)}, ())["p"].text for text in texts[:2]]
+    assert told == [f"f(), code {word}" for word in words[:2]]
+    code = f"from warpffrf.study.sweeps.functions import word_of\n{texts[-1]}\nprint(word_of(f))"
+    said = {
+        subprocess.check_output([sys.executable, "-c", code], text=True, env={**os.environ, "PYTHONHASHSEED": seed})
+        for seed in "12"
+    }
+    assert said == {words[len(texts) - 1] + "\n"}
 
 
 def test_runs_that_a_kill_left_beside_the_table_are_found(tmp_path: Path, monkeypatch: Any) -> None:
@@ -344,6 +441,31 @@ def test_runs_that_a_kill_left_beside_the_table_are_found(tmp_path: Path, monkey
     assert again.status == "completed" and np.isfinite(again[name]).all()
 
 
+def test_a_sweep_that_a_kill_ended_as_it_began_is_begun_again(tmp_path: Path, monkeypatch: Any) -> None:
+    """Before it had written what it is, and then before its table; what others have in a folder stays."""
+    from warpffrf.study.sweeps import folder
+
+    class Killed(BaseException):
+        """Nothing behind it is done."""
+
+    def kill(*given: Any) -> Any:
+        raise Killed
+
+    store, parameters = tmp_path / "s", {"stiffness": [1e3, 2e3]}
+    for owner, name, left in ((folder, "written_whole", {"lock", "runs"}), (folder.Table, "write", {"sweep.json"})):
+        with monkeypatch.context() as patch:
+            patch.setattr(owner, name, kill)
+            with pytest.raises(Killed):
+                run(store, parameters)
+        assert {file.name for file in store.iterdir()} == {"lock", "runs"} | left
+    (store / ".sweep.json.host.1.word.part").touch()
+    assert run(store, parameters, resume=True).counts == {"completed": 2}
+    (tmp_path / "t" / "runs").mkdir(parents=True)
+    (tmp_path / "t" / "runs" / "mine.arrays").touch()
+    with pytest.raises(InputError, match="other files"):
+        run(tmp_path / "t", parameters, overwrite=True)
+
+
 def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no folder of a sweep"):
         wf.study.open_sweep(tmp_path)
@@ -359,6 +481,18 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     (store / "sweep.json").write_text(json.dumps({"kind": "another"}))
     with pytest.raises(InputError, match="damaged, or of another program"):
         wf.study.open_sweep(store)
+
+
+def test_bytes_of_a_table_are_verified_once(swept: Any, monkeypatch: Any) -> None:
+    """Until the file is another one."""
+    from warpffrf.study.sweeps import table
+
+    table._whole.cache_clear()
+    verified, verify = [], table.verify
+    monkeypatch.setattr(table, "verify", lambda *given: verified.append(given) or verify(*given))
+    assert swept.report() == wf.study.open_sweep(swept.path).report() and len(verified) == 1
+    table.Table.read(swept.path / "table.h5", 6).write(swept.path / "table.h5")
+    assert swept.counts == {"completed": 6} and len(verified) == 2
 
 
 def test_two_sweeps_do_not_write_one_store(tmp_path: Path) -> None:

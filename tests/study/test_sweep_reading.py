@@ -20,6 +20,7 @@ from warpffrf.study.sweeps.reading.page import page
 from warpffrf.study.sweeps.reading.plot import plot
 from warpffrf.study.sweeps.reading.sensitivities import sensitivities
 from warpffrf.study.sweeps.reading.surface import surface
+from warpffrf.study.sweeps.reading.values import chosen_rows
 from warpffrf.study.sweeps.samples import latin, saltelli
 
 ROUND_OFF = 1e-12
@@ -253,6 +254,10 @@ def test_vectors_need_a_component_and_names_are_looked_up() -> None:
         plot(rows, "force", x="gian", component="z")
     with pytest.raises(InputError, match="no row has gain = 3; the nearest value is 2"):
         plot(rows, "force", component="z", where={"gain": 3})
+    with pytest.raises(InputError, match="gain is a number in all rows, got 'abc'"):
+        plot(rows, "force", component="z", where={"gain": "abc"})
+    fine = np.array([1.0, 1.000001])
+    assert chosen_rows(Rows({"gain": fine}, {"y": fine}), {"gain": 1.000001}).tolist() == [False, True]
     with pytest.raises(InputError, match="given twice"):
         plot(rows, "force", x="gain", hue="gain", component="z")
     nothing = Rows({"gain": [1.0, 2.0]}, {"force": np.full(2, np.nan)}, failed=(0, 1))
@@ -347,6 +352,9 @@ def test_a_sweep_is_read_from_the_command_line(swept: Any, tmp_path: Path, capsy
     assert f"written to {picture}" in capsys.readouterr().out and "<svg" in picture.read_text(encoding="utf-8")
     assert cli.main(["sweep-plot", folder, "rest", "--where", "stiffness", "--out", str(picture)]) == 1
     assert "NAME=VALUE" in capsys.readouterr().err
+    for value in ("", "abc", "1,2"):
+        assert cli.main(["sweep-plot", folder, "rest", "--where", f"stiffness={value}", "--out", str(picture)]) == 1
+        assert "stiffness" in capsys.readouterr().err
     assert cli.main(["sweep-plot", folder, "rast", "--out", str(picture), "--overwrite"]) == 1
     assert "did you mean 'rest'" in capsys.readouterr().err
     assert cli.main(["info", str(tmp_path)]) == 1

@@ -140,9 +140,10 @@ def add_sweep_plot_command(app: typer.Typer) -> None:
 
             chosen = {}
             for name, text in named(where or (), "--where", "friction=0.2").items():
-                chosen[name], *more = values_of(text)
-                if more:
+                values = values_of(text)
+                if len(values) != 1:
                     raise InputError(f"--where {name}={text}: give one value of it, or draw all with --hue {name}")
+                chosen[name] = values[0]
             entry = int(component) if component is not None and component.isdecimal() else component
             open_sweep(folder).plot(
                 output, x=x, y=y, hue=hue, style=style, col=col, component=entry, where=chosen, path=out,

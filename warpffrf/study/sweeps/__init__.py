@@ -4,6 +4,7 @@ parameters   a parameter: values, a range, a distribution
 samples      points of the unit cube: Latin hypercube, Sobol, random, for Sobol indices
 design       the rows of a sweep: all combinations, a sample, or rows as given
 outputs      what is kept of a run, by the names of its histories
+functions    what a function does, as a word by which a changed one is told
 scenes       where the scene of a row comes from: a file or a function
 job          what a worker does with a row, and what it answers
 together     rows as worlds of one graph

@@ -25,7 +25,7 @@ from typing import IO, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.output_paths import remove_left_over_in, written_whole
+from warpffrf.model.output_paths import ENDING, remove_left_over_in, written_whole
 from warpffrf.model.processes import locked
 from warpffrf.model.sealed_arrays import read_arrays, write_arrays
 from warpffrf.study.sweeps.design import Design
@@ -57,6 +57,7 @@ class Folder:
         self._lock: IO[str] | None = None
         self._loose = 0  # runs that are in no table yet
         self._in_table = 0
+        self.has_values = False  # whether a run in the table has had what is wanted
 
     @property
     def bodies(self) -> Path:
@@ -91,8 +92,7 @@ class Folder:
         sweep and neither is asked for, another sweep, or something else, and where another process writes it."""
         if self.path.exists() and not self.path.is_dir():
             raise InputError(f"sweep: store '{self.path}' is a file; give the name of a folder")
-        known = (self.path / DEFINITION).is_file()
-        if self.path.is_dir() and not known and any(self.path.iterdir()):
+        if self.path.is_dir() and not is_sweep(self.path) and self._has_others():
             raise InputError(f"sweep: store '{self.path}' is a folder with other files; choose another one")
         try:
             (self.path / RUNS).mkdir(parents=True, exist_ok=True)
@@ -101,13 +101,16 @@ class Folder:
                 f"sweep: store '{self.path}' cannot be written ({error.strerror or error}); choose another folder"
             ) from None
         self.hold()
-        if known and not overwrite:
+        if is_sweep(self.path) and not overwrite:
             there = self.definition()
             if not resume:
                 raise InputError(
                     f"sweep: store '{self.path}' holds a sweep; go on with it with resume=True (--resume), {AGAIN}"
                 )
             self._refuse_another(there, json.loads(json.dumps(dict(definition))))
+            if not self.table.is_file():
+                log.warning("sweep: '%s' has no table; rows without a file in '%s' are run", self.path, RUNS)
+                Table.empty(design.names, design.rows).write(self.table)
             table = self.gather()
             return table.done()
         for file in (
@@ -121,6 +124,15 @@ class Folder:
             partial.write_text(json.dumps(definition, indent=1) + "\n", encoding="utf-8")
         Table.empty(design.names, design.rows).write(self.table)
         return set()
+
+    def _has_others(self) -> bool:
+        """Whether the folder, which has no definition, has more in it than a sweep that was killed before it wrote one
+        leaves there."""
+        begun = (LOCK, RUNS)
+        if any(entry.name not in begun and not entry.name.endswith(ENDING) for entry in self.path.iterdir()):
+            return True
+        runs = self.path / RUNS
+        return runs.is_dir() and any(not entry.name.endswith(ENDING) for entry in runs.iterdir())
 
     def hold(self) -> None:
         """Lock the folder until `release`. Raises `InputError` where another process has."""
@@ -182,7 +194,7 @@ class Folder:
             table.write(self.table)
         for file in files:
             file.unlink(missing_ok=True)
-        self._loose, self._in_table = 0, len(table.done())
+        self._loose, self._in_table, self.has_values = 0, len(table.done()), bool(table.columns)
         return table
 
     def waiting(self) -> int:

@@ -34,7 +34,8 @@ from warpffrf.study.sweeps.scenes import Built, Scenes
 from warpffrf.study.sweeps.together import results_together
 
 REFUSED, FAILED, LOST = "refused", "failed", "lost"  # statuses of rows beside those of results
-NO_QUANTITY, OTHER_VERSIONS = "no quantity", "other versions"  # of answers that are no rows
+NO_QUANTITY = "no quantity"  # of rows without an output that earlier ones had; where none had it the sweep ends
+OTHER_VERSIONS = "other versions"  # of answers that are no rows: the sweep ends
 CALLS = {"simulate": simulate, "equilibrium": equilibrium}
 OWN = ("progress", "device")  # options of the calls that a sweep says itself
 FILES = ("results", "record", "record_every", "overwrite", "resume", "keep_every")  # those about files of single runs

@@ -14,7 +14,8 @@ from warpffrf.model import looks
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.study.sweeps.folder import Folder
-from warpffrf.study.sweeps.table import axes_of, opened, values_of
+from warpffrf.study.sweeps.outputs import TIME
+from warpffrf.study.sweeps.table import TIME_OF_RUN, axes_of, opened, values_of, variables_of
 
 if TYPE_CHECKING:
     import xarray
@@ -66,17 +67,22 @@ class Sweep(looks.Shown):
 
     def __getitem__(self, name: str) -> np.ndarray:
         with opened(Folder(self.path).table) as file:
-            if name in file:
+            known = variables_of(file)
+            if name in known:
                 return values_of(file, name)
             if name in self.definition["outputs"]:
                 return np.full(self.count, np.nan)  # of no run so far
-            raise unknown_name("sweep: variable", name, [*self.parameter_names, *self.output_names, *file])
+            if name == TIME and TIME_OF_RUN in known:
+                raise InputError(
+                    f"sweep: runs have times of their own, {name!r} of all does not exist; see {TIME_OF_RUN!r}"
+                )
+            raise unknown_name("sweep: variable", name, list(dict.fromkeys([*known, *self.output_names])))
 
     def about(self, name: str) -> tuple[tuple[str, ...], str]:
         """Names of the axes of a variable behind `run`, and its unit; neither of an output that no run has so far.
         Raises InputError for an unknown name."""
         with opened(Folder(self.path).table) as file:
-            if name in file:
+            if name in variables_of(file):
                 return axes_of(file[name]), str(file[name].attrs.get("units", ""))
         self[name]
         return (), ""

@@ -27,8 +27,10 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.files.quantities import quantity
+from warpffrf.study.sweeps.functions import word_of
 
 TIME = "time"
+MOST_AXES = 64  # of an array of NumPy
 CALL = re.compile(r"\s*([A-Za-z_]\w*)\s*\((.*)\)\s*", re.DOTALL)
 
 
@@ -97,10 +99,15 @@ class Named:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a function of the user makes of a result: a number or an array."""
+    """What a function of the user, called `title`, makes of a result: a number or an array."""
 
-    text: str
+    title: str
     function: Callable[[Any], Any]
+
+    @property
+    def text(self) -> str:
+        """The name with a word for what the function does, by which a sweep that goes on tells another one."""
+        return f"{self.title}, code {word_of(self.function)}"
 
     def of(self, name: str, result: Any) -> Value:
         """The value in a run. Raises `InputError` where the function gives neither a number nor an array of them."""
@@ -108,8 +115,13 @@ class Asked:
         try:
             array = np.asarray(given, dtype=float)
         except (TypeError, ValueError):
-            raise InputError(f"output {name!r}: {self.text} must give a number or an array, got {given!r}") from None
-        return Value(array, tuple(f"{name}_{n}" for n in range(array.ndim)))
+            raise InputError(f"output {name!r}: {self.title} must give a number or an array, got {given!r}") from None
+        return Value(array, axes_of_function(name, array.ndim))
+
+
+def axes_of_function(name: str, count: int) -> tuple[str, ...]:
+    """What the axes of an array are called that a function gives for output `name`."""
+    return tuple(f"{name}[{n}]" for n in range(count))
 
 
 Output = Named | Asked
@@ -138,6 +150,15 @@ def outputs_of(given: Any, taken: Sequence[str]) -> dict[str, Output]:
             found[name] = Asked(getattr(what, "__name__", type(what).__name__) + "()", what)
         else:
             raise InputError(f"sweep: output {name!r} must be a text or a function of a result, got {what!r}")
+    axes = {
+        axis: name
+        for name, one in found.items()
+        if isinstance(one, Asked)
+        for axis in axes_of_function(name, MOST_AXES)
+    }
+    for name in (*found, *taken):
+        if name in axes:
+            raise InputError(f"sweep: {name!r} is what an axis of output {axes[name]!r} is called; rename one of them")
     return found
 
 

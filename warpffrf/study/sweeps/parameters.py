@@ -8,9 +8,11 @@
     "triangular(0.1, 0.2, 0.4)"   least, likeliest and largest
     "lognormal(0.1, 0.5)"         median, and standard deviation of the logarithm
 
-or any distribution of scipy.stats with its numbers, `scipy.stats.weibull_min(1.5)`. A parameter says its values for a
-grid, and the value at a probability u in (0, 1) for a sample: of a distribution where its cumulative probability is u,
-of a range the point at u between its ends, of a list of n values number floor(n u).
+or any distribution of scipy.stats with its numbers, `scipy.stats.weibull_min(1.5)`. Texts that look like a range or
+numbers stand in quotes on a command line, "'A:1', 'A:2'", else they are refused.
+
+A parameter says its values for a grid, and the value at a probability u in (0, 1) for a sample: of a distribution where
+its cumulative probability is u, of a range the point at u between its ends, of a list of n values number floor(n u).
 """
 
 from __future__ import annotations
@@ -26,6 +28,9 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_count, unknown_name
 
 EVEN, RATIOS = "", "log"
+MEANT = (RATIOS, "lin")  # how a range begins, and how people think that one does
+QUOTED = "a text like that stands in quotes"
+QUOTE, SEPARATED = re.compile("['\"]"), re.compile(r"[;\s]+")
 WHOLE = re.compile(r"[+-]?\d+")
 CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*")
 
@@ -202,7 +207,23 @@ def _of_text(text: str) -> Parameter:
     ends = parts[1:] if ratios else parts
     if len(ends) in (2, 3) and all(map(_number, ends[:2])):
         return _range(text, ends, ratios)
-    return Listed(tuple(_parameter(values_of(text)).grid()))
+    values = values_of(text)
+    _refuse_mistyped(text, parts, values)
+    return Listed(tuple(_parameter(values).grid()))
+
+
+def _refuse_mistyped(text: str, parts: Sequence[str], values: Sequence[Any]) -> None:
+    """Raise `InputError` for values that were meant as a range, or as numbers. Texts like that stand in quotes."""
+    numbers = sum(map(_number, parts))
+    if len(parts) > 1 and (parts[0] in MEANT or (numbers and numbers >= len(parts) - 1)):
+        raise InputError(f"{text!r} is no range 'first:last:count' or 'log:first:last:count'; {QUOTED}")
+    if "" in values:
+        raise InputError(f"{text!r} has nothing between two commas; leave one out")
+    if not QUOTE.search(text):
+        for value in values:
+            several = SEPARATED.split(value) if isinstance(value, str) else []
+            if len(several) > 1 and all(map(_number, several)):
+                raise InputError(f"{value!r} is no number; put a comma between values; {QUOTED}")
 
 
 def values_of(text: str) -> list[Any]:

@@ -77,8 +77,14 @@ def sampled(sample: str, dimensions: int, seed: int) -> np.ndarray:
         raise unknown_name("sweep: sample", kind, SAMPLES)
     if not colon or not number.isdecimal() or int(number) < 1:
         raise InputError(f"sweep: sample {sample!r} says no number of points; write {kind}:64")
-    if int(number) > MOST_ROWS:
-        raise InputError(f"sweep: sample {sample!r} has more than {MOST_ROWS} points; make several sweeps")
-    points = SAMPLES[kind](int(number), dimensions, seed)
+    count, rows = int(number), int(number)
+    if kind == saltelli.__name__:
+        rows = count * (dimensions + 2)
+        if count & (count - 1):
+            power = 1 << (count - 1).bit_length()
+            raise InputError(f"sweep: sample {sample!r}: Sobol indices need a power of two; write {kind}:{power}")
+    if rows > MOST_ROWS:
+        raise InputError(f"sweep: sample {sample!r} has {rows} rows, more than {MOST_ROWS}; make several sweeps")
+    points = SAMPLES[kind](count, dimensions, seed)
     tiny = np.finfo(float).eps  # a distribution without ends has none at 0 and 1
     return np.clip(points, tiny, 1.0 - tiny)

@@ -18,6 +18,7 @@ from warpffrf.scene_file.kept import Kept
 from warpffrf.scene_file.load import scene_of_document
 from warpffrf.scene_file.source import Source
 from warpffrf.study.sweeps.design import Row
+from warpffrf.study.sweeps.functions import word_of
 
 
 @dataclass(frozen=True)
@@ -110,8 +111,8 @@ class FunctionScenes:
             raise InputError(f"sweep: {self.title}() cannot be called with the parameters alone: {error}") from None
 
     def digest(self) -> str:
-        """Its name alone: what a function does is told by the scene of the first row."""
-        return f"{getattr(self.function, '__module__', '')}.{self.title}"
+        """Its name and what it does itself; of what it calls the scene of the first row tells."""
+        return f"{getattr(self.function, '__module__', '')}.{self.title} {word_of(self.function)}"
 
     def built(self, row: Row) -> Built:
         """Calls it."""

@@ -209,7 +209,8 @@ class _Keeping:
 
     def __init__(self, folder: Folder, bar: Progress, done: int) -> None:
         self.folder, self.bar, self.done = folder, bar, done
-        self.proved, self.answers, self.lost = False, 0, 0  # whether a row has been run; answers so far, those lost
+        self.proved = folder.has_values  # whether a row has had what is wanted, of a sweep that goes on also before
+        self.answers, self.lost = 0, 0  # answers so far, those lost
 
     @property
     def open(self) -> bool:

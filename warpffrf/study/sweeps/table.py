@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +32,7 @@ from warpffrf.model.sealed_file import require_seal, verify, written_sealed
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.job import FAILED, Answer
-from warpffrf.study.sweeps.outputs import TIME
+from warpffrf.study.sweeps.outputs import TIME, Value
 
 MARK, SCHEMA = "warpffrf sweep table", 1
 RUN, TIME_OF_RUN, SAVED, BUDGET, SOURCE = "run", "time_of_run", "saved_steps", "error_budget", "error_source"
@@ -39,6 +40,7 @@ TEXTS = ("status", "message", "device", "host", "versions")
 NUMBERS = {"wall_seconds": "s", "set_up_seconds": "s", "worlds": "1"}  # name -> unit
 TAKEN = (RUN, TIME, TIME_OF_RUN, SAVED, BUDGET, SOURCE, *TEXTS, *NUMBERS, *COMPONENTS)  # names that outputs cannot have
 NO_VARIABLE = "This is a netCDF dimension but not a netCDF variable."  # netCDF's mark of a dimension without coordinate
+CURE = "take the table of another copy, or run the sweep again"
 PACKED_FROM = 4096  # bytes of an array that is worth packing
 
 
@@ -80,16 +82,15 @@ class Table:
         return {int(n) for n in np.flatnonzero(self.texts["status"] != "")}
 
     def add(self, answer: Answer) -> None:
-        """Put a run into its row. A run whose arrays have other axes than those before counts as failed."""
+        """Put a run into its row. A run whose arrays have other axes than those before, or axes that are called as
+        something else of the table, counts as failed."""
         n = answer.number
         for name in (*TEXTS, *NUMBERS):
             (self.texts if name in TEXTS else self.numbers)[name][n] = getattr(answer, name)
-        for name, value in answer.values.items():
-            column = self.columns.get(name)
-            if column is not None and column.array.ndim != value.array.ndim + 1:
-                self.texts["status"][n] = FAILED
-                self.texts["message"][n] = f"output {name!r} has {value.array.ndim} axes, earlier runs have others"
-                return
+        fault = self._fault(answer.values)
+        if fault:
+            self.texts["status"][n], self.texts["message"][n] = FAILED, fault
+            return
         for name, value in answer.values.items():
             column = self.columns.get(name)
             if column is None:
@@ -102,6 +103,18 @@ class Table:
             self.time = _with_row(self.time, n, answer.time)
         for source, size in answer.budget.items():
             self.budget.setdefault(source, np.full(self.count, np.nan))[n] = size
+
+    def _fault(self, values: Mapping[str, Value]) -> str:
+        """Why the values of a run cannot stand in the table, "" where they can."""
+        names = {*TAKEN, *self.parameters, *values} - {TIME, *COMPONENTS}
+        for name, value in values.items():
+            column = self.columns.get(name)
+            if column is not None and column.array.ndim != value.array.ndim + 1:
+                return f"output {name!r} has {value.array.ndim} axes, earlier runs have others"
+            for dim in value.dims:
+                if dim in names:
+                    return f"an axis of output {name!r} is called {dim!r}, as something else is; rename that"
+        return ""
 
     # --- the file
 
@@ -239,10 +252,11 @@ def opened(path: Path) -> Any:
     """The open `h5py.File` of a table whose seal holds. Raises `InputError`."""
     import h5py
 
-    subject, cure = f"sweep: {path}", "take the table of another copy, or run the sweep again"
+    subject, cure = f"sweep: {path}", CURE
     if not path.is_file():
         raise InputError(f"{subject} is missing; {cure}")
-    require_seal(verify(path, subject, cure), SCHEMA, 1, subject, cure)
+    state = path.stat()
+    _whole(path.absolute(), (state.st_ino, state.st_mtime_ns, state.st_size))
     try:
         file = h5py.File(path, "r")
     except OSError as error:
@@ -256,9 +270,22 @@ def opened(path: Path) -> Any:
     return file
 
 
+@lru_cache(maxsize=16)
+def _whole(path: Path, state: tuple[int, int, int]) -> None:
+    """Hold the seal of a table against its bytes, once for each `state` of the file: where it is, when it was written,
+    its size. Raises `InputError`, each time anew."""
+    subject = f"sweep: {path}"
+    require_seal(verify(path, subject, CURE), SCHEMA, 1, subject, CURE)
+
+
 def axes_of(data: Any) -> tuple[str, ...]:
     """Names of the axes of a variable behind `run`."""
     return tuple(str(data.dims[axis][0].name).lstrip("/") for axis in range(1, data.ndim))
+
+
+def variables_of(file: Any) -> list[str]:
+    """Names of what an open table has values of: all but axes without any."""
+    return [name for name in file if not bytes(file[name].attrs.get("NAME", b"")).startswith(NO_VARIABLE.encode())]
 
 
 def values_of(file: Any, name: str) -> np.ndarray:

@@ -13,6 +13,7 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.files.fields import COMPONENTS
 
 COMPLETED, WAITING = "completed", ""
+SAME = 1e-9  # relative: digits that people leave out, not a neighbour of a fine grid
 TIME = "time"
 # unit -> the units that values are shown in, from the largest: (least value for it, name, what it is times)
 SHOWN: dict[str, tuple[tuple[float, str, float], ...]] = {
@@ -143,6 +144,28 @@ def _times(table: Table) -> np.ndarray:
         return np.broadcast_to(time, (len(table["status"]), len(time)))
 
 
+def _has_value(name: str, column: np.ndarray, wanted: str) -> np.ndarray:
+    """(run,): which texts of the parameter are the one `wanted`."""
+    same = column == wanted
+    if not np.any(same):
+        raise unknown_name(f"sweep: where: value of {name!r}", wanted, list(map(str, np.unique(column))))
+    return same
+
+
+def _has_number(name: str, column: np.ndarray, wanted: Any) -> np.ndarray:
+    """(run,): which numbers of the parameter are the one `wanted`."""
+    try:
+        number = float(wanted)
+    except (TypeError, ValueError):
+        raise InputError(f"sweep: where: {name} is a number in all rows, got {wanted!r}; give one of them") from None
+    same = np.isclose(column.astype(float), number, rtol=SAME, atol=0.0)
+    if not np.any(same):
+        known = np.unique(column)
+        near = known[np.argmin(np.abs(known.astype(float) - number))]
+        raise InputError(f"sweep: where: no row has {name} = {wanted}; the nearest value is {near}")
+    return same
+
+
 def chosen_rows(table: Table, where: Mapping[str, Any] | None) -> np.ndarray:
     """(run,): the rows whose parameters have the values `where`. Raises `InputError` for unknown names, and where no
     row has a value, with the nearest one that rows have."""
@@ -151,14 +174,7 @@ def chosen_rows(table: Table, where: Mapping[str, Any] | None) -> np.ndarray:
         if name not in table.parameter_names:
             raise unknown_name("sweep: parameter", name, table.parameter_names)
         column = table[name]
-        same = column == wanted if column.dtype == object else np.isclose(column.astype(float), float(wanted), atol=0.0)
-        if not np.any(same):
-            known = np.unique(column)
-            if column.dtype == object:
-                raise unknown_name(f"sweep: where: value of {name!r}", str(wanted), [str(v) for v in known])
-            near = known[np.argmin(np.abs(known.astype(float) - float(wanted)))]
-            raise InputError(f"sweep: where: no row has {name} = {wanted}; the nearest value is {near}")
-        rows &= same
+        rows &= _has_value(name, column, str(wanted)) if column.dtype == object else _has_number(name, column, wanted)
     if not rows.any():
         raise InputError(f"sweep: where: no row has {', '.join(f'{k} = {v}' for k, v in (where or {}).items())}")
     return rows
