@@ -15,6 +15,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, History, find_equilibrium, run
+from warpffrf.online.load_steps import run_static
+from warpffrf.online.vibrations.eigenmodes import find_modes
 
 RADIUS, GRAVITY, MASS = 0.01, 9.81, 0.03
 LINE = laws.PalmgrenLine(0.012, 2)
@@ -22,6 +24,7 @@ TURN = 0.5 * MASS * RADIUS**2  # kg m2: a solid roller
 LEVER = 1e-4
 CREEP = laws.RegularisedCoulomb(0.3, 1e-4)
 MODULUS = 0.5 * STEEL.plane_strain_modulus
+SLOPES = 1e-4  # of eigenvalues: the heave of the roller, which moves with them
 EXACT = 1e-6  # of steps with constant accelerations, and the sinking in of nanometres in radii
 
 
@@ -141,3 +144,35 @@ def test_rest_says_that_rolling_resistance_does_not_act() -> None:
     assert "rolling resistance of 'contact' does not act in the equilibrium: nothing turns" in found.notes
     with pytest.raises(InputError, match="rolling resistance of 'contact' holds nothing at rest"):
         find_equilibrium(scene, friction=True)
+
+
+def test_a_static_run_says_that_rolling_resistance_does_not_act() -> None:
+    scene = on_floor(LINE, friction=CREEP, rolling_resistance=laws.RollingLever(LEVER, 1.0))
+    found = run_static(scene, 1.0, step=1.0, progress=False)
+    assert found.status == "completed", found.message
+    assert [note for note in found.notes if "nothing turns" in note] == [
+        "rolling resistance of 'contact' does not act in a static run: nothing turns"
+    ]
+
+
+def test_modes_of_a_roller_that_rolls_have_its_moment() -> None:
+    """Creep f = -c (v - r w), c = mu F/v_slip, and the moment -s w, s = e F/w_r, which both act about a state of
+    motion: (m v', J w') = -((c, -c r), (-c r, c r^2 + s)) (v, w). At rest neither acts."""
+    lever, beyond, F = 2e-3, 2.5, MASS * GRAVITY  # rolls with 2 rad/s; its creep stays below the bound
+    c, s = CREEP.coefficient * F / CREEP.slip_velocity, lever * F / beyond
+    D = np.array([[c, -c * RADIUS], [-c * RADIUS, c * RADIUS**2 + s]])
+    exact = np.linalg.eigvals(-D / np.array([[MASS], [TURN]]))
+
+    def scene() -> Scene:
+        return rolling(on_floor(LINE, friction=CREEP, rolling_resistance=laws.RollingLever(lever, beyond)), 0.02)
+
+    for about in ("initial", done(scene(), 1e-4, 5)):
+        found = find_modes(scene(), about=about)
+        for value in exact:
+            assert np.abs(found.eigenvalues - value).min() < SLOPES * abs(value)
+        assert not any("does not act" in note for note in found.notes)
+        assert any("rolling resistance of 'contact' damps small motions" in note for note in found.notes)
+    assert exact.max() == pytest.approx(-s / (TURN + MASS * RADIUS**2), rel=1e-2)  # it rolls out
+    resting = find_modes(scene())
+    assert np.abs(np.real(resting.eigenvalues)).max() < 1e-9  # round-off of motions at 33 kHz
+    assert "rolling resistance of 'contact' does not act in eigenmodes: nothing turns" in resting.notes

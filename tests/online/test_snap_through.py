@@ -144,3 +144,26 @@ def test_turns_between_orientations() -> None:
     expected = (p0.inv() * p1).as_rotvec()
     np.testing.assert_allclose(snap_through._turns(p0.as_quat(), -p1.as_quat()), expected, atol=1e-12)
     assert np.abs(snap_through._turns(p0.as_quat(), p0.as_quat())).max() < 1e-12
+
+
+def test_rolling_resistance_hinders_no_jump() -> None:
+    """Two springs as a flat roof, whose apex is pushed through and would roll on a floor, if it came there."""
+    half, height, stiffness = 0.1, 0.02, 1e6  # m, N/m
+    scene = wf.Scene()
+    floor = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, -0.2), outward=(0, 0, 1)), name="floor")
+    ball = wf.surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    apex = scene.add_rigid_body(1.0, (1e-3,) * 3, name="apex", position=(0, 0, height), surfaces={"ball": ball})
+    steel = wf.Material(210e9, 0.3, 7850.0)
+    law, resistance = wf.laws.HertzPoint(steel, steel), wf.laws.RollingLever(1e-4, 1.0)
+    scene.add(wf.LumpedContact(apex["ball"], floor, law=law, rolling_resistance=resistance))
+    scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), apex.at((0, 0, 0)), axis=(0, 0, 1), name="guide"))
+    length = float(np.hypot(half, height))
+    for side in (-half, half):
+        scene.add(wf.forces.SpringDamper(scene.ground.at((side, 0, 0)), apex.at((0, 0, 0)), stiffness))
+    limit = 2.0 / np.sqrt(27.0) * stiffness * height**3 / length**2  # of k z (h^2 - z^2)/l^2, for h << l
+    push = wf.signals.Table([0.0, 4.0], [0.0, -1.04 * limit])
+    scene.add(wf.forces.PointForce(apex.at((0, 0, 0)), (0.0, 0.0, push), name="push"))
+    found = wf.simulate(scene, 4.0, step=1.0, kind="static", progress=False)
+    assert found.status == "completed", found.message
+    assert len(jumps(found)) == 1
+    assert found.body("apex").position[-1, 2] < -height

@@ -10,8 +10,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe
 
-from warpffrf.model import joints, laws
-from warpffrf.model.bearings import Bearing
+from warpffrf.model import forces, joints, laws
+from warpffrf.model.bearings import Bearing, Flanges
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.output.bearings.bearing_result import BearingResult
@@ -60,6 +60,37 @@ def test_torque_of_rolling_resistance() -> None:
     assert power[-1] == pytest.approx(exact * speed, rel=SETTLED)
     ledger = result.history.energy["friction"]
     assert -np.trapezoid(power[10:], result.time[10:]) == pytest.approx(ledger[-1] - ledger[10], rel=1e-3)
+
+
+def test_ribs_rub_under_thrust() -> None:
+    """An NJ bearing whose rollers carry a thrust between ribs of both rings: the inner ones have the thrust and their
+    part of the torque, the drive gives what friction takes, which is in the ledger."""
+    speed, thrust, length, origin = 100.0, 300.0, 8 * MM, (0.0, 0.0, 0.0)
+    scene, friction = Scene(), laws.RegularisedCoulomb(MU, 1e-2)
+    flanges = Flanges(20e-6, inner="back", height=1 * MM, end_radius=30 * MM, friction=friction)
+    bearing = scene.add_roller_bearing(
+        "b", elements=3, roller_diameter=8 * MM, roller_length=length, pitch_diameter=40 * MM, clearance=-10e-6,
+        outer=scene.ground, law=laws.PalmgrenLine(length, 2), friction=friction, material=STEEL, flanges=flanges,
+    )  # fmt: skip
+    inner: Any = bearing.inner
+    axle = scene.add(joints.Cylindrical(scene.ground.at(origin), inner.at(origin), axis=(0, 1, 0), name="axle"))
+    scene.add(joints.Drive(axle, speed, quantity="velocity", coordinate="rotation", name="drive"))
+    scene.add(forces.PointForce(inner.at(origin), (0.0, thrust, 0.0), name="thrust"))
+    bearing.roll(speed)
+    assert bearing.drive is not None
+    scene.drives.remove(bearing.drive)
+    result = simulate(scene, 2e-4, step=1e-5, start="equilibrium", progress=False)
+    assert result.status == "completed", result.message
+    found = result.bearing("b")
+    assert found.force[-1, 2] == pytest.approx(-thrust, rel=SETTLED)
+    power = {where: each.sum(axis=1) for where, each in found.friction_power.items()}
+    total = sum(power.values(), np.zeros(len(result.time)))
+    assert power["flange"][-1] > 0.9 * total[-1]
+    assert -found.friction_torque[-1] == pytest.approx(result.joint("axle").torque[-1, 1], rel=SETTLED)
+    assert -found.friction_torque[-1] * speed == pytest.approx(total[-1], rel=SETTLED)
+    assert found.table()["friction [W]"].sum() == pytest.approx(total[-1])
+    ledger = result.history.energy["friction"]
+    assert -np.trapezoid(total[5:], result.time[5:]) == pytest.approx(ledger[-1] - ledger[5], rel=1e-3)
 
 
 def pivoting(found: BearingResult, bearing: Bearing, creep: float) -> dict[str, float]:

@@ -22,7 +22,7 @@ goes downhill to another one, and the jump is named in the notes (`warpffrf.onli
 
 **What has no meaning at rest** is refused, with the cure: films, which carry by sliding and squeezing. Dampers carry
 nothing. Friction laws that depend on the slip speed take what slides in a load step over the time that it stands for;
-regularised friction of lumped contacts, which needs a velocity, does not act, with a note.
+regularised friction and rolling resistance of lumped contacts, which need a velocity, do not act, with a note.
 
 **Free motions.** What contact and its friction leave free is held where it is, as in an equilibrium
 (`start.free_motions`), and looked for before every load step, from the state alone: a run that is taken up again goes
@@ -38,7 +38,7 @@ import numpy as np
 
 from warpffrf.model.consistency import refuse_singular_mass
 from warpffrf.model.errors import InputError, require_count
-from warpffrf.model.friction import RUBBED_REST, friction_notes
+from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.keeping import Keeper, Plan, Unfinished
 from warpffrf.model.progress import Progress
@@ -105,7 +105,7 @@ def run_static(
     }  # fmt: skip
     engine = engine_of(scene, **made_with)
     built = time.perf_counter()
-    notes = [*engine.compiled.notes, *uneven, *_without_friction(scene), *untested_warp_note()]
+    notes = [*engine.compiled.notes, *uneven, *_without_velocity(scene), *untested_warp_note()]
     free = FreeMotions(engine, rubs=True)
     first_step, rejected = 0, 0
     if isinstance(start, Unfinished):
@@ -198,13 +198,16 @@ def _without_velocities(engine: Engine) -> list[str]:
     ]
 
 
-def _without_friction(scene: Scene) -> list[str]:
+def _without_velocity(scene: Scene) -> list[str]:
+    """Notes of what lumped contacts resist only what has a velocity with."""
+    resting = rolling_notes(scene, "a static run")
     names = [c.name for c in scene.lumped_contacts if c.friction.acts and c.friction.creep_limit > 0.0]
     if not names:
-        return []
+        return resting
     return [
         f"regularised friction of {', '.join(map(repr, names))} does not act in a static run: it needs a slip "
-        "velocity; laws.Coulomb sticks and slips by displacements"
+        "velocity; laws.Coulomb sticks and slips by displacements",
+        *resting,
     ]
 
 

@@ -14,7 +14,7 @@ from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, r
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
-from warpffrf.model.friction import RUBBED_REST, friction_notes
+from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
 from warpffrf.model.integrators import (
     CHECK_INTEGRATORS,
     EnergyMomentum,
@@ -65,6 +65,7 @@ from warpffrf.online.warp_start import untested_warp_note
 log = logging.getLogger("warpffrf")
 
 INTERRUPTED = "interrupted"
+START_REST = "the equilibrium that the run starts from"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
@@ -213,7 +214,7 @@ def run(
         if start == "initial":
             notes.extend(overlap_notes(scene))
         if start == "equilibrium" or at_rest:
-            notes.extend(friction_notes(scene, "the equilibrium that the run starts from", RUBBED_REST))
+            notes.extend(friction_notes(scene, START_REST, RUBBED_REST) + rolling_notes(scene, START_REST))
         if start == "equilibrium" and not settle(engine):
             return finish(engine, begin, built, notes, "equilibrium: ")
         engine.initial_rates()
@@ -301,7 +302,7 @@ def find_equilibrium(
     built = time.perf_counter()
     apart = check_load_paths(scene)
     if not friction:
-        apart += friction_notes(scene, "the equilibrium", RUBBED_REST)
+        apart += friction_notes(scene, "the equilibrium", RUBBED_REST) + rolling_notes(scene, "the equilibrium")
     films = FilmWatch(engine, 0, 0)
     if rub_to_rest(engine) if friction else settle(engine):
         films.keep(engine)

@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from warpffrf_kernels.core import control as k
 
-from warpffrf.model.friction import friction_notes
+from warpffrf.model.friction import rubbing
 from warpffrf.model.rotation import matrix
 from warpffrf.model.second_order_motion import skin_displacement
 from warpffrf.online.engine import Engine
@@ -61,7 +61,7 @@ class Jump:
 def snap_through(engine: Engine) -> Jump | None:
     """Take the load step that has just failed in `engine` as a jump; None: there is none, and the engine is as it was,
     with the failure in its status."""
-    if int(np.bitwise_or.reduce(engine.word("status"))) & ~LOST or friction_notes(engine.scene, ""):
+    if int(np.bitwise_or.reduce(engine.word("status"))) & ~LOST or rubbing(engine.scene):
         return None
     kept, notes = engine.checkpoint(), list(engine.start_notes)
     step, target, rejected = (int(engine.word(name)[0]) for name in ("step", "target", "rejected"))

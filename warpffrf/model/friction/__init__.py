@@ -34,7 +34,7 @@ RUBBED_REST = (
 __all__ = [
     "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb",
     "TractionCurve", "RUBBED_REST", "as_constant_friction", "as_friction", "as_lumped_friction", "as_pair_friction",
-    "friction_notes",
+    "friction_notes", "rolling_notes", "rubbing",
 ]  # fmt: skip
 
 
@@ -91,16 +91,22 @@ _TAKERS = (
 )
 
 
+def rubbing(scene: Any) -> list[str]:
+    """Names of the contacts and the frictions of joints of a scene that rub; rolling resistance is no friction."""
+    contacts = [contact.name for contact in (*scene.contacts, *scene.lumped_contacts) if contact.friction.acts]
+    return contacts + [force.name for force in scene.forces if hasattr(force, "slip")]
+
+
 def friction_notes(scene: Any, state: str, cure: str = "") -> list[str]:
-    """Notes of the pairs, and the joints, whose friction and rolling resistance a static `state` (words for the reader)
-    leaves out; `cure`: what has friction."""
-    contacts = (*scene.contacts, *scene.lumped_contacts)
-    rubbing = [repr(contact.name) for contact in contacts if contact.friction.acts]
-    rubbing += [repr(force.name) for force in scene.forces if hasattr(force, "slip")]
-    rolling = [repr(contact.name) for contact in scene.lumped_contacts if contact.rolling_resistance is not None]
-    left_out = {
-        f"friction of {', '.join(rubbing)} does not act in {state}: it has no slip to answer{cure and f'; {cure}'}":
-            rubbing,
-        f"rolling resistance of {', '.join(rolling)} does not act in {state}: nothing turns": rolling,
-    }  # fmt: skip
-    return [note for note, names in left_out.items() if names]
+    """Notes of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out; `cure`:
+    what has friction."""
+    names = ", ".join(map(repr, rubbing(scene)))
+    if not names:
+        return []
+    return [f"friction of {names} does not act in {state}: it has no slip to answer{cure and f'; {cure}'}"]
+
+
+def rolling_notes(scene: Any, state: str) -> list[str]:
+    """Notes of the lumped contacts whose rolling resistance a static `state` (words for the reader) leaves out."""
+    names = [repr(contact.name) for contact in scene.lumped_contacts if contact.rolling_resistance is not None]
+    return [f"rolling resistance of {', '.join(names)} does not act in {state}: nothing turns"] if names else []

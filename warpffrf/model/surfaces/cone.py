@@ -17,9 +17,8 @@ from warpffrf.model.surface_fit import fit_revolution
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
 
-STEEPEST = np.radians(
-    80.0
-)  # of a mesh: a steeper cone is a disc, its chart counts along an axis that it hardly follows
+# Of a mesh: a steeper cone is a disc, its chart counts along an axis that it hardly follows
+STEEPEST = np.radians(80.0)
 FLATTEST = np.radians(89.99)  # of a rigid surface in lumped contact, which needs no chart: the face of a rib
 STRAIGHT = 1e-9  # tangent below which points show no cone: round-off of nodes over their width
 

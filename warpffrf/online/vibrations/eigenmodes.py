@@ -25,10 +25,11 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
+from warpffrf_kernels.core.control import LOADING, STATIC
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
-from warpffrf.model.friction import friction_notes
+from warpffrf.model.friction import friction_notes, rolling_notes, rubbing
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, restore
 from warpffrf.online.engine import Engine
@@ -247,7 +248,7 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
 
 def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
     """What a reader of the modes should know."""
-    notes = list(engine.compiled.notes) + friction_notes(engine.scene, "eigenmodes")
+    notes = list(engine.compiled.notes) + _rubbing_notes(engine)
     if linear.lumped:
         notes.append(
             f"closed lumped contacts ({linear.lumped} places) have the stiffness of their laws at the forces they "
@@ -282,6 +283,26 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
     if name != "equilibrium" and _passing(engine):
         notes.append("the state is not steady (bodies accelerate): the modes are those of this instant")
     return notes
+
+
+def _rubbing_notes(engine: Engine) -> list[str]:
+    """What friction and rolling resistance are to small motions (`linearise`)."""
+    scene = engine.scene
+    if int(engine.word("mode")[0]) in (int(STATIC), int(LOADING)):
+        return friction_notes(scene, "eigenmodes") + rolling_notes(scene, "eigenmodes")
+    lumped = [contact for contact in scene.lumped_contacts if contact.friction.acts]
+    held = [name for name in rubbing(scene) if name not in {contact.name for contact in lumped}]
+    springs = [contact.name for contact in lumped if not contact.friction.creep_limit]
+    dampers = [contact.name for contact in lumped if contact.friction.creep_limit]
+    rolling = [contact.name for contact in scene.lumped_contacts if contact.rolling_resistance is not None]
+    said = {
+        "friction of {} keeps the forces that it has in the state, and neither holds nor damps small motions": held,
+        "friction of {} holds small motions by the tangential stiffness of the patch where it sticks in the state; "
+        "where it slips, along the slip by half of that, the mean of going on and turning back": springs,
+        "regularised friction of {} damps small motions by its slope at the velocities of the state": dampers,
+        "rolling resistance of {} damps small motions by its slope at the velocities of the state": rolling,
+    }
+    return [note.format(", ".join(map(repr, names))) for note, names in said.items() if names]
 
 
 def _passing(engine: Engine) -> bool:

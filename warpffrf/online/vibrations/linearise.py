@@ -19,6 +19,12 @@ C, and on the active set L and the local compliance G (hats without the modes), 
 the contact grids are held, as in the kernels' own gradient: how the patch wanders over the material is no part of small
 motions. The pressures' line of action turns with the bodies; that is in R_x.
 
+**Friction** of a static state is none. In a state of a run joints and pairs of surfaces rub with unknowns of their own
+(multipliers, tractions), which are held: their friction neither holds nor damps. In lumped contacts it is a function of
+the motion, and in the matrices: where it sticks its stiffness is in R_x; where it slips, up to the bound on one side
+and along its spring on the other, the difference has the mean of both; regularised friction, rolling resistance and
+pivoting have their slopes at the velocities of the state in R_v.
+
 **Turning bodies.** x varies by dr (world axes) and by psi (body axes, A = A_0 exp(psi^)), so that
 `dw = psi' + w x psi`, `dwdot = psi'' + w x psi' + wdot x psi`. In coordinates y that turn with the body, `dr = A y_r`,
 `psi = y_t`,

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from warpffrf.model import looks
 from warpffrf.model import rotation as rot
+from warpffrf.model.bearings.flanges import ENDS
 from warpffrf.model.bearings.geometry import BallRaceways, from_description
 from warpffrf.model.bearings.parts import SIDES
 from warpffrf.model.bearings.rating import BasicLife, ReferenceLife, basic_life, reference_life
@@ -221,19 +222,20 @@ class BearingResult(looks.Shown):
 
     @cached_property
     def force(self) -> np.ndarray:
-        """(T, 3) N, of the elements on the inner ring, bearing's frame."""
-        total = -sum(self._forces("inner"), np.zeros((len(self.time), 3)))
+        """(T, 3) N, of the elements on the inner ring, at its raceway and its ribs, bearing's frame."""
+        ribs = [self.history.lumped_contacts[name].force for each in self._ribs("inner") for name in each]
+        total = -sum([*self._forces("inner"), *ribs], np.zeros((len(self.time), 3)))
         return np.einsum("tki,ti->tk", self.axes, total)
 
     @cached_property
     def friction_torque(self) -> np.ndarray:
-        """(T,) N m, of the elements on the inner ring about its own axis by friction, rolling resistance and pivoting,
-        against a positive speed negative."""
+        """(T,) N m, of the elements on the inner ring about its own axis by friction, at its ribs too, rolling
+        resistance and pivoting, against a positive speed negative."""
         body = self._body(self.description["inner"])
         along = self._turned(self.description["inner"]) @ np.asarray(self.description["axes"])[2]
         center = self._carried(self.description["inner"])
         total = np.zeros((len(self.time), 3))
-        for name in self._names("inner"):
+        for name in [*self._names("inner"), *(name for each in self._ribs("inner") for name in each)]:
             if name in self.history.lumped_contacts:
                 contact = self.history.lumped_contacts[name]
                 total -= np.cross(contact.place - center, contact.friction_force) + contact.moment
@@ -245,14 +247,16 @@ class BearingResult(looks.Shown):
 
     @cached_property
     def friction_power(self) -> dict[str, np.ndarray]:
-        """ "inner", "outer" and "cage" -> (T, Z) W: what friction takes there, force times slip speed and moment times
-        angular velocity, of distributed contact summed over its patch. Of the cage in its pockets, 0 without."""
+        """ "inner", "outer", "cage" and "flange" -> (T, Z) W: what friction takes there, force times slip speed and
+        moment times angular velocity, of distributed contact summed over its patch. Of the cage in its pockets, of
+        flanges at the ribs of both rings, 0 without."""
         names = {side: [[name] for name in self._names(side)] for side in SIDES}
         known = self.description["contacts"]
         names["cage"] = [
             [known[key] for key in known if key == f"pocket_{i + 1}" or key.startswith(f"pocket_{i + 1}_")]
             for i in range(len(self.elements))
         ]
+        names["flange"] = [inner + outer for inner, outer in zip(*map(self._ribs, SIDES), strict=True)]
         found = {side: np.zeros((len(self.time), len(self.elements))) for side in names}
         for side, each in names.items():
             for i, contacts in enumerate(each):
@@ -306,8 +310,7 @@ class BearingResult(looks.Shown):
                 columns[f"{side} a [mm]"] = MM * patches.half_axis_across[row]
                 columns[f"{side} b [mm]"] = MM * patches.half_axis_around[row]
                 columns[f"{side} slip [m/s]"] = self.slip_speed[side][row]
-        power = [self.friction_power[where][row] for where in (*SIDES, "cage")]
-        columns["friction [W]"] = np.sum(power, axis=0)
+        columns["friction [W]"] = np.sum([power[row] for power in self.friction_power.values()], axis=0)
         columns["cage force [N]"] = self.cage_force[row]
         columns |= {f"{side} cut off [%]": 100.0 * share[row] for side, share in self.cut_off.items()}
         return columns
@@ -361,6 +364,12 @@ class BearingResult(looks.Shown):
 
     def _names(self, side: str) -> list[str]:
         return [self.description["contacts"][f"{side}_{i + 1}"] for i in range(len(self.elements))]
+
+    def _ribs(self, side: str) -> list[list[str]]:
+        """Names of the contacts of each element with the ribs of a ring."""
+        known = self.description["contacts"]
+        keys = [[f"flange_{side}_{end}_{i + 1}" for end in ENDS] for i in range(len(self.elements))]
+        return [[known[key] for key in each if key in known] for each in keys]
 
     def _forces(self, side: str) -> list[np.ndarray]:
         """(T, 3) N each, on the elements, world axes."""
