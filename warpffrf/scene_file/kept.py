@@ -1,8 +1,8 @@
 """Meshes and reduced bodies that scenes of one file have in common, kept from one to the next.
 
-A scene file is read anew for every row of a sweep, and most rows change a load or a speed. What a mesh or a reduced
-body is made of are its table, the tables of materials and meshes, and files: where all these are as they were, it is
-the same object again. Bodies are then in memory once, and scenes that are worlds of one graph share them.
+The scene of a file is built anew for every row of a sweep, and most rows change a load or a speed. What a mesh or a
+reduced body is made of are its table, the tables of materials and meshes, and files: where all these are as they were,
+it is the same object again. Bodies are then in memory once, and scenes that are worlds of one graph share them.
 """
 
 from __future__ import annotations
