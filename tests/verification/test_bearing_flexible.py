@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from warpffrf.online.compile.patch_plan import relative_curvatures
 from warpffrf.output.contact.hertz_patch import hertz_point
 
 STEEL = wf.Material(206e9, 0.3, 7850.0)
@@ -163,3 +164,17 @@ def test_a_ball_in_rigid_grooves(ball: wf.ReducedBody) -> None:
     assert not any("than its cells may be" in note for note in rest.history.notes)
     heavy = under(ball, HEAVY)
     assert [note[:21] for note in heavy.history.notes if "than its cells may be" in note] == ["contact 'b outer 1': "]
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.7])
+def test_cells_under_a_ball_have_the_curvatures_at_the_contact_angle(ball: wf.ReducedBody, angle: float) -> None:
+    """Off the middle of a groove the ball's axis leans against that of the ring: those of ISO/TS 16281's raceways."""
+    scene = wf.Scene()
+    bearing = scene.add_ball_bearing(
+        "b", elements=3, ball_diameter=BALL, pitch_diameter=BALL_PITCH, osculation=GROOVE / BALL, outer=scene.ground,
+        contact_angle=angle, material=STEEL, element_body=ball,
+    )  # fmt: skip
+    for contact in scene.contacts:
+        side = "inner" if "inner" in contact.name else "outer"
+        in_the_groove, around = bearing.raceways.curvatures(side, angle)  # pyright: ignore[reportAttributeAccessIssue]
+        np.testing.assert_allclose(relative_curvatures(contact), (around, in_the_groove), rtol=1e-9)

@@ -25,7 +25,7 @@ from warpffrf.model.moments import (
     spin_resistance,
 )
 from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.nearest import Nearest, curvature_around, lamina_gap, nearest
+from warpffrf.model.nearest import Nearest, curvatures_on, lamina_gap, nearest
 
 OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.overlap` has it
 STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single place
@@ -168,7 +168,7 @@ class LumpedContact(looks.Item):
             if form is None:
                 continue
             hollow = form.most_hollow / float(one.surface.shape.radius) ** 2
-            if hollow >= (ideal := curvature_around(one, other)):
+            if hollow >= (ideal := curvatures_on(one, other)[0]):
                 raise InputError(
                     f"{self.label}: the waves of {one.label} have hollows of {hollow:.4g} 1/m, which {other.label} "
                     f"bridges: it curves by {ideal:.4g} 1/m more than the ideal surface follows, and touches on both "

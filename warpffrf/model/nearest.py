@@ -38,26 +38,14 @@ class Nearest:
 
 def nearest(a: SurfacePort, b: SurfacePort) -> Nearest:
     """Of two rigid surfaces at the initial pose of their bodies."""
-    one, other = a, b
-    if not is_ball(a) and (is_ball(b) or a.surface.shape.profile().planar):
-        one, other = b, a
-    shape = one.surface.shape
-    if is_ball(one):
-        center = one.body.to_world(shape.axis_point)
-        foot, gap = _foot(other, center)
-        gap -= shape.radius
-        x = center - shape.radius * _normal(other, foot)
-    else:
-        theta, z = _least(one, other)
-        x = one.body.to_world(shape.point(theta, z))
-        foot, gap = _foot(other, x)
-    gap += _missing(one, x) + _missing(other, foot)
-    bend = _tensor(one, x) + _tensor(other, foot)
-    n = _normal(b, foot if other is b else x)
+    x, y, gap = _opposite(a, b)
+    gap += _missing(a, x) + _missing(b, y)
+    bend = _tensor(a, x) + _tensor(b, y)
+    n = _normal(b, y)
     values, vectors = np.linalg.eigh(bend)
     across = np.argsort(np.abs(vectors.T @ n))[:2]  # the third eigenvector is the normal
     small, large = sorted(float(values[i]) for i in across)
-    return Nearest(float(gap), 0.5 * (x + foot), n, (small, large))
+    return Nearest(float(gap), 0.5 * (x + y), n, (small, large))
 
 
 def is_ball(port: SurfacePort) -> bool:
@@ -99,12 +87,35 @@ def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
     return center
 
 
-def curvature_around(one: SurfacePort, other: SurfacePort) -> float:
-    """Relative curvature [1/m] of both where they are nearest, along the circle about the axis of `one`."""
-    x = nearest(one, other).place
+def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
+    """Relative curvatures [1/m] of both where the ideal surfaces are nearest, along the circle about the axis of `one`
+    and along its meridian."""
+    x, y, _ = _opposite(one, other)
     shape: Any = one.surface.shape
-    around = _turned(one, shape.around(shape.chart(one.body.to_user(x))[0]))
-    return float(around @ (_tensor(one, x) + _tensor(other, x)) @ around)
+    theta, z, _ = shape.chart(one.body.to_user(x))
+    bend = _tensor(one, x) + _tensor(other, y)
+    around, along = (_turned(one, direction) for direction in (shape.around(theta), shape.along(theta, z)))
+    return float(around @ bend @ around), float(along @ bend @ along)
+
+
+def _opposite(a: SurfacePort, b: SurfacePort) -> tuple[np.ndarray, np.ndarray, float]:
+    """Places (3,) of both ideal surfaces where they are nearest, world, and the gap [m]."""
+    if not is_ball(a) and (is_ball(b) or a.surface.shape.profile().planar):
+        y, x, gap = _from(b, a)
+        return x, y, gap
+    return _from(a, b)
+
+
+def _from(one: SurfacePort, other: SurfacePort) -> tuple[np.ndarray, np.ndarray, float]:
+    """`_opposite` by a search on `one`; a ball needs none."""
+    shape = one.surface.shape
+    if is_ball(one):
+        center = one.body.to_world(shape.axis_point)
+        foot, distance = _foot(other, center)
+        return center - shape.radius * _normal(other, foot), foot, distance - float(shape.radius)
+    theta, z = _least(one, other)
+    x = one.body.to_world(shape.point(theta, z))
+    return x, *_foot(other, x)
 
 
 def _missing(port: SurfacePort, x: np.ndarray) -> Any:

@@ -29,6 +29,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import WHOLE, FarField
 from warpffrf.model.love import rectangle
+from warpffrf.model.nearest import curvatures_on, is_ball
 from warpffrf.online.compile.patch_sides import Surface, meridian
 
 Array = np.ndarray
@@ -229,8 +230,10 @@ def end_places(contact: Contact) -> list[float]:
 
 def relative_curvatures(contact: Contact) -> tuple[float, float]:
     """Of the first surface against the second [1/m], across and along the meridian of the first, where they face each
-    other at the start."""
+    other at the start: a ball at its nearest place, other surfaces in their middles."""
     a, b = contact.a, contact.b
+    if is_ball(a) or is_ball(b):
+        return curvatures_on(a, b)
     z_a = _middle(a.surface)
     first = [float(k) for k in a.surface.shape.curvatures(0.0, z_a)]
     second = [float(k) for k in b.surface.shape.curvatures(0.0, _middle(b.surface))]
