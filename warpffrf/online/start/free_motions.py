@@ -30,9 +30,20 @@ y tilt it by Q y/K, and press it further out along its axis by as much of Q. Suc
 the bottom of its groove in this way, which is nearer than FREE of its radius. Where they go further (`wanders`), or a
 proximal step fails, those driven by less than FREE of the largest force are held as well, and named with what drives
 them.
+
+A slope is where no load drives. As a motion n moves against no row and no gap, all its drive is that of loads Q_b on
+bodies b, weights and constant forces. The load on a ring does a little as the roller under it goes out: it sinks by a
+slope, Q_b n_b < FREE |Q_b| with n of length one. What all others do,
+
+    sum |Q_b n_b|      over bodies with Q_b n_b > FREE |Q_b|      (`driven_by_loads`),
+
+must be next to nothing, as above, however large forces elsewhere are: a pendulum beside the ring is followed to the
+bottom, and a load on what a slide guides finds no equilibrium.
 """
 
 from __future__ import annotations
+
+from collections.abc import Iterator
 
 import numpy as np
 from warpffrf_kernels.core.model import AT_POINTS
@@ -59,8 +70,9 @@ TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
 MOST_NAMED = 4
 SLIDES = 0.5  # of a body's share: whether it slides or turns
 SLIDE = "slide along"
+TURN = "turn about"
 SLIDES_FOLDED = {2: f"{SLIDE} a plane", 3: f"{SLIDE} any line"}
-TURNS_FOLDED = {2: "turn about any line of a plane", 3: "turn about any line"}
+TURNS_FOLDED = {2: f"{TURN} any line of a plane", 3: f"{TURN} any line"}
 BY_ITSELF = 1e-6  # of a body's share, what is left of it where the body moves without others
 LOOK_AHEAD = 1e-3  # of a radius: a small motion that tells whether a gap closes
 STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an axle a little off the centre of mass
@@ -83,7 +95,8 @@ class FreeMotions:
         self._sloping: list[np.ndarray] = [none] * engine.worlds  # the same with those that slopes drive
         self.resisted: list[np.ndarray] = [none] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
-        self._slope: dict[str, float] = {}  # largest force on what is held although slopes drive it, by body
+        # what drives motions that are held although slopes drive them, over the weights (6 bodies,)
+        self._slope = [np.zeros(6 * len(engine.scene.bodies))] * engine.worlds
 
     @property
     def possible(self) -> bool:
@@ -99,7 +112,7 @@ class FreeMotions:
 
     def look(self) -> None:
         """Find the free motions at the state of the last step."""
-        self._drive, self._slope, self.wanders = None, {}, False
+        self._drive, self.wanders = None, False
         if not self.told:
             return
         for world in range(self.engine.worlds):
@@ -112,19 +125,22 @@ class FreeMotions:
                 unsprung = unsprung_motions(self.engine, world, weight)
                 self.resisted[world], _ = parted(self.engine, world, weight, unsprung)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
-            along = (motions @ (self._forces(world) / weight)) * scale
+            left = self._forces(world)
+            pull = motions @ (left / weight)
+            along = pull * scale
             force = np.abs(along)
             sliding = np.array([np.sum(n.reshape(-1, 6)[:, :3] ** 2) for n in motions])
             largest = largest_force(self.engine, world)
             allowed = np.where(sliding > STANDS, PULLED, TURNED) * largest
             all_of_them = self.bears and self._presses(world)
-            self._sloping[world] = motions[(force <= FREE * largest) | all_of_them]
+            loads = driven_by_loads(self.engine, world, weight, motions, left) * scale
+            slopes = (force > allowed) & (force <= FREE * largest) & (loads <= allowed)
+            self._sloping[world] = motions[(force <= allowed) | slopes | all_of_them]
             away = np.abs(motions @ (self._step(world) * weight)) / scale
-            driven = (force > allowed) & (force <= FREE * largest)
-            self.wanders |= bool(np.any(driven & (away > FAR * float(self.engine.compiled.model.length))))
+            self.wanders |= bool(np.any(slopes & (away > FAR * float(self.engine.compiled.model.length))))
             if self.holds_driven:
-                self._remember(world, motions[driven])
-                allowed = np.maximum(allowed, FREE * largest)
+                self._slope[world] = pull[slopes] @ motions[slopes]
+                allowed = np.where(slopes, FREE * largest, allowed)
             self.found[world] = motions[(force <= allowed) | all_of_them]
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
@@ -138,17 +154,6 @@ class FreeMotions:
         self.holds_driven, self.found = True, list(self._sloping)
         self.hold()
         return True
-
-    def _remember(self, world: int, motions: np.ndarray) -> None:
-        """Of held motions that slopes drive: what is left over on the bodies that take part, along them."""
-        left, least = self._forces(world).reshape(-1, 6)[:, :3], PULLED * largest_force(self.engine, world)
-        for n in motions:
-            parts = n.reshape(-1, 6)[:, :3]
-            for b, body in enumerate(self.engine.scene.bodies):
-                size = float(np.linalg.norm(parts[b]))
-                drive = abs(float(left[b] @ parts[b])) / max(size, STANDS)
-                if size**2 > TAKES_PART and drive > least:
-                    self._slope[body.name] = max(drive, self._slope.get(body.name, 0.0))
 
     def hold(self) -> None:
         """Hold what `look` found from the next step on."""
@@ -188,31 +193,26 @@ class FreeMotions:
 
     def notes(self) -> list[str]:
         """What was left where it is, one line."""
-        bodies = self.engine.scene.bodies
-        clauses: dict[str, list[str]] = {}
+        clauses: dict[str, dict[str, float]] = {}
         for world in range(self.engine.worlds):
-            weight = self._weight()
-            for b, body in enumerate(bodies):
-                own = weight[6 * b : 6 * b + 6]
-                folded, motions = _motions_of(self.found[world][:, 6 * b : 6 * b + 6])
-                for clause in [*folded, *(self._clause(world, b, y, own) for y in motions)]:
-                    names = clauses.setdefault(clause, [])
-                    if body.name not in names:
-                        names.append(body.name)
+            weight, least = self._weight().reshape(-1, 6), PULLED * largest_force(self.engine, world)
+            for b, body in enumerate(self.engine.scene.bodies):
+                own = slice(6 * b, 6 * b + 6)
+                for clause, motions in _motions_of(self.found[world][:, own]):
+                    told = clause or self._clause(world, b, motions[0], weight[b])
+                    drive = float(np.linalg.norm(motions @ self._slope[world][own]))
+                    way = slice(0, 3) if told.startswith(SLIDE) else slice(3, 6)
+                    amount = drive * weight[b, way][0] / np.linalg.norm(motions[0, way])  # N, N m
+                    drives = clauses.setdefault(told, {})
+                    drives[body.name] = max(drives.get(body.name, 0.0), amount if drive * weight[b, 0] > least else 0.0)
         told = []
-        for clause, names in clauses.items():
+        for clause, drives in clauses.items():
+            names = list(drives)
             left = "it is" if len(names) == 1 else "they are"
-            more = f"{self._unpressed(names)}{self._against(names)}" if clause.startswith(SLIDE) else ""
+            more = self._unpressed(names) if clause.startswith(SLIDE) else ""
+            more += _against(drives, "N" if clause.startswith(SLIDE) else "N m")
             told.append(f"equilibrium: {_named(names)} free to {clause}, and left where {left}{more}")
         return told
-
-    def _against(self, names: list[str]) -> str:
-        """Of bodies that slide freely: the largest force that slopes drive one with, which nothing balances."""
-        driven = {name: self._slope[name] for name in names if name in self._slope}
-        if not driven:
-            return ""
-        worst = max(driven, key=lambda name: driven[name])
-        return f", although {driven[worst]:.2g} N drive {worst!r}; friction, a rib or a joint would hold it"
 
     def _unpressed(self, names: list[str]) -> str:
         """Of bodies that slide freely: the contacts of those that touch nothing, and what would press them together."""
@@ -265,7 +265,7 @@ class FreeMotions:
         direction = (y / weight)[:3] if slides else axes @ (y / weight)[3:]
         direction = direction / np.linalg.norm(direction)
         direction = np.round(direction * np.sign(direction[np.argmax(np.abs(direction))]), 2) + 0.0
-        return f"{SLIDE if slides else 'turn about'} ({', '.join(f'{c:g}' for c in direction)})"
+        return f"{SLIDE if slides else TURN} ({', '.join(f'{c:g}' for c in direction)})"
 
     def _presses(self, world: int) -> bool:
         """Whether surfaces that rub are under pressure."""
@@ -300,22 +300,29 @@ class FreeMotions:
         return np.hstack([np.asarray(a.numpy()[world][:n]) for a in (scratch.dx, scratch.psi)]).ravel()
 
 
-def _motions_of(part: np.ndarray) -> tuple[list[str], list[np.ndarray]]:
-    """What a body may do, of its part (n, 6) in the free motions: clauses where it slides or turns by itself in more
-    than one direction; and directions (6,) of all else."""
+def _motions_of(part: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """What a body may do, of its part (n, 6) in the free motions: directions (k, 6) with a clause, where it slides or
+    turns by itself in more than one; each other one with ""."""
     projector = part.T @ part
-    clauses, motions = [], []
     for at, folds in ((slice(0, 3), SLIDES_FOLDED), (slice(3, 6), TURNS_FOLDED)):
         share, directions = np.linalg.eigh(projector[at, at])
         alone = np.zeros((6, int(np.count_nonzero(share > 1.0 - BY_ITSELF))))
         alone[at] = directions[:, share > 1.0 - BY_ITSELF]
         projector = projector - alone @ alone.T
         if alone.shape[1] in folds:
-            clauses.append(folds[alone.shape[1]])
+            yield folds[alone.shape[1]], alone.T
         else:
-            motions.extend(alone.T)
+            yield from (("", y[None]) for y in alone.T)
     share, directions = np.linalg.eigh(projector)
-    return clauses, [*motions, *directions.T[share > TAKES_PART]]
+    yield from (("", y[None]) for y in directions.T[share > TAKES_PART])
+
+
+def _against(drives: dict[str, float], unit: str) -> str:
+    """Of bodies that slide or turn freely, by name: the most that slopes drive one with, which nothing balances."""
+    worst = max(drives, key=lambda name: drives[name])
+    if drives[worst] == 0.0:
+        return ""
+    return f", although {drives[worst]:.2g} {unit} drive {worst!r}; friction, a rib or a joint would hold it"
 
 
 def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
@@ -350,14 +357,53 @@ def _sprung_rows(engine: Engine, world: int) -> np.ndarray:
 
 
 def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray) -> np.ndarray:
-    """Motions that the rows which hold and the gaps under pressure leave free, as of `free_motions`."""
-    size = len(weight)
-    rows = np.asarray(engine.scratch.C.numpy()[world][: len(holds), :size])
-    gaps = [_gap_gradients(engine, world, size), _lumped_gradients(engine, world, size)]
-    lines = _of_length_one(np.vstack([rows[holds], *gaps]) / weight)
-    _, values, vectors = np.linalg.svd(lines, full_matrices=True)
-    rank = int(np.count_nonzero(values > FREE))
-    return vectors[rank:]
+    """Motions that the rows which hold and the gaps under pressure leave free, as of `free_motions`; each one of bodies
+    that these couple, so that what drives one mechanism is not told of another."""
+    lines, _ = _lines(engine, world, len(weight), holds)
+    lines = _of_length_one(lines / weight)
+    found = []
+    for bodies in _groups(lines):
+        columns = (6 * bodies[:, None] + np.arange(6)).ravel()
+        own = lines[np.any(lines[:, columns] != 0.0, axis=1)][:, columns]
+        _, values, vectors = np.linalg.svd(own, full_matrices=True)
+        rank = int(np.count_nonzero(values > FREE))
+        motions = np.zeros((len(columns) - rank, len(weight)))
+        motions[:, columns] = vectors[rank:]
+        found.append(motions)
+    return np.vstack(found)
+
+
+def _groups(lines: np.ndarray) -> list[np.ndarray]:
+    """Bodies that lines (n, 6 bodies) couple with each other."""
+    from scipy.sparse.csgraph import connected_components
+
+    takes_part = np.any(lines.reshape(len(lines), lines.shape[1] // 6, 6) != 0.0, axis=2).astype(int)
+    count, group = connected_components(takes_part.T @ takes_part, directed=False)
+    return [np.flatnonzero(group == i) for i in range(count)]
+
+
+def driven_by_loads(
+    engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray, left: np.ndarray
+) -> np.ndarray:
+    """The most that loads drive `motions` with, lines as of `free_motions`, but for those on bodies that move across
+    their load, up to FREE (n,), conjugate to the size of the motions. left: forces on the bodies (6 bodies,)."""
+    lines, forces = _lines(engine, world, len(weight), _rigid_rows(engine, world) | _sprung_rows(engine, world))
+    loads = ((left - forces @ lines) / weight).reshape(-1, 6)
+    drive = np.abs(np.einsum("bi,nbi->nb", loads, motions.reshape(len(motions), *loads.shape)))
+    along = drive > FREE * np.linalg.norm(loads, axis=1)
+    return np.asarray(np.sum(np.where(along, drive, 0.0), axis=1))
+
+
+def _lines(engine: Engine, world: int, size: int, holds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Gradients of the rows that hold and of the gaps under pressure, by the rigid coordinates (n, size), and what acts
+    along them, forces [N], torques [N m], pressures [Pa] (n,)."""
+    rows = np.asarray(engine.scratch.C.numpy()[world][: len(holds), :size])[holds]
+    pulls = np.asarray(engine.state.lam.numpy()[world][: len(holds)])[holds]
+    gaps, pressures = _gap_gradients(engine, world, size)
+    closed = _closed_places(engine, world)
+    touches = _lumped_gradients(engine, world, size)
+    pushes = np.asarray(engine.state.lumped_force.numpy()[world, 1])[closed]
+    return np.vstack([rows, gaps, touches]), np.concatenate([pulls, pressures, pushes])
 
 
 def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -405,12 +451,18 @@ def _cell_slips(engine: Engine, world: int, size: int) -> list[np.ndarray]:
     return found
 
 
+def _closed_places(engine: Engine, world: int) -> np.ndarray:
+    """Of lumped contacts, those that carry something."""
+    places = engine.compiled.elements.lumped.places
+    return np.flatnonzero(engine.state.lumped_force.numpy()[world, 1, :places] > 0.0)
+
+
 def _lumped_gradients(engine: Engine, world: int, size: int, *, slips: bool = False) -> np.ndarray:
     """Of the gaps of closed places of lumped contacts, by the rigid coordinates (places, size); slips: of the slips of
     those that may stick (2 places, size)."""
     m, state, scratch = engine.compiled.model, engine.state, engine.scratch
     lumped = engine.compiled.elements.lumped
-    closed = np.flatnonzero(state.lumped_force.numpy()[world, 1, : lumped.places] > 0.0)
+    closed = _closed_places(engine, world)
     n, x = (getattr(state, name).numpy()[world, 1] for name in ("lumped_normal", "lumped_at"))
     axes, r, body = scratch.axes.numpy()[world], scratch.r1.numpy()[world], m.surfaces.body.numpy()
     ways = [(place, n[place]) for place in closed]
@@ -434,20 +486,21 @@ def _lumped_gradients(engine: Engine, world: int, size: int, *, slips: bool = Fa
     return lines
 
 
-def _gap_gradients(engine: Engine, world: int, size: int) -> np.ndarray:
-    """Of the hats under pressure, by the rigid coordinates (hats, size)."""
+def _gap_gradients(engine: Engine, world: int, size: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of the hats under pressure, by the rigid coordinates (hats, size), and their pressures [Pa] (hats,)."""
     m, scratch = engine.compiled.model, engine.scratch
     active = (engine.state.active.numpy()[world] != 0) & (scratch.area.numpy()[world] > 0.0)
-    wrench = scratch.wrench.numpy()[world]
+    wrench, pressure = scratch.wrench.numpy()[world], engine.state.pressure.numpy()[world]
     families = m.pairs.family.numpy()
-    lines = []
+    lines, pressures = [np.zeros((0, size))], [np.zeros(0)]
     for pair in range(m.pairs.count):
         at = active[pair, : wrench.shape[1]]
         own = wrench[pair][at]
         if families[pair] == AT_POINTS:
             own = own + scratch.more_wrench.numpy()[world, pair][at]
         lines.append(_of_wrenches(engine, world, pair, own, size))
-    return np.vstack([np.zeros((0, size)), *lines])
+        pressures.append(pressure[pair, : wrench.shape[1]][at])
+    return np.vstack(lines), np.concatenate(pressures)
 
 
 def _of_wrenches(engine: Engine, world: int, pair: int, own: np.ndarray, size: int) -> np.ndarray:
