@@ -34,7 +34,7 @@ LEFT_OUT = {
     "docs/two_rollers.md": "its one command is that of README.md",
 }
 ELSEWHERE = {("two_rollers.md", "warpffrf demo two-rollers")}
-STORIES = {"how_do_i.md"}  # pages whose blocks of Python go on from one to the next, over all sections
+STORIES = {"how_do_i.md", "sweeps.md"}  # pages whose blocks of Python go on from one to the next, over all sections
 MODULE = re.compile(r"python\s+-m\s+(warpffrf[\w.]+)")
 INLINE = re.compile(r"`warpffrf ([a-z][a-z-]*(?: [a-z][a-z-]+)?)[^`]*`")
 WORKERS = 2
@@ -80,7 +80,7 @@ def sections() -> list[Section]:
             if not needs_a_screen(item) and (page.name, item.text) not in ELSEWHERE:
                 found.setdefault((page, heading), []).append(item)
     return [
-        Section(page, heading, [joined(items)] if page.name in STORIES else items)
+        Section(page, heading, told_at_once(items) if page.name in STORIES else items)
         for (page, heading), items in found.items()
     ]
 
@@ -92,9 +92,11 @@ def needs_a_screen(item: Printed) -> bool:
     return item.words[1] == "view" or (item.words[1] == "picture" and item.words[2].endswith(".rrd"))
 
 
-def joined(blocks: list[Printed]) -> Printed:
-    """Blocks of Python that go on from one to the next as one."""
-    return Printed(True, "\n".join(block.text for block in blocks), blocks[0].line)
+def told_at_once(items: list[Printed]) -> list[Printed]:
+    """Blocks of Python that go on from one to the next as one, in the place of the first; commands where they are."""
+    blocks = [item for item in items if item.is_python]
+    whole = Printed(True, "\n".join(block.text for block in blocks), blocks[0].line)
+    return [whole if item is blocks[0] else item for item in items if item is blocks[0] or not item.is_python]
 
 
 def run_section(section: Section, venv: Path, folder: Path) -> list[str]:
