@@ -30,7 +30,8 @@ Made = tuple[wf.Scene, wf.bearings.Bearing]
 WHY = {
     "rollers": "straight rollers of finite elements between rigid rings yield less than by Palmgren's law, which has "
     "profiled rollers and yielding rings in it: fewer share the load",
-    "outer ring": "a wall of 6 mm held outside yields less than one of Palmgren's two half-spaces",
+    "outer ring": "a wall of 6 mm held outside yields less than one of Palmgren's two half-spaces; `reduce` "
+    "warns that its cells err by about 2 % of the force at a given approach",
     "rollers and outer ring": "both, with Hertz's modulus of two bodies outside, of one inside",
     "balls": "rigid rings: Hertz with E/(1 - nu^2) of the ball alone in place of half of it; deflections are by "
     "2^(-2/3) smaller, peak pressures by 2^(2/3) larger at a load",
