@@ -17,6 +17,7 @@ from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import JointSpringDamper, Pretension
+from warpffrf.model.forces.laws import vanishes
 from warpffrf.model.gap import facing_gap
 from warpffrf.model.lumped_contact import allowed_overlap
 from warpffrf.model.overlap import excessive_overlap
@@ -176,6 +177,16 @@ def reached_from(index: int, items: list[Any]) -> set[int]:
         reached |= new
 
 
+def _resists(item: Any, force: Pretension | JointSpringDamper) -> bool:
+    """Whether `item` may resist what `force` pulls along: of the same joint only a spring on the same coordinate."""
+    if item is force.joint:
+        return False
+    if getattr(item, "joint", None) is not force.joint:
+        return True
+    same = isinstance(item, JointSpringDamper) and item.coordinate == force.coordinate
+    return same and not vanishes(item.stiffness)
+
+
 def _loose_preloads(scene: Scene) -> dict[str, str]:
     """Pretensions, and joint springs with a preload, between two bodies that nothing else connects: what they pull
     together presses on nothing. By name, with the cure.
@@ -189,8 +200,7 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
         if isinstance(force, JointSpringDamper) and force.preload == 0.0:
             continue
         a, b = force.ports
-        others = [item for item in _connecting(scene) if item is not force and item is not force.joint]
-        others = [item for item in others if getattr(item, "joint", None) is not force.joint]
+        others = [item for item in _connecting(scene) if item is not force and _resists(item, force)]
         if b.body.index not in reached_from(a.body.index, others):
             told[str(force.name)] = (
                 f"{force.kind} {force.name!r}: its tension has no path back, nothing but joint {force.joint.name!r} "
