@@ -16,7 +16,8 @@ contact, are part of an impact (contact and motion exchange much of their energy
 touches, or come next to such a step at its size or halved, may gain `energy_tolerance` of the energy at hand each, and
 all together MOST_GAINED, each of them half of what is left of that, if this is less. With dynamic local modes, where no
 pair is judged, what contact gains or loses counts as well; and where a lumped contact is part of the impact what the
-integrator loses: nothing else limits that where all that yields is the law of the contact. Elsewhere a step is halved
+integrator loses: nothing else limits that where all that yields is the law of the contact. A lumped contact that bounces is judged by its
+own energy as well (`lumped.forces`), which the energy of what travels along its surfaces does not hide. Elsewhere a step is halved
 in which impulsive pairs create more than `energy_tolerance` of the energy at hand, by whatever mean of their forces:
 contact came too suddenly for it.
 """
@@ -29,14 +30,15 @@ from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.integration import EXACT, algorithmic, coefficients_of, is_static, is_whole, rule_of
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, quat, real, vec3
+from warpffrf_kernels.lumped.forces import GAINED, SWUNG
 from warpffrf_kernels.normal.pair_forces import is_closed
 
 wp.set_module_options(MODULE_OPTIONS)
 
 # of the energy tolerance: a step of second order with a defect below 1/2^3 of it may be doubled
 QUIET = wp.constant(wp.float64(0.125))
-# of the energy at hand, exchanged between motion and contact: such a step is part of an impact
-SWUNG = wp.constant(wp.float64(0.01))
+# of the largest force of a lumped contact: those that press with less are judged by all energy at hand alone
+PRESSES = wp.constant(wp.float64(0.05))
 # rad: of the highest mode, a step that resolves all modes
 RESOLVED = wp.constant(wp.float64(0.1))
 # of the energy at hand, gained in all impacts together: a step may gain half of what is left of it, ...
@@ -64,6 +66,7 @@ def decide(
     created: wp.array2d(dtype=real),
     lumped_force: wp.array3d(dtype=real),
     lumped_energy: wp.array3d(dtype=real),
+    lumped_taken: wp.array3d(dtype=real),
     hold_force: wp.array(dtype=real),
     impulsive: inout(wp.array2d(dtype=int)),
     ctl: inout(wp.array(dtype=Control)),
@@ -103,6 +106,7 @@ def decide(
         pair += 1
     struck = int(0)  # 1 where a lumped contact is part of an impact
     bounced = real(0.0)
+    pressed = real(0.0)
     place = int(0)
     while place < model.elements[0].lumped.places:
         before = lumped_force[w, 0, place] > real(0.0)
@@ -111,6 +115,13 @@ def decide(
             event = int(1)
             struck = int(1)
         bounced += lumped_energy[w, 1, place] - lumped_energy[w, 0, place]
+        pressed = wp.max(pressed, wp.max(lumped_force[w, 0, place], lumped_force[w, 1, place]))
+        place += 1
+    share = real(0.0)  # gained of the energy of one lumped contact that bounces
+    place = int(0)
+    while place < model.elements[0].lumped.places:
+        if wp.max(lumped_force[w, 0, place], lumped_force[w, 1, place]) >= PRESSES * pressed:
+            share = wp.max(share, lumped_taken[w, place, GAINED])
         place += 1
     dynamic = ctl[w].mode == k.DYNAMIC
     loading = ctl[w].mode == k.LOADING
@@ -143,6 +154,8 @@ def decide(
             lost = False  # it is the motion of the faces: see `impulsive_contact`
         if lost or defect > wp.min(model.limits.energy_tolerance, left) * hand:
             ctl[w].failure = ctl[w].failure | k.ENERGY
+    if dynamic and ctl[w].failure == 0 and share > model.limits.energy_tolerance:
+        ctl[w].failure = ctl[w].failure | k.ENERGY
     if dynamic and ctl[w].again != 0 and made > model.limits.energy_tolerance * hand:  # no mean balances it
         ctl[w].failure = ctl[w].failure | k.ENERGY
     if is_static(ctl, w) and ctl[w].downhill != 0 and clk[w].rise > UPHILL:
@@ -243,6 +256,8 @@ def decide(
             quiet = event == 0
         if clk[w].error > real(0.0):  # a step that is halved for its error alone
             quiet = event == 0 and clk[w].error <= real(0.5) * QUIET  # doubled it would be half of what is allowed
+        if share > QUIET * model.limits.energy_tolerance:
+            quiet = False
         if loading:
             quiet = True
         if quiet and ctl[w].sub % 2 == 0:  # one level at a time
