@@ -242,7 +242,7 @@ def run(
     marks = Marks(engine, made_with, step, first_step, last_step)
     marks.look(engine, first_step)
     films = FilmWatch(engine, first_step, last_step)
-    watch = EnergyWatch(engine, step)
+    watch = EnergyWatch(engine, step, set_down=isinstance(start, str) and start == "initial")
     gain = ""
     bar = Progress("simulate", last_step - first_step, enabled=progress)
     try:
@@ -262,6 +262,8 @@ def run(
             if watch.look():
                 gain = watch.end()
             keeping.look()
+        if not np.any(engine.word("status")) and watch.gained_at_end():
+            gain = watch.end()
     except KeyboardInterrupt:
         interrupted = True
     bar.close()
