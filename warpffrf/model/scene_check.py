@@ -150,7 +150,8 @@ def _lumped_overlaps(scene: Scene, gaps: dict[str, float]) -> list[str]:
     return told
 
 
-def _connecting(scene: Scene) -> list[Any]:
+def connecting(scene: Scene) -> list[Any]:
+    """All that has two ports, on two bodies or the ground."""
     return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps]
 
 
@@ -162,7 +163,7 @@ def _local_modes(body: Body) -> int:
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
     """Names of bodies that no chain of joints, springs, contacts, films and laps connects with the ground."""
-    reached = reached_from(GROUND_INDEX, _connecting(scene))
+    reached = reached_from(GROUND_INDEX, connecting(scene))
     return tuple(body.name for body in scene.bodies if body.index not in reached)
 
 
@@ -200,7 +201,7 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
         if isinstance(force, JointSpringDamper) and force.preload == 0.0:
             continue
         a, b = force.ports
-        others = [item for item in _connecting(scene) if item is not force and _resists(item, force)]
+        others = [item for item in connecting(scene) if item is not force and _resists(item, force)]
         if b.body.index not in reached_from(a.body.index, others):
             told[str(force.name)] = (
                 f"{force.kind} {force.name!r}: its tension has no path back, nothing but joint {force.joint.name!r} "

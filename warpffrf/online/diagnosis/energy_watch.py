@@ -104,7 +104,7 @@ class EnergyWatch:
             return f"allow less of it in a step of an impact as well, energy_tolerance={tighter:.2g}"
         cure = "give the contact surfaces a finer grid (half_width=, expected_half_width=) or the machine some damping"
         if self.set_down and any(contact.friction.acts for contact in self.engine.scene.contacts):
-            cure += ", or begin at rest, start=equilibrium(scene, friction=True), where what rubs is set down"
+            cure = f"begin at rest where what rubs is set down, start=equilibrium(scene, friction=True), or {cure}"
         return cure
 
     def _cure(self, made: float, most: float, began: float, end: float, otherwise: str) -> str:
