@@ -33,15 +33,6 @@ Whether it does is then asked at that slip. From a slip of the wrong sign Newton
 force that saturates at +-mu F and a stiffness k far above the inertia of the step, m/h^2, the slope is that inertia on
 either side. Nothing is accepted from the first iteration.
 
-**What a place gains.** Where it bounces, a step of the trapezoidal rule gains of it
-
-    dU - (P_0 + P_1)/2 (a_1 - a_0),
-
-U its elastic energy: a hardening law gives more than it took in steps that do not resolve the bounce. The energy at hand
-is that of the place alone, U or that of the motion along the normal, (da/h)^2 over the compliance of the two bodies to
-a unit impulse there, 1/m + (x x n).J^-1.(x x n) of each taken as free: whatever travels along the surfaces, in whatever
-frame, has no part in it. A place bounces where the two exchange more than SWUNG of it. `decide` limits the share.
-
 In static steps nothing slips, and f is zero. dF and df with a small motion follow from those of `places`.
 """
 
@@ -54,7 +45,8 @@ from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import matrix
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
-from warpffrf_kernels.lumped.approach_laws import Push, push_of
+from warpffrf_kernels.lumped.approach_laws import push_of
+from warpffrf_kernels.lumped.bounces import bounce_of
 from warpffrf_kernels.lumped.places import Side, Touch, nearest_of_lamina, nearest_points, side_in_world
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -69,11 +61,8 @@ RUBS = wp.constant(4)  # regularised, above
 # --- what is taken of the energy in a step, J, and at what power at the end of it, W
 DAMPED = wp.constant(0)
 RUBBED = wp.constant(1)
-GAINED = wp.constant(2)  # in a step, by the integrator of a place that bounces: of the energy of that place
-
-# of the energy at hand, exchanged between motion and contact: such a step is part of an impact
-SWUNG = wp.constant(wp.float64(0.01))
-
+GAINED = wp.constant(2)  # given to the place by the integrator, J, and ...
+AT_HAND = wp.constant(3)  # ... energy of a place that bounces, J, else 0: see `bounces`
 NUMBERS = 14  # of a place that are saved: place, force and friction on the first body, slip velocity; approach, force
 
 
@@ -189,28 +178,6 @@ def touch_of(model: Model, place: int, first: Side, second: Side) -> Touch:
     return nearest_points(model, first, second)
 
 
-@wp.func
-def ease_of(model: Model, side: Side, x: vec3, n: vec3) -> real:
-    """Velocity along n at x that a unit impulse there gives the body of a surface, taken as free [1/kg]."""
-    b = side.body
-    if b < 0:
-        return real(0.0)
-    turn = wp.transpose(side.A) * wp.cross(x - side.r, n)
-    return real(1.0) / model.bodies.mass[b] + wp.dot(turn, wp.inverse(model.bodies.inertia[b]) * turn)
-
-
-@wp.func
-def gained_share(before: Push, after: Push, move: real, rate: real, ease: real, h: real) -> real:
-    """What a step gains of a place that bounces, over the energy of that place; 0 of one that does not."""
-    change = after.energy - before.energy
-    speed = wp.max(wp.abs(rate), wp.abs(move) / h)
-    motion = real(0.5) * speed * speed / ease
-    hand = wp.max(motion, wp.max(before.energy, after.energy))
-    if wp.min(motion, wp.abs(change)) <= SWUNG * hand:
-        return real(0.0)
-    return (change - real(0.5) * (before.force + after.force) * move) / hand
-
-
 @wp.kernel
 def find_forces(
     models: wp.array(dtype=Model),
@@ -232,6 +199,7 @@ def find_forces(
     lumped_shear: inout(wp.array3d(dtype=real)),
     lumped_power: inout(wp.array4d(dtype=real)),
     lumped_approach: inout(wp.array3d(dtype=real)),
+    lumped_gained: inout(wp.array3d(dtype=real)),
     lumped_energy: out(wp.array3d(dtype=real)),
     lumped_load: out(wp.array2d(dtype=Load)),
     lumped_taken: out(wp.array3d(dtype=real)),
@@ -319,11 +287,15 @@ def find_forces(
     lumped_taken[w, place, DAMPED] = half * (lumped_power[w, 0, place, DAMPED] + damp_power)
     lumped_taken[w, place, RUBBED] = rubbed + half * (lumped_power[w, 0, place, RUBBED] + rub_power)
     lumped_taken[w, place, GAINED] = real(0.0)
+    lumped_taken[w, place, AT_HAND] = real(0.0)
+    lumped_gained[w, 1, place] = lumped_gained[w, 0, place]
     was = lumped_approach[w, 0, place]
-    ease = ease_of(model, first, x, n) + ease_of(model, second, x, n)
-    if ctl[w].mode == k.DYNAMIC and wp.max(was, approach) > real(0.0) and ease > real(0.0):
+    if ctl[w].mode == k.DYNAMIC and wp.max(was, approach) > real(0.0):
         had = push_of(model, contact, model.elements[0].lumped.share[place], was)
-        lumped_taken[w, place, GAINED] = gained_share(had, push, approach - was, rate, ease, clk[w].h)
+        b = bounce_of(model, first, second, x, n, had, push, approach - was, rate, clk[w].h)
+        lumped_taken[w, place, GAINED] = b[0]
+        lumped_taken[w, place, AT_HAND] = b[2] * b[1]
+        lumped_gained[w, 1, place] = wp.max(lumped_gained[w, 0, place] + b[0], -b[1])
     lumped_approach[w, 1, place] = approach
     lumped_power[w, 1, place, DAMPED] = damp_power
     lumped_power[w, 1, place, RUBBED] = rub_power
@@ -586,6 +558,7 @@ def keep_lumped(
     lumped_shear: inout(wp.array3d(dtype=real)),
     lumped_power: inout(wp.array4d(dtype=real)),
     lumped_approach: inout(wp.array3d(dtype=real)),
+    lumped_gained: inout(wp.array3d(dtype=real)),
     lumped_energy: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, place): the trial state becomes the accepted one; the tiny step of PROJECT leaves nothing."""
@@ -599,6 +572,7 @@ def keep_lumped(
     lumped_shear[w, 0, place] = lumped_shear[w, 1, place]
     lumped_energy[w, 0, place] = lumped_energy[w, 1, place]
     lumped_approach[w, 0, place] = lumped_approach[w, 1, place]
+    lumped_gained[w, 0, place] = lumped_gained[w, 1, place]
     for i in range(2):
         lumped_power[w, 0, place, i] = lumped_power[w, 1, place, i]
 
