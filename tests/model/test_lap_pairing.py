@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.laps.clipping import areas, clipped
 from warpffrf.model.laps.facing import Triangles, facing
 from warpffrf.model.laps.pairing import pair_faces
 
@@ -93,3 +95,32 @@ def test_pieces_fill_what_is_covered_for_any_turn() -> None:
         assert there.area.sum() == pytest.approx(back.area.sum(), rel=1e-12)
         assert there.covered == pytest.approx(back.covered[::-1], rel=1e-12)
         assert np.abs(there.weights.sum(axis=2) - 1.0).max() < 1e-12 and there.weights.min() > -1e-12
+
+
+def test_edges_that_coincide_but_for_round_off_are_cut() -> None:
+    """Corners on a window's edge, to and fro across it by round-off: more crossings than a convex polygon has."""
+    wave = 1e-17 * np.array([1.0, -1.0, 1.0, -1.0])
+    bottom = np.column_stack([[0.0, 0.25, 0.5, 1.0], wave])
+    polygon = np.vstack([bottom, [[0.5, 1.0]]])[None]
+    window = np.array([[[-1.0, 0.0], [2.0, 0.0], [0.5, 3.0]]])
+    pieces, count = clipped(polygon, np.array([5]), window)
+    assert areas(pieces, count)[0] == pytest.approx(0.5, rel=1e-15)
+
+
+def test_free_meshes_of_one_outline_cover_each_other() -> None:
+    """What a flange is: edges of both along the same lines, in oblique axes, cut by one another."""
+    rng = np.random.default_rng(5)
+    turn = Rotation.random(random_state=3).as_matrix()
+    faces = []
+    for sign, cuts in ((1, 7), (-1, 11)):
+        x = np.concatenate([[0.0], np.sort(rng.uniform(0.0, 1.0, cuts)), [1.0]])
+        rim = np.vstack(
+            [np.column_stack([a, b]) for a, b in ((x, 0 * x), (1 + 0 * x, x), (1 - x, 1 + 0 * x), (0 * x, 1 - x))]
+        )
+        ends = np.roll(rim, -1, axis=0)
+        fan = np.stack([np.broadcast_to([0.5, 0.5], rim.shape), rim, ends], axis=1)
+        fan = fan[np.linalg.norm(ends - rim, axis=1) > 0][:, ::sign]
+        faces.append(Triangles.of(np.dstack([fan, np.zeros(fan.shape[:2])]) @ turn.T))
+    first, second = faces
+    found = facing(first, second)
+    assert found.covered == pytest.approx((1.0, 1.0), abs=1e-12)

@@ -153,7 +153,8 @@ def test_impacts_together_gain_a_hundredth() -> None:
         engine.control(every=1, attempt=1, accept=0, failure=0, level=0, sub=0, status=0)
         inputs = [
             engine.models, state.energy, work.dx, state.pair_force, work.restless, work.wanted,
-            work.created_now, state.lumped_force, state.lumped_energy, work.hold_force,
+            work.created_now, state.lumped_force, state.lumped_energy, work.lumped_taken, state.lumped_gained,
+            work.hold_force,
         ]  # fmt: skip
         outputs = [state.impulsive, state.ctl, state.clk]
         wp.launch(decide, dim=1, inputs=inputs, outputs=outputs, device=engine.compiled.device)

@@ -100,6 +100,34 @@ def test_beyond_the_angle_it_slides_and_is_named(off: float) -> None:
     assert "body 'block' does not come to rest" in rest.history.message and "mechanism" in rest.history.message
 
 
+def test_without_friction_it_slides_and_the_cure_is_named() -> None:
+    rest = wf.equilibrium(block(0.1))
+    assert rest.status == "no_equilibrium"
+    assert "is free to slide" in rest.history.message
+    assert "friction of 'a', 'b', 'c' counts in equilibrium(scene, friction=True) only" in rest.history.message
+
+
+@pytest.mark.slow
+def test_an_elastic_block_set_down_on_a_slope_begins_at_rest() -> None:
+    """Let go as it was meshed, on cells as coarse as these, it ends with the cure that helps: it stays to the bit."""
+    mesh = wf.mesh.box((1.0, 0.4, 0.3), (6, 4, 3), center=(0, 0, 0.15), order=1)
+    skin, load = {"z_min": wf.surfaces.Plane()}, {"z_max": "average"}
+    body = wf.reduce(
+        mesh, Material(1e9, 0.3, 1500.0), interfaces=load, contact=skin, modes=6, tangential=True, progress=False
+    )
+    scene = Scene(gravity=(GRAVITY * 0.5, 0, -GRAVITY * np.cos(np.pi / 6)))
+    slab = scene.add_body(body, name="slab", damping=0.1)
+    floor = scene.ground.surface(wf.surfaces.Plane(origin=ORIGIN, outward=(0, 0, 1)), name="floor")
+    scene.add(wf.Contact(slab["z_min"], floor, friction=0.7, name="c"))
+    dropped = wf.simulate(scene, 0.02, step=1e-3, progress=False)
+    assert dropped.status == "energy"
+    assert "start=equilibrium(scene, friction=True)" in dropped.message and "most_made" not in dropped.message
+    rest = wf.equilibrium(scene, friction=True, progress=False)
+    laid = wf.simulate(scene, 0.02, step=1e-3, start=rest, progress=False)
+    assert laid.status == "completed", laid.message
+    assert np.ptp(laid.body("slab").position, axis=0).max() < 1e-12
+
+
 def test_pressed_it_holds_beyond_the_angle() -> None:
     assert wf.equilibrium(block(0.4, press=MASS * GRAVITY), friction=True).status == "completed"
 

@@ -24,7 +24,7 @@ from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
 from warpffrf.online.stages import Stage
 from warpffrf.output.modes_result import eigenmodes
-from warpffrf.output.simulate import simulate
+from warpffrf.output.simulate import equilibrium, simulate
 
 E, LENGTH = 210e9, 20e-3
 MATERIAL = Material(E, 0.0, 7800.0)
@@ -284,12 +284,68 @@ def test_a_preload_without_a_load_path_is_named(column: ReducedBody) -> None:
     assert find_equilibrium(scene).status == "completed"  # the spring alone finds its length
     spring.preload = 0.0
     assert not scene.check().loose_preloads
+    spring.stiffness, spring.damping = 0.0, 1.0  # a damper holds nothing at rest
     scene.add(forces.Pretension(axis, TIGHT, name="bolt"))
     with pytest.raises(InputError, match="equilibrium: pretension 'bolt': its tension has no path back"):
         find_equilibrium(scene)
     scene.add(forces.Bushing(b["nut"], cap.at((0, 0, 0)), [COLUMN] * 6, point=b["head"].world_point()))
     assert not scene.check().loose_preloads
     assert find_equilibrium(scene).status == "completed"
+
+
+STIFF = 1e6  # N/m: of a column that a bolt without mass presses
+PULL = 1e3  # N
+
+
+def pressed(column: str, force: Any = PULL, lock_at: float | None = None) -> Scene:
+    """A head on a spring, drawn to the ground by a bolt; loaded away from it from 0.5 s on."""
+    scene = Scene(gravity=(0, 0, 0))
+    head = scene.add_rigid_body(1.0, (0.01,) * 3, name="head")
+    axis = scene.add(joints.Prismatic(scene.ground, head.at((0, 0, 0)), axis=(0, 0, 1), name="axis"))
+    if column == "bushing":
+        stiffness, damping = [1e9, 1e9, *[STIFF] * 4], [0.0, 0.0, 2e3, 0.0, 0.0, 0.0]
+        scene.add(forces.Bushing(scene.ground, head.at((0, 0, 0)), stiffness, damping, name="column"))
+    else:
+        scene.add(forces.JointSpringDamper(axis, STIFF, 2e3, name="column"))
+    scene.add(forces.Pretension(axis, force, lock_at=lock_at, name="bolt"))
+    pull = signals.Table([0.0, 0.5, 1.0], [0.0, 0.0, 600.0])
+    scene.add(forces.PointForce(head.at((0, 0, 0)), (pull, (0, 0, 1)), name="pull"))
+    return scene
+
+
+STATIC_WAYS = {
+    "run": {"duration": 1.0, "step": 0.125, "kind": "static"},
+    "stages": {"stages": [Stage("tighten", 0.5, 0.125, kind="static"), Stage("pull", 0.5, 0.125, kind="static")]},
+    "static, then in time": {"stages": [Stage("tighten", 0.5, 0.125, kind="static"), Stage("pull", 0.5, 1e-3)]},
+    "in time, then static": {"stages": [Stage("tighten", 0.5, 1e-3), Stage("pull", 0.5, 0.125, kind="static")]},
+    "from an equilibrium": {"duration": 1.0, "step": 0.125, "kind": "static", "start": True},
+}
+
+
+@pytest.mark.parametrize(("way", "column"), [*((way, "bushing") for way in STATIC_WAYS), ("run", "spring")])
+def test_a_bolt_locks_in_static_runs(way: str, column: str) -> None:
+    """Locked at 0.5 s its length stays F/k, and a bolt that is rigid by itself takes the whole load."""
+    scene = pressed(column, lock_at=0.5)
+    options = dict(STATIC_WAYS[way])
+    if "start" in options:
+        options["start"] = equilibrium(scene, friction=True, progress=False)
+    result = simulate(scene, progress=False, **options)
+    assert result.status == "completed", result.message
+    assert not any("halved" in note for note in result.history.notes)
+    after = result.time >= 0.5 - 1e-9
+    expected = PULL + 600.0 * (result.time[after] - 0.5) / 0.5
+    close = AT_REST if "time" in way else EXACT
+    np.testing.assert_allclose(-result.force("bolt").force[after, 2], expected, rtol=close)
+    np.testing.assert_allclose(result.body("head").position[after, 2], -PULL / STIFF, rtol=close)
+
+
+def test_a_tension_that_grows_is_followed_in_static_runs() -> None:
+    """The bolt pulls with F(t), and the work of the last force is what an equilibrium may rise by."""
+    scene = pressed("spring", signals.Table([0.0, 0.5], [0.0, PULL], hold=True), lock_at=0.5)
+    result = simulate(scene, 1.0, step=0.125, kind="static", progress=False)
+    assert result.status == "completed", result.message
+    expected = np.interp(result.time, [0.0, 0.5, 1.0], [0.0, PULL, PULL + 600.0])
+    np.testing.assert_allclose(-result.force("bolt").force[:, 2], expected, rtol=EXACT, atol=EXACT * PULL)
 
 
 def test_friction_in_a_joint_between_places_of_one_body(cut: ReducedBody) -> None:

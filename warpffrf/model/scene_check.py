@@ -17,6 +17,7 @@ from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import JointSpringDamper, Pretension
+from warpffrf.model.forces.laws import vanishes
 from warpffrf.model.gap import facing_gap
 from warpffrf.model.lumped_contact import allowed_overlap
 from warpffrf.model.overlap import excessive_overlap
@@ -149,7 +150,8 @@ def _lumped_overlaps(scene: Scene, gaps: dict[str, float]) -> list[str]:
     return told
 
 
-def _connecting(scene: Scene) -> list[Any]:
+def connecting(scene: Scene) -> list[Any]:
+    """All that has two ports, on two bodies or the ground."""
     return [*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps]
 
 
@@ -161,7 +163,7 @@ def _local_modes(body: Body) -> int:
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
     """Names of bodies that no chain of joints, springs, contacts, films and laps connects with the ground."""
-    reached = reached_from(GROUND_INDEX, _connecting(scene))
+    reached = reached_from(GROUND_INDEX, connecting(scene))
     return tuple(body.name for body in scene.bodies if body.index not in reached)
 
 
@@ -174,6 +176,16 @@ def reached_from(index: int, items: list[Any]) -> set[int]:
         if not new:
             return reached
         reached |= new
+
+
+def _resists(item: Any, force: Pretension | JointSpringDamper) -> bool:
+    """Whether `item` may resist what `force` pulls along: of the same joint only a spring on the same coordinate."""
+    if item is force.joint:
+        return False
+    if getattr(item, "joint", None) is not force.joint:
+        return True
+    same = isinstance(item, JointSpringDamper) and item.coordinate == force.coordinate
+    return same and not vanishes(item.stiffness)
 
 
 def _loose_preloads(scene: Scene) -> dict[str, str]:
@@ -189,8 +201,7 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
         if isinstance(force, JointSpringDamper) and force.preload == 0.0:
             continue
         a, b = force.ports
-        others = [item for item in _connecting(scene) if item is not force and item is not force.joint]
-        others = [item for item in others if getattr(item, "joint", None) is not force.joint]
+        others = [item for item in connecting(scene) if item is not force and _resists(item, force)]
         if b.body.index not in reached_from(a.body.index, others):
             told[str(force.name)] = (
                 f"{force.kind} {force.name!r}: its tension has no path back, nothing but joint {force.joint.name!r} "

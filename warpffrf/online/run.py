@@ -9,7 +9,7 @@ import numpy as np
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
-from warpffrf.model.bearings.bearing import without_cage
+from warpffrf.model.bearings.bearing import loose_ring, without_cage
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
@@ -31,6 +31,7 @@ from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.progress import Progress
 from warpffrf.model.scene import Scene
+from warpffrf.model.scene_check import connecting
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
@@ -242,7 +243,7 @@ def run(
     marks = Marks(engine, made_with, step, first_step, last_step)
     marks.look(engine, first_step)
     films = FilmWatch(engine, first_step, last_step)
-    watch = EnergyWatch(engine, step)
+    watch = EnergyWatch(engine, step, set_down=isinstance(start, str) and start == "initial")
     gain = ""
     bar = Progress("simulate", last_step - first_step, enabled=progress)
     try:
@@ -262,6 +263,8 @@ def run(
             if watch.look():
                 gain = watch.end()
             keeping.look()
+        if not np.any(engine.word("status")) and watch.gained_at_end():
+            gain = watch.end()
     except KeyboardInterrupt:
         interrupted = True
     bar.close()
@@ -476,4 +479,6 @@ def _no_load_path(engine: Engine) -> str:
     if moves.max() <= ROUND_OFF * float(engine.compiled.model.length):
         return f"no body moves any more, and yet the forces do not balance{STATIC_CURE}"
     body = engine.scene.bodies[int(np.argmax(moves))]
-    return f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step): {NO_LOAD_PATH}"
+    loose = loose_ring(engine.scene.bearings, connecting(engine.scene), body)
+    told = loose or f"body {body.name!r} does not come to rest ({moves.max():.3g} m in the last step)"
+    return f"{told}: {NO_LOAD_PATH}"

@@ -7,7 +7,8 @@ s: in the form of springs (`rows`), multiplied by a softness E,
 
 where C dx should not be. With E SOFT times the compliance of the row it is a millionth of the rest, and an iteration of
 Newton's method loses no more than that by it. Locked it is a constraint, s = s_lock, with HELD times its compliance as
-softness, which changes no solution and makes the matrix regular where several hold the same (as in `joint_friction`).
+softness, which changes no solution and makes the matrix regular where several hold the same (as in `joint_friction`;
+HELD_AT_REST in static steps, whose inertia is far below what holds the body).
 
 The attempt that begins at the time `lock_at` or later, and ends later, is the first with s_lock, the value of s where
 it begins: so whatever a state is, static or in motion, its length does not jump. If s moves there, locking stops it, as
@@ -17,11 +18,12 @@ accelerations (`joint_friction`), else the force would alternate from step to st
 
 import warp as wp
 
-from warpffrf_kernels.constraints.joint_friction import HELD, NOTHING, SOFT, row_compliance
+from warpffrf_kernels.constraints.joint_friction import HELD, HELD_AT_REST, NOTHING, SOFT, row_compliance
 from warpffrf_kernels.constraints.rows import evaluate_signal
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.integration import is_static, is_whole
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
@@ -62,7 +64,7 @@ def tighten(
             held_at[w, e] = locked_at[w, e]
             lock_at = model.elements[0].pretensions.lock_at[e]
             slack = SAME_TIME * clk[w].h
-            steps = ctl[w].mode == k.DYNAMIC or ctl[w].mode == k.STATIC
+            steps = is_whole(ctl, w) or ctl[w].mode == k.STATIC
             if locked[w, e] == 0 and steps and clk[w].time >= lock_at - slack and clk[w].next_time > lock_at + slack:
                 holds[w, e] = int(1)
                 held_at[w, e] = stretch[w, row]
@@ -70,6 +72,8 @@ def tighten(
         if holds[w, e] != 0:
             defect[w, row] = coordinate[w, row] - held_at[w, e]
             softness[w, row] = HELD * yields
+            if is_static(ctl, w):
+                softness[w, row] = HELD_AT_REST * yields
         else:
             force = evaluate_signal(model, model.elements[0].pretensions.signal[e], clk[w].next_time, 0)
             defect[w, row] = SOFT * yields * (force - lam[w, row])

@@ -46,6 +46,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import matrix
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
 from warpffrf_kernels.lumped.approach_laws import push_of
+from warpffrf_kernels.lumped.bounces import bounce_of
 from warpffrf_kernels.lumped.places import Side, Touch, nearest_of_lamina, nearest_points, side_in_world
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -60,7 +61,8 @@ RUBS = wp.constant(4)  # regularised, above
 # --- what is taken of the energy in a step, J, and at what power at the end of it, W
 DAMPED = wp.constant(0)
 RUBBED = wp.constant(1)
-
+GAINED = wp.constant(2)  # given to the place by the integrator, J, and ...
+AT_HAND = wp.constant(3)  # ... energy of a place that bounces, J, else 0: see `bounces`
 NUMBERS = 14  # of a place that are saved: place, force and friction on the first body, slip velocity; approach, force
 
 
@@ -196,6 +198,8 @@ def find_forces(
     lumped_at: inout(wp.array3d(dtype=vec3)),
     lumped_shear: inout(wp.array3d(dtype=real)),
     lumped_power: inout(wp.array4d(dtype=real)),
+    lumped_approach: inout(wp.array3d(dtype=real)),
+    lumped_gained: inout(wp.array3d(dtype=real)),
     lumped_energy: out(wp.array3d(dtype=real)),
     lumped_load: out(wp.array2d(dtype=Load)),
     lumped_taken: out(wp.array3d(dtype=real)),
@@ -282,6 +286,17 @@ def find_forces(
         half = real(0.0)
     lumped_taken[w, place, DAMPED] = half * (lumped_power[w, 0, place, DAMPED] + damp_power)
     lumped_taken[w, place, RUBBED] = rubbed + half * (lumped_power[w, 0, place, RUBBED] + rub_power)
+    lumped_taken[w, place, GAINED] = real(0.0)
+    lumped_taken[w, place, AT_HAND] = real(0.0)
+    lumped_gained[w, 1, place] = lumped_gained[w, 0, place]
+    was = lumped_approach[w, 0, place]
+    if ctl[w].mode == k.DYNAMIC and wp.max(was, approach) > real(0.0):
+        had = push_of(model, contact, model.elements[0].lumped.share[place], was)
+        b = bounce_of(model, first, second, x, n, had, push, approach - was, rate, clk[w].h)
+        lumped_taken[w, place, GAINED] = b[0]
+        lumped_taken[w, place, AT_HAND] = b[2] * b[1]
+        lumped_gained[w, 1, place] = wp.max(lumped_gained[w, 0, place] + b[0], -b[1])
+    lumped_approach[w, 1, place] = approach
     lumped_power[w, 1, place, DAMPED] = damp_power
     lumped_power[w, 1, place, RUBBED] = rub_power
     lumped_energy[w, 1, place] = push.energy + held
@@ -542,6 +557,8 @@ def keep_lumped(
     lumped_at: inout(wp.array3d(dtype=vec3)),
     lumped_shear: inout(wp.array3d(dtype=real)),
     lumped_power: inout(wp.array4d(dtype=real)),
+    lumped_approach: inout(wp.array3d(dtype=real)),
+    lumped_gained: inout(wp.array3d(dtype=real)),
     lumped_energy: inout(wp.array3d(dtype=real)),
 ):
     """Per (world, place): the trial state becomes the accepted one; the tiny step of PROJECT leaves nothing."""
@@ -554,6 +571,8 @@ def keep_lumped(
     lumped_at[w, 0, place] = lumped_at[w, 1, place]
     lumped_shear[w, 0, place] = lumped_shear[w, 1, place]
     lumped_energy[w, 0, place] = lumped_energy[w, 1, place]
+    lumped_approach[w, 0, place] = lumped_approach[w, 1, place]
+    lumped_gained[w, 0, place] = lumped_gained[w, 1, place]
     for i in range(2):
         lumped_power[w, 0, place, i] = lumped_power[w, 1, place, i]
 

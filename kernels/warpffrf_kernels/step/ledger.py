@@ -160,6 +160,7 @@ def balance_energy(
         if ctl[w].mode == k.STATIC:  # the force has a potential there
             pull = lam[w, row]
         force_work -= pull * (coordinate[w, row] - stretch[w, row])
+        last_work -= lam[w, row] * (coordinate[w, row] - stretch[w, row])
         e += 1
     groups = group_energy(model, w, h, coordinate, stretch)
     potential += groups[0]

@@ -163,3 +163,17 @@ def without_cage(bearings: list[Bearing]) -> str:
         f"bearing {', '.join(loose)} has no cage, and loads squeeze its elements out of their zone; give it "
         "cage=bearings.Spaced(), or hold the elements by joints"
     )
+
+
+def loose_ring(bearings: list[Bearing], items: list[Any], body: Body) -> str:
+    """What to say of a bearing that `body` is part of and one of whose rings nothing holds but its elements, so that it
+    carries nothing for the other one; "" where there is none. `items`: all that connects bodies."""
+    for bearing in bearings:
+        within = [*bearing.elements, *([] if bearing.cage is None else [bearing.cage])]
+        for side, other in ((bearing.outer, bearing.inner), (bearing.inner, bearing.outer)):
+            if not isinstance(side, Body) or not isinstance(other, Body) or body not in (*within, side, other):
+                continue
+            links = [[port.body for port in item.ports] for item in items]
+            if not any(side in link and any(b is not side and b not in within for b in link) for link in links):
+                return f"body {side.name!r} is held by nothing but the elements of bearing {bearing.name!r}"
+    return ""

@@ -54,8 +54,10 @@ def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Arr
     # each corner, then the crossing behind it, as far as they are kept
     kept = np.stack([inside, crosses], axis=2).reshape(p, 2 * k)
     corners = np.stack([polygons, crossing], axis=2).reshape(p, 2 * k, 2)
-    order = np.argsort(~kept, axis=1, kind="stable")[:, : k + 1]
-    return np.take_along_axis(corners, order[:, :, None], axis=1), kept.sum(axis=1)
+    found = kept.sum(axis=1)
+    # one more than before, but where an edge on the line goes to and fro across it by round-off
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : max(k + 1, int(found.max(initial=0)))]
+    return np.take_along_axis(corners, order[:, :, None], axis=1), found
 
 
 def _next(k: int, count: Array) -> Array:

@@ -464,7 +464,7 @@ class LumpedContacts(Arrays):
 
     lumped_load: DeviceArray = structs(Load, "world", "lumped_place", note="force on the first body, what moves it")
     lumped_taken: DeviceArray = reals(
-        "world", "lumped_place", 2, unit="J", note="by damping and by friction in the step", zero_without=True
+        "world", "lumped_place", 4, unit="J", note="damped, rubbed, given by the step; of a bounce", zero_without=True
     )
     lumped_moment: DeviceArray = structs(Moment, "world", "lumped_moment", note="on the first body, see `moments`")
 

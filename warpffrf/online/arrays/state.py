@@ -160,6 +160,8 @@ class LumpedState(Arrays, carried=True):
     lumped_at: DeviceArray = vectors("world", 2, "lumped_place", unit="m", note="the nearest place, world")
     lumped_shear: DeviceArray = reals("world", 2, "lumped_place", unit="N/m", note="tangential stiffness, 0 apart")
     lumped_power: DeviceArray = reals("world", 2, "lumped_place", 2, unit="W", note="taken by damping, by creep")
+    lumped_approach: DeviceArray = reals("world", 2, "lumped_place", unit="m", note="less the gap")
+    lumped_gained: DeviceArray = reals("world", 2, "lumped_place", unit="J", note="by the integrator, losses taken off")
     lumped_energy: DeviceArray = reals("world", 2, "lumped_place", unit="J", note="of the law, and of what sticks")
 
 

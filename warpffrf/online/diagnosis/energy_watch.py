@@ -1,7 +1,10 @@
 """The end of a run that makes energy: who has made it, and a cure that was tried.
 
 `warpffrf_kernels.step.energy_watch` stops a run in which energy has come from nowhere. Here states are kept to go back
-to, and the last steps are repeated with smaller ones, to tell whether these are a cure."""
+to, and the last steps are repeated with smaller ones, to tell whether these are a cure.
+
+The device waits for some steps before it believes the numerical line; a run that ends in the meantime is judged here.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,10 @@ NOISE = 1e-11  # of force times distance: round-off of their product, a hundred 
 FINER = (4, 16)  # steps that are tried are shorter by
 INTEGRATOR = "the integrator"
 TIGHTER = 0.01  # of the energy tolerance: 1,000 undamped bounces in steps of a ninetieth then make 0.5 %
+AT_END = 0.1  # of the largest energy: what a run may end with that was not there for as long as the device waits for
+# of the largest energy, over the square of the steps since then: a drive that sets out smoothly, as t^3, has a line of
+# 1/(3 n^2) of it after n steps
+SETS_OUT = 0.5
 HELPS = 0.25  # of what was made: a step with which less is made is a cure
 
 
@@ -30,10 +37,11 @@ def round_off_energy(engine: Engine) -> float:
 
 
 class EnergyWatch:
-    """Beside a run of steps of `step` [s]: `look` after each chunk, `end` where the device has stopped for a gain."""
+    """Beside a run of steps of `step` [s]: `look` after each chunk, `gained_at_end` after the last, `end` where energy
+    was made. set_down: the run begins with the scene as it was described, without an equilibrium."""
 
-    def __init__(self, engine: Engine, step: float) -> None:
-        self.engine, self.step = engine, step
+    def __init__(self, engine: Engine, step: float, *, set_down: bool = False) -> None:
+        self.engine, self.step, self.set_down = engine, step, set_down
         self.last = self.kept = engine.state.to_numpy()  # the last one may be next to the end: begin at that before
 
     def look(self) -> bool:
@@ -48,6 +56,18 @@ class EnergyWatch:
         self.engine.clock(noise=noise)
         self.engine.control(status=0)
         return False
+
+    def gained_at_end(self) -> bool:
+        """Whether a run that has come to its end has made energy that the device was still waiting for."""
+        engine = self.engine
+        spell = int(engine.word("spell")[0])
+        if not spell or not engine.compiled.model.limits.most_made:
+            return False
+        share = max(AT_END, SETS_OUT / spell**2)
+        if self._made() <= max(share * float(engine.word("most")[0]), round_off_energy(engine)):
+            return False
+        engine.control(status=int(k.GAIN))
+        return True
 
     def _made(self) -> float:
         return float(self.engine.word("made")[0])
@@ -82,7 +102,10 @@ class EnergyWatch:
         if owner == INTEGRATOR and self.engine.scene.lumped_contacts:
             tighter = self.engine.settings.energy_tolerance * TIGHTER
             return f"allow less of it in a step of an impact as well, energy_tolerance={tighter:.2g}"
-        return "give the contact surfaces a finer grid (half_width=, expected_half_width=) or the machine some damping"
+        cure = "give the contact surfaces a finer grid (half_width=, expected_half_width=) or the machine some damping"
+        if self.set_down and any(contact.friction.acts for contact in self.engine.scene.contacts):
+            cure = f"begin at rest where what rubs is set down, start=equilibrium(scene, friction=True), or {cure}"
+        return cure
 
     def _cure(self, made: float, most: float, began: float, end: float, otherwise: str) -> str:
         tried = f"tried from t = {began:.6g} s on"
@@ -91,10 +114,7 @@ class EnergyWatch:
             found = self._made_with(step, int(np.ceil((end - began) / step)))
             if found < HELPS * made:
                 return f"with step={step:.3g} ({tried}) it gains {found / most:.2%}: use that, or step_error="
-        return (
-            f"steps down to {self.step / FINER[-1]:.3g} s ({tried}) do not help: {otherwise}, or go on with "
-            "Settings(most_made=0)"
-        )
+        return f"steps down to {self.step / FINER[-1]:.3g} s ({tried}) do not help: {otherwise}"
 
     def _made_with(self, step: float, steps: int) -> float:
         """What is made in so many steps from the state kept [J]."""

@@ -48,9 +48,12 @@ from collections.abc import Iterator
 import numpy as np
 from warpffrf_kernels.core.model import AT_POINTS
 
+from warpffrf.model.bearings.bearing import loose_ring
 from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
 from warpffrf.model.gap import facing_gap
+from warpffrf.model.scene import Scene
+from warpffrf.model.scene_check import connecting
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.bent_gaps import without_stiff
@@ -243,7 +246,9 @@ class FreeMotions:
         amount = f"{force:.3g} N" if clause.startswith(SLIDE) else f"{force * weight[3] / weight[0]:.3g} N m"
         body = self.engine.scene.bodies[b]
         missed = self._missed(body, parts[b][:3]) if clause.startswith(SLIDE) else ""
-        return f"body {body.name!r} is free to {clause}, and {amount} drive it there{missed}"
+        missed += "" if self.rubs else _unrubbed(self.engine.scene, body)
+        told = f"body {body.name!r} is free to {clause}, and {amount} drive it there{missed}"
+        return loose_ring(self.engine.scene.bearings, connecting(self.engine.scene), body) or told
 
     def _missed(self, body: Body, direction: np.ndarray) -> str:
         """The pairs of a body that do not stop it along `direction`: those that it leaves, and those that it passes."""
@@ -417,6 +422,15 @@ def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) 
     _, values, vectors = np.linalg.svd(lines @ motions.T / np.sqrt(len(lines)), full_matrices=True)
     slips = int(np.count_nonzero(values > STICKS))
     return vectors[:slips] @ motions, vectors[slips:] @ motions
+
+
+def _unrubbed(scene: Scene, body: Body) -> str:
+    """Of a body in a static state without friction: what rubs on it, and when that counts."""
+    contacts = [c for c in (*scene.contacts, *scene.lumped_contacts) if c.friction.acts and not c.friction.creep_limit]
+    names = [str(c.name) for c in contacts if body in [port.body for port in c.ports]]
+    if not names or scene.films:
+        return ""
+    return f", and friction of {_listed(names)} counts in equilibrium(scene, friction=True) only"
 
 
 def _of_length_one(lines: np.ndarray) -> np.ndarray:
