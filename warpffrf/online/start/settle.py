@@ -38,8 +38,8 @@ RETREATS, RETREAT = 2, 1000.0
 # s/m: 1 kg of a scene of 0.1 m then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the
 # joints
 LAST = 10.0
-# of such a step, where the scene needs it: bodies of a tenth of a millimetre on springs of a few hertz, whose vibrations
-# do not grow faster as the scene grows smaller, come nearer to rest in each of them by less than CREEP
+# of it, where the scene needs it: bodies of a tenth of a millimetre on springs of a few hertz, whose vibrations
+# are not faster for being small, come nearer to rest in each of them by less than CREEP
 LONGER = 1e6
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
