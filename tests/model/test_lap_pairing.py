@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.laps.clipping import areas, clipped
 from warpffrf.model.laps.facing import Triangles, facing
 from warpffrf.model.laps.pairing import pair_faces
 
@@ -93,3 +94,18 @@ def test_pieces_fill_what_is_covered_for_any_turn() -> None:
         assert there.area.sum() == pytest.approx(back.area.sum(), rel=1e-12)
         assert there.covered == pytest.approx(back.covered[::-1], rel=1e-12)
         assert np.abs(there.weights.sum(axis=2) - 1.0).max() < 1e-12 and there.weights.min() > -1e-12
+
+
+def test_polygons_whose_edges_coincide_keep_their_area() -> None:
+    """The same triangle at many angles, its edges in halves and in thirds: round-off crosses a line more than twice."""
+    angle = np.random.default_rng(1).uniform(0.0, 2.0 * np.pi, 2000)
+    rotation = np.moveaxis(np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]), 2, 0)
+    corners = np.array([(0.0, 0.0), (1.0, 0.0), (0.3, 0.8)])
+
+    def divided(parts: int) -> np.ndarray:
+        along = (np.roll(corners, -1, axis=0) - corners)[:, None] * np.arange(parts)[:, None] / parts
+        outline = (corners[:, None] + along).reshape(-1, 2)
+        return outline @ np.swapaxes(rotation, 1, 2) + 0.3
+
+    found = areas(*clipped(divided(2), np.full(len(angle), 6), divided(3)))
+    assert found == pytest.approx(0.4, abs=1e-14)  # round-off of coordinates of order one

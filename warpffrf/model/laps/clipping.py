@@ -54,8 +54,9 @@ def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Arr
     # each corner, then the crossing behind it, as far as they are kept
     kept = np.stack([inside, crosses], axis=2).reshape(p, 2 * k)
     corners = np.stack([polygons, crossing], axis=2).reshape(p, 2 * k, 2)
-    order = np.argsort(~kept, axis=1, kind="stable")[:, : k + 1]
-    return np.take_along_axis(corners, order[:, :, None], axis=1), kept.sum(axis=1)
+    remaining = kept.sum(axis=1)  # k + 1 at most, but for edges that coincide: round-off can cross those more often
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : max(remaining.max(initial=0), 1)]
+    return np.take_along_axis(corners, order[:, :, None], axis=1), remaining
 
 
 def _next(k: int, count: Array) -> Array:
