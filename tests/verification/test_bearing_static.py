@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from warpffrf.model import forces, laws
+from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.bearings import Bearing
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -176,3 +176,14 @@ def test_loads_that_nothing_carries_are_named() -> None:
     history = find_equilibrium(scene)
     assert history.status == "no_equilibrium"
     assert "bearing 'b' has no cage, and loads squeeze its elements out of their zone; give it" in history.message
+    scene = Scene()
+    shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
+    scene.add_ball_bearing("b", **P7, inner=shaft)  # no outer=: a ring of its own, which nothing holds
+    plane = scene.add(joints.Planar(scene.ground, shaft.at((0, 0, 0)), axis=(0, 1, 0)))
+    scene.add(joints.Drive(plane, signals.Constant(0.0), quantity="velocity"))
+    scene.add(forces.PointForce(shaft.at((0, 0, 0)), (500.0, 0.0, 0.0)))
+    history = find_equilibrium(scene)
+    assert history.status == "no_equilibrium"
+    assert history.message.startswith(
+        "equilibrium: nothing but rolling elements holds ring 'b outer ring' of bearing 'b'"
+    )

@@ -9,7 +9,7 @@ import numpy as np
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
-from warpffrf.model.bearings.bearing import without_cage
+from warpffrf.model.bearings.bearing import loose_rings, without_cage
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
@@ -335,10 +335,8 @@ def finish(
     if bits and (squeezed := squeezed_out(engine)):
         message = f"{message}; {squeezed}"
     if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
-        status, message = (
-            "no_equilibrium",
-            f"{engine.not_at_rest}: {without_cage(engine.scene.bearings) or NO_LOAD_PATH}",
-        )
+        free = f"{engine.not_at_rest}: {without_cage(engine.scene.bearings) or NO_LOAD_PATH}"
+        status, message = "no_equilibrium", loose_rings(engine.scene) or free
     elif at_rest and status == "completed" and not engine.chunks[0]:
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.saved())

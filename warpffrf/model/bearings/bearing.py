@@ -163,3 +163,28 @@ def without_cage(bearings: list[Bearing]) -> str:
         f"bearing {', '.join(loose)} has no cage, and loads squeeze its elements out of their zone; give it "
         "cage=bearings.Spaced(), or hold the elements by joints"
     )
+
+
+def loose_rings(scene: Any) -> str:
+    """What to do about rings that only the elements of their bearing touch, "" where there are none."""
+    rings = [(one, side) for one in scene.bearings for side in SIDES if _touches_elements_alone(scene, one, side)]
+    if not rings:
+        return ""
+    names = ", ".join(f"{getattr(bearing, side).name!r} of bearing {bearing.name!r}" for bearing, side in rings)
+    sides = " or ".join(dict.fromkeys(f"{side}=" for _, side in rings))
+    return (
+        f"nothing but rolling elements holds ring {names}, so that it carries no load; give the bearing {sides} a body "
+        "or the ground, or hold the ring by a joint or a spring"
+    )
+
+
+def _touches_elements_alone(scene: Any, bearing: Bearing, side: str) -> bool:
+    """Whether a ring has no joint, force, film or contact but those with the elements and the cage of its bearing."""
+    ring = getattr(bearing, side)
+    items = (*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films, *scene.laps)
+    inside = {id(body) for body in (*bearing.elements, bearing.cage)}
+    return isinstance(ring, Body) and not any(
+        any(port.body is ring for port in item.ports)
+        and (len(item.ports) == 1 or any(port.body is not ring and id(port.body) not in inside for port in item.ports))
+        for item in items
+    )
