@@ -17,6 +17,7 @@ from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.consistency import velocity_defects
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import JointSpringDamper, Pretension
+from warpffrf.model.forces.laws import vanishes
 from warpffrf.model.gap import facing_gap
 from warpffrf.model.lumped_contact import allowed_overlap
 from warpffrf.model.overlap import excessive_overlap
@@ -176,6 +177,11 @@ def reached_from(index: int, items: list[Any]) -> set[int]:
         reached |= new
 
 
+def _resists(item: Any, pull: Pretension | JointSpringDamper) -> bool:
+    """Whether `item`, on the joint of `pull`, is a spring along the coordinate that this pulls."""
+    return isinstance(item, JointSpringDamper) and item.coordinate == pull.coordinate and not vanishes(item.stiffness)
+
+
 def _loose_preloads(scene: Scene) -> dict[str, str]:
     """Pretensions, and joint springs with a preload, between two bodies that nothing else connects: what they pull
     together presses on nothing. By name, with the cure.
@@ -190,7 +196,7 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
             continue
         a, b = force.ports
         others = [item for item in _connecting(scene) if item is not force and item is not force.joint]
-        others = [item for item in others if getattr(item, "joint", None) is not force.joint]
+        others = [item for item in others if getattr(item, "joint", None) is not force.joint or _resists(item, force)]
         if b.body.index not in reached_from(a.body.index, others):
             told[str(force.name)] = (
                 f"{force.kind} {force.name!r}: its tension has no path back, nothing but joint {force.joint.name!r} "
