@@ -30,7 +30,8 @@ SIGNS = {
     b"RRF": rb"warpffrf",
     b"GIF8": rb"written by warpffrf",
     b"": rb"written by warpffrf|Made by `(python -m )?warpffrf|<!-- warpffrf -->|as warpffrf ran it"
-    rb'|[aA] warpffrf example|\Awarpffrf (stability|speed_error)|<dc:title>warpffrf<|content="warpffrf |"(format|kind)": "warpffrf',
+    rb"|[aA] warpffrf example"
+    rb'|\Awarpffrf (stability|speed_error)|<dc:title>warpffrf<|content="warpffrf |"(format|kind)": "warpffrf',
 }
 SIGN_WITHIN = 1 << 16  # bytes of the beginning and of the end
 ENDING = ".part"
