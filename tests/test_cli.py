@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import signal
 import subprocess
 import sys
+import textwrap
 from pathlib import Path
 
 import numpy as np
@@ -294,3 +296,44 @@ def test_the_command_line_starts_without_the_heavy_libraries() -> None:
     code = f"import sys, warpffrf.cli; print([m for m in {heavy} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+EVIL = "\x1b]0;owned\x07\x1b[31m\x9b2J\u202e"  # sets a title, a colour, clears, turns the direction of writing
+
+
+def test_names_in_files_do_not_reach_the_terminal_as_escapes(
+    tmp_path: Path, capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In reports and scenes on stdout, in notes and in errors on stderr."""
+    name = EVIL.encode("unicode_escape").decode().replace("\\x", "\\u00")
+    monkeypatch.chdir(tmp_path)
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        f'[scene]\ngravity = [0, 0, 0]\n[bodies."{name}"]\nmass = 1.0\ninertia_tensor = [1, 1, 1]\n[simulate]\n'
+        f"duration = 1e-3\nstep = 1e-3\n"
+    )
+    assert cli.main(["-v", "run", str(scene)]) == 0
+    assert cli.main(["run", str(scene), "--set", f"bodies.{EVIL}=1"]) != 0
+    assert cli.main(["run", str(tmp_path / EVIL)]) == 1
+    said = "".join(capsys.readouterr())
+    assert r"\x1b]0;owned\x07\x1b[31m\x9b2J\u202e" in said
+    assert not set(said) & set(EVIL[:1] + "\x07\x9b\u202e")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_interruptions_while_the_command_loads(number: signal.Signals) -> None:
+    """The signal comes as the first library of the command line is imported."""
+    code = """
+        import signal, sys
+        class Interrupting:
+            def find_spec(self, name, path=None, target=None):
+                if name == "typer":
+                    signal.raise_signal(int(sys.argv[1]))
+        sys.meta_path.insert(0, Interrupting())
+        from warpffrf.__main__ import main
+        sys.exit(main())
+    """
+    ended = subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code), str(int(number))], capture_output=True, text=True
+    )
+    assert (ended.returncode, ended.stderr) == (130, "interrupted\n")

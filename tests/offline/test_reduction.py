@@ -299,6 +299,16 @@ def test_a_damaged_cache_entry_is_made_again(small_roller, own_cache):
     assert reduced(small_roller, cache=True).report["cached"]
 
 
+def test_a_cached_body_under_the_key_of_another_is_made_again(small_roller, own_cache):
+    first = reduced(small_roller, cache=True)
+    (entry,) = own_cache.iterdir()
+    reduced(small_roller, cache=True, modes=1)
+    (other,) = set(own_cache.iterdir()) - {entry}
+    entry.write_bytes(other.read_bytes())
+    again = reduced(small_roller, cache=True)
+    assert not again.report["cached"] and again.content_hash() == first.content_hash()
+
+
 def test_a_cache_that_cannot_be_written_does_not_lose_the_result(small_roller, tmp_path, monkeypatch):
     blocked = tmp_path / "file"
     blocked.write_text("")

@@ -374,10 +374,30 @@ def test_joints_that_hold_each_other_in_a_loop() -> None:
     """Four stuck joints of a loop with one freedom: their forces are not determined, its rest is."""
     history = settled(four_bar(0.5), 0.5)
     assert max(np.abs(history.joints[f"hinge {i}"].coordinate).max() for i in range(4)) < ROUND_OFF
-    assert any("'rub 3'" in note and "do not press" in note for note in history.notes)
+    assert any("'rub 0'" in note and "'rub 3'" in note and "order" in note for note in history.notes)
     free = settled(four_bar(0.05), 1.0)
     at_hand = np.ptp(free.energy["potential"])
     assert at_hand > 1.0 and np.abs(free.energy["numerical"]).max() < 0.02 * at_hand
+
+
+def test_friction_that_the_order_of_adding_decides_is_named() -> None:
+    """A door on two hinges, either of which may carry it; on one hinge its load is determined."""
+
+    def notes(heights: tuple[float, ...]) -> list[str]:
+        scene = Scene(gravity=(0.0, 0.0, -G))
+        door = scene.add_rigid_body(20.0, (1.0, 2.0, 1.0), name="door", position=(0.5, 0, 0))
+        for z in heights:
+            ends = scene.ground.at((0, 0, z)), door.at((-0.5, 0, z))
+            hinge = scene.add(joints.Revolute(*ends, axis=(0, 0, 1), name=f"hinge {z}"))
+        scene.add(forces.RevoluteFriction(hinge, 0.3, pin_radius=0.01, thrust_radius=0.01, name="rub"))
+        return settled(scene, 2e-3).notes
+
+    for heights in ((0.4, -0.4), (-0.4, 0.4)):
+        both = ", ".join(f"'hinge {z}'" for z in heights)
+        assert any(
+            f"friction 'rub': the constraints do not determine how the joints {both}" in n for n in notes(heights)
+        )
+    assert not any("do not determine" in note for note in notes((0.4,)))
 
 
 def test_friction_at_an_interface_of_a_flexible_body(plain_body: ReducedBody) -> None:

@@ -12,6 +12,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium
 
 STAYS = 1e-5  # rad, before the first step shows what is free
+BALANCED = 1e-8  # of the moment: what the iteration promises
 LOAD, ANGLE = 200e3, 0.1  # N; rad, no multiple of half a column: the grid is not symmetric about the line of centres
 
 
@@ -74,3 +75,18 @@ def test_all_that_is_free_is_left_where_it_is(plain_body: ReducedBody) -> None:
     ]
     assert np.abs(rest.bodies["roller"].position[0, :2]).max() < STAYS
     assert np.abs(rest.bodies["roller"].rotation[0][:3]).max() < STAYS
+
+
+@pytest.mark.parametrize("length", [1.0, 1e-2, 1e-4])  # m
+def test_a_bar_on_a_soft_spring_rests_whatever_its_size(length: float) -> None:
+    """k theta = m g L/2 cos theta: the spring's frequency does not grow as the bar grows smaller."""
+    mass, frequency = 1000.0 * length**3, 5.0  # kg, Hz
+    k = (2.0 * np.pi * frequency) ** 2 * mass * length**2 / 3.0
+    scene = Scene(gravity=(0, 0, -9.81))
+    bar = scene.add_rigid_body(mass, (mass * length**2 / 12.0,) * 3, name="bar", position=(0.5 * length, 0, 0))
+    pin = scene.add(joints.Revolute(scene.ground, bar.at((-0.5 * length, 0, 0)), axis=(0, 1, 0), name="pin"))
+    scene.add(forces.TorsionalSpringDamper(pin, k, 0.0))
+    rest = find_equilibrium(scene)
+    assert rest.status == "completed", rest.message
+    theta = rest.joints["pin"].coordinate[-1]
+    assert k * theta == pytest.approx(0.5 * mass * 9.81 * length * np.cos(theta), rel=BALANCED)

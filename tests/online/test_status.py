@@ -13,7 +13,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.device import chosen_device
-from warpffrf.online.run import MESSAGES, describe
+from warpffrf.online.run import MESSAGES, coarser, describe
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.step.graph import StepGraph
@@ -281,3 +281,13 @@ def test_the_usual_device_is_that_of_the_environment(monkeypatch: pytest.MonkeyP
     assert chosen_device("cpu") == "cpu"
     with pytest.raises(InputError, match=r"device 'cuda:7' \(WARPFFRF_DEVICE\) is not available here"):
         chosen_device(None)
+
+
+def test_the_cure_of_a_grid_that_is_too_fine_is_that_of_its_kind(plain_body: ReducedBody) -> None:
+    """traction_spacing coarsens the grid on a body, cells= those that travel with a patch."""
+    engine = Engine(guided_pair(plain_body, plain_body, load=LOAD))
+    assert coarser(engine) == "coarsen the contact grid (traction_spacing)"
+    engine.compiled.patches[0] = object()  # type: ignore[assignment]
+    for bit in (k.INDEFINITE, k.CYCLING, k.ROOM):
+        message = describe(int(bit), 9, coarser(engine))[1]
+        assert "take fewer cells (cells= of the contact)" in message and "traction_spacing" not in message

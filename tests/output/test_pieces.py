@@ -8,6 +8,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from hypothesis import given
@@ -16,6 +17,7 @@ from synthetic_run import COLUMNS, ROWS, WINDOW, R
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import checked_output_path, size_text, written_whole
+from warpffrf.model.sealed_file import written_sealed
 from warpffrf.output.geometry.shown import frame_rows, round_factor, rows_every
 from warpffrf.output.geometry.thinning import thinned, vertex_normals
 from warpffrf.output.plots.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
@@ -27,20 +29,25 @@ from warpffrf.output.result import Result
 def test_output_path_makes_folders_and_keeps_files(tmp_path: Path) -> None:
     target = checked_output_path(tmp_path / "a" / "b.h5", "results", overwrite=False)
     assert target.parent.is_dir() and not target.exists()
-    target.write_text("old, by warpffrf")
+    target.write_text("old, written by warpffrf")
     checked_output_path(target, "results", overwrite=True)
-    assert target.read_text() == "old, by warpffrf"
+    assert target.read_text() == "old, written by warpffrf"
 
 
 def test_what_exists_is_replaced_only_if_asked_and_only_what_is_ours(tmp_path: Path) -> None:
     target = tmp_path / "run.h5"
-    target.write_bytes(b"x" * 100_000 + b" warpffrf")
+    with written_sealed(target) as file:
+        file["zeros"] = np.zeros(20_000)
     with pytest.raises(InputError, match=r"run.h5' exists; .*overwrite=True"):
         checked_output_path(target, "results", overwrite=False)
     checked_output_path(target, "results", overwrite=True)
-    target.write_bytes(b"x" * 100_000)
-    with pytest.raises(InputError, match="was not written by warpffrf and stays"):
-        checked_output_path(target, "results", overwrite=True)
+    with h5py.File(target, "w") as foreign:
+        foreign["warpffrf"] = np.zeros(20_000)
+    notes = b"# What I did with warpffrf\nimport warpffrf as wf\n"
+    for content in (target.read_bytes(), notes, b"x" * 100_000 + notes, b"\x89PNG\r\n" + notes, b"%PDF-1.4\n" + notes):
+        target.write_bytes(content)
+        with pytest.raises(InputError, match="was not written by warpffrf and stays"):
+            checked_output_path(target, "results", overwrite=True)
 
 
 def test_files_that_killed_processes_left_are_removed(tmp_path: Path) -> None:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import errno
 import json
 from pathlib import Path
 from typing import Any
 
+import h5py
 import meshio
 import numpy as np
 import pytest
@@ -13,6 +15,8 @@ from sweep_scenes import GRAVITY, TIMES, bob, fall, named_bob, rest, scene_file,
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
+from warpffrf.model.sealed_file import TRAILER, seal
+from warpffrf.study.sweeps import crews
 
 STIFFNESS = [1000.0, 2000.0, 4000.0]
 OUTPUTS = {
@@ -481,6 +485,68 @@ def test_what_is_no_store_is_refused(tmp_path: Path) -> None:
     (store / "sweep.json").write_text(json.dumps({"kind": "another"}))
     with pytest.raises(InputError, match="damaged, or of another program"):
         wf.study.open_sweep(store)
+
+
+def test_a_table_that_somebody_else_has_sealed_is_read_with_care(tmp_path: Path) -> None:
+    """A seal shows damage, not malice: what is missing, broken, or holds up the library is told, whoever asks."""
+    store = tmp_path / "s"
+    run(store, {"stiffness": [1e3, 2e3]})
+    table = store / "table.h5"
+    whole = table.read_bytes()[: -TRAILER.size]
+
+    def resealed(change: Any) -> None:
+        table.unlink()  # another file, of which this process does not know that it has written it
+        table.write_bytes(whole)
+        with h5py.File(table, "r+") as file:
+            change(file)
+        seal(table)
+
+    def raw(file: Any) -> None:
+        del file["status"]
+        file.create_dataset("status", data=np.zeros(2))
+
+    def longer(file: Any) -> None:
+        del file["stiffness"]
+        file.create_dataset("stiffness", shape=(1 << 40,), dtype=float).attrs["parameter"] = "yes"
+
+    def refused() -> list[str]:
+        found, messages = wf.study.open_sweep(store), []
+        for ask in (lambda: found.counts, lambda: found["stiffness"], found.failed, found.to_dataframe):
+            try:
+                ask()
+            except InputError as error:
+                messages.append(str(error))
+        return messages
+
+    for change in (lambda file: file.__delitem__("status"), raw, longer):
+        resealed(change)
+        assert refused() and all("sweep: " in message for message in refused())
+
+
+def test_what_the_system_refuses_ends_a_sweep_with_what_to_do(tmp_path: Path, monkeypatch: Any) -> None:
+    """A full disk, and a process that is to fork workers and was killed; the sweep goes on afterwards."""
+    from warpffrf.study.sweeps import folder
+
+    write, left = folder.write_arrays, [1]
+
+    def full(*arguments: Any) -> None:
+        if not left:
+            raise OSError(errno.ENOSPC, "No space left on device")
+        left.pop()
+        write(*arguments)
+
+    monkeypatch.setattr(folder, "write_arrays", full)
+    with pytest.raises(InputError, match=r"No space left on device\); rows that have been run are kept.*resume=True"):
+        run(tmp_path / "s", {"stiffness": [1e3, 2e3, 3e3]})
+    monkeypatch.undo()
+    assert run(tmp_path / "s", {"stiffness": [1e3, 2e3, 3e3]}, resume=True).counts == {"completed": 3}
+
+    def killed(device: Any) -> Any:
+        raise EOFError
+
+    monkeypatch.setattr(crews, "_Worker", killed)
+    with pytest.raises(InputError, match=r"EOFError\); rows that have been run are kept"):
+        run(tmp_path / "t", {"stiffness": [1e3, 2e3]}, workers=2)
 
 
 def test_bytes_of_a_table_are_verified_once(swept: Any, monkeypatch: Any) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import dataclasses
+import pickle
 import signal
 import subprocess
 import sys
@@ -11,7 +13,6 @@ import time
 from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from pickle import UnpicklingError
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,12 @@ from sweep_scenes import TIMES, bob, deadly_bob
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.study.sweeps import crews, job, sweep
+from warpffrf.study.sweeps import crews, job, packing, sweep
 from warpffrf.study.sweeps.crews import WorkerDied
 from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.outputs import Value
 from warpffrf.study.sweeps.parcel import Parcel
+from warpffrf.study.sweeps.scenes import FunctionScenes
 
 STIFFNESS = {"stiffness": "1000:6000:6"}
 NAME = "body_position_z[bob]"
@@ -124,8 +126,8 @@ class Ended:
 def test_a_worker_whose_answer_cannot_be_read_is_ended_too() -> None:
     crew, worker, future = crews.Processes(PARCEL, 0, [None]), Ended(), Future()
     crew.busy[future] = worker  # type: ignore[assignment]
-    future.set_exception(UnpicklingError("no answer"))
-    with pytest.raises(UnpicklingError):
+    future.set_exception(pickle.UnpicklingError("no answer"))
+    with pytest.raises(pickle.UnpicklingError):
         crew.collect(future)
     crew.close()
     assert worker.ended
@@ -206,7 +208,6 @@ def test_any_executor_will_do(tmp_path: Path, alone: np.ndarray) -> None:
 def test_reduced_bodies_travel_by_their_hash(tmp_path: Path) -> None:
     """A builder that holds a body is a parcel of some hundred bytes, and the body comes out as it was."""
     from warpffrf.study.sweeps.packing import opened, packed
-    from warpffrf.study.sweeps.scenes import FunctionScenes
 
     body = wf.reduce(
         wf.mesh.box((0.1, 0.02, 0.02), (6, 2, 2)),
@@ -220,6 +221,38 @@ def test_reduced_bodies_travel_by_their_hash(tmp_path: Path) -> None:
     assert len(parcel.content) < 2000
     scenes: Any = opened(parcel).scenes
     assert scenes.function.keywords["body"].content_hash() == body.content_hash()
+    (file,) = (tmp_path / "bodies").iterdir()
+    file.unlink()
+    dataclasses.replace(body, mass=2.0 * body.mass).save(file)  # whole, but not what its name says
+    packing._opened.clear()
+    with pytest.raises(InputError, match="not what the sweep has written"):
+        opened(parcel)
+
+
+def test_a_job_under_the_hash_of_another_is_not_unpickled(tmp_path: Path) -> None:
+    """Who can write to the store alone does not run code in workers."""
+    scenes = FunctionScenes(partial(_marked, marker="x" * packing.LARGE))
+    parcel = packing.packed(job.Job(scenes, {}), tmp_path)
+    assert not parcel.content
+    (file,) = tmp_path.iterdir()
+    file.write_bytes(pickle.dumps(_Touches(tmp_path / "ran")))
+    with pytest.raises(InputError, match="not what the sweep has written"):
+        packing.opened(parcel)
+    assert not (tmp_path / "ran").exists()
+
+
+def _marked(stiffness: float, marker: str) -> Any:
+    return bob(stiffness)
+
+
+class _Touches:
+    """Its pickle writes a file where it is opened."""
+
+    def __init__(self, file: Path) -> None:
+        self.file = file
+
+    def __reduce__(self) -> Any:
+        return Path.touch, (self.file,)
 
 
 def _with_body(stiffness: float, body: Any) -> Any:
@@ -234,8 +267,6 @@ def test_what_cannot_be_sent_is_told_before_anything_runs(tmp_path: Path) -> Non
 
 def test_workers_with_other_versions_are_named(tmp_path: Path, monkeypatch: Any) -> None:
     """The parcel says versions that the worker does not have."""
-    from warpffrf.study.sweeps import packing
-
     monkeypatch.setattr(packing, "versions", lambda: {**job.versions(), "numpy": "1.0"})
     packed = packing.packed(job.Job(partial(bob), {}), tmp_path)  # type: ignore[arg-type]
     monkeypatch.undo()

@@ -284,8 +284,11 @@ def test_a_preload_without_a_load_path_is_named(column: ReducedBody) -> None:
     assert find_equilibrium(scene).status == "completed"  # the spring alone finds its length
     spring.preload = 0.0
     assert not scene.check().loose_preloads
-    spring.stiffness, spring.damping = 0.0, 1.0  # a damper holds nothing at rest
     scene.add(forces.Pretension(axis, TIGHT, name="bolt"))
+    assert not scene.check().loose_preloads  # the spring is the column that the bolt presses together
+    rest = find_equilibrium(scene)
+    assert rest.joints["axis"].coordinate[-1] == pytest.approx(-TIGHT / BOLT, rel=EXACT)
+    spring.stiffness, spring.damping = 0.0, 1.0  # a damper holds nothing at rest
     with pytest.raises(InputError, match="equilibrium: pretension 'bolt': its tension has no path back"):
         find_equilibrium(scene)
     scene.add(forces.Bushing(b["nut"], cap.at((0, 0, 0)), [COLUMN] * 6, point=b["head"].world_point()))

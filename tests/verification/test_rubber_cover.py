@@ -3,13 +3,14 @@ whose gap opens along the normal of the plane."""
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from plane_strain_cover import pressed_cover
 
 from warpffrf.model import joints, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
@@ -62,10 +63,8 @@ def pressed(
     rest = equilibrium(scene)
     nip = rest.contact("nip")
     if core == CORE:
-        with pytest.raises(
-            InputError, match=r"its half-width would be .* 'roll' is only 0.005 m deep .* no half-space"
-        ):
-            nip.hertz(-1)
+        reason = nip.hertz(-1).reason
+        assert re.search(r"its half-width would be .* 'roll' is only 0.005 m deep .* no half-space", reason)
     return float(nip.line_load[-1]), float(nip.mid_peak_pressure[-1]), list(rest.history.notes)
 
 

@@ -27,6 +27,7 @@ def one_line_errors() -> Iterator[None]:
     """Wrong input, files that cannot be had and interruptions end the command inside with a line and a code."""
     from warpffrf.model.errors import InputError
     from warpffrf.model.interruption import terminated_as_interrupted
+    from warpffrf.model.printable import printable
 
     try:
         with terminated_as_interrupted():
@@ -37,7 +38,7 @@ def one_line_errors() -> Iterator[None]:
     except (InputError, OSError) as error:
         if log.isEnabledFor(logging.DEBUG):
             log.debug("where it happened:", exc_info=True)
-        print(f"error: {in_options(str(error), _options)}", file=sys.stderr)
+        print(printable(f"error: {in_options(str(error), _options)}"), file=sys.stderr)
         raise typer.Exit(1) from None
     except KeyboardInterrupt:
         print("interrupted", file=sys.stderr)

@@ -35,6 +35,14 @@ def add_picture_commands(app: typer.Typer) -> None:
         serve: Annotated[
             bool, typer.Option("--serve", help="Serve it to a browser, on a machine without a screen.")
         ] = False,
+        address: Annotated[
+            str | None,
+            typer.Option(
+                metavar="IP",
+                help="With --serve: listen at this address of the machine, 0.0.0.0 for all of them, to anybody who "
+                "reaches it; left out: to browsers of this machine alone, as through ssh -L.",
+            ),
+        ] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Open a run in the rerun viewer; of results the recording is made first.
@@ -45,10 +53,12 @@ def add_picture_commands(app: typer.Typer) -> None:
             from warpffrf.model.errors import InputError
             from warpffrf.output.recording import viewer
 
+            if address is not None and not serve:
+                raise InputError("--address says where --serve listens; give both")
             if file.suffix.lower() == viewer.ENDING:
                 if out is not None or every is not None or field != "displacement":
                     raise InputError("a recording is shown as it is; --field, --every and --out are for results (.h5)")
-                viewer.run(viewer.viewer_command(file, serve=serve))
+                _opened(file, serve, address)
                 return
             if out is None and not serve and not viewer.has_screen():
                 raise InputError(
@@ -63,7 +73,7 @@ def add_picture_commands(app: typer.Typer) -> None:
                 said = _recorded(file, recording, field, every, False, Asked.quiet)
                 if not Asked.quiet:
                     print(said)
-                viewer.run(viewer.viewer_command(recording, serve=serve))
+                _opened(recording, serve, address)
 
     @app.command("picture")
     def picture_of_results(
@@ -121,3 +131,14 @@ def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: b
     info = record(Result.load(file), out, color=field, every=every, overwrite=overwrite, progress=not is_quiet)
     written = Written.of("recording", info.path, time.perf_counter() - begin)
     return f"recording: {written}, {info.frames} frames"
+
+
+def _opened(recording: Path, serve: bool, address: str | None) -> None:
+    """Open a recording in the viewer, or serve it and say where, until that ends."""
+    from warpffrf.output.recording import viewer
+
+    where = address or viewer.LOOPBACK
+    command = viewer.viewer_command(recording, serve=serve, address=where)
+    if serve:
+        print(f"open {viewer.served_at(where)} in a browser; Ctrl-C ends the server", flush=True)
+    viewer.run(command)

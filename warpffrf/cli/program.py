@@ -12,11 +12,12 @@ from __future__ import annotations
 import importlib
 import logging
 import os
+import sys
 from collections.abc import Sequence
 from contextlib import nullcontext, redirect_stdout
-from io import StringIO
+from io import StringIO, TextIOBase
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, TextIO
 
 import typer
 
@@ -32,6 +33,7 @@ from warpffrf.cli.scenes import campbell_of_scene_file, modes_of_scene_file, run
 from warpffrf.cli.study import study_app
 from warpffrf.cli.sweep import add_sweep_command, add_sweep_plot_command
 from warpffrf.demos import DEMOS
+from warpffrf.model.printable import printable
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
 # (on two busy cores 16 times longer than one thread alone).
@@ -39,6 +41,29 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 log = logging.getLogger("warpffrf")
+
+
+class Printable(TextIOBase):
+    """A stream of text that hands on to `stream` what is printable."""
+
+    def __init__(self, stream: TextIO) -> None:
+        self.stream = stream
+
+    def write(self, text: str) -> int:
+        if not isinstance(text, str):
+            raise TypeError(f"text is written here, got {type(text).__name__}")
+        self.stream.write(printable(text))
+        return len(text)
+
+    def flush(self) -> None:
+        self.stream.flush()
+
+    def isatty(self) -> bool:
+        return self.stream.isatty()
+
+    def fileno(self) -> int:
+        return self.stream.fileno()
+
 
 app = typer.Typer(
     name="warpffrf",
@@ -136,9 +161,13 @@ add_sweep_plot_command(app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line with `arguments` (None: those of the process); returns the exit code."""
+    """Run the command line with `arguments` (None: those of the process); returns the exit code.
+
+    What commands print passes through `printable`: names in files, and of files, may hold what a terminal obeys.
+    """
     try:
-        app(list(arguments) if arguments is not None else None, prog_name="warpffrf")
+        with redirect_stdout(Printable(sys.stdout)):
+            app(list(arguments) if arguments is not None else None, prog_name="warpffrf")
     except SystemExit as leaving:
         return leaving.code if isinstance(leaving.code, int) else 1
     return 0

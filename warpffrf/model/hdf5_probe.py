@@ -18,7 +18,8 @@ import sys, h5py
 def look(item):
     for name in item.attrs:
         item.attrs[name]
-    if isinstance(item, h5py.Dataset) and item.dtype.kind == "O" and item.shape == ():
+    texts = isinstance(item, h5py.Dataset) and item.dtype.kind == "O"
+    if texts and 16 * item.size <= item.id.get_storage_size() + 65536:  # references that are stored, not only declared
         item[()]
 with h5py.File(sys.argv[1], "r") as file:
     look(file)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 import secrets
 import socket
 import tempfile
@@ -21,7 +22,17 @@ from pathlib import Path
 from warpffrf.model.errors import InputError
 from warpffrf.model.processes import lives
 
-SIGN = b"warpffrf"
+# How a format begins, and what warpffrf writes into such a file: its name alone may stand in anybody's
+SIGNS = {
+    b"\x89HDF": rb"warpffrf sealed\n",
+    b"\x89PNG": rb"Software\x00warpffrf",
+    b"%PDF": rb"/Creator \(warpffrf\)",
+    b"RRF": rb"warpffrf",
+    b"GIF8": rb"written by warpffrf",
+    b"": rb"written by warpffrf|Made by `(python -m )?warpffrf|<!-- warpffrf -->|as warpffrf ran it"
+    rb"|[aA] warpffrf example"
+    rb'|\Awarpffrf (stability|speed_error)|<dc:title>warpffrf<|content="warpffrf |"(format|kind)": "warpffrf',
+}
 SIGN_WITHIN = 1 << 16  # bytes of the beginning and of the end
 ENDING = ".part"
 UNITS = ("bytes", "kB", "MB", "GB", "TB")
@@ -75,11 +86,11 @@ def written_here(file: Path) -> bool:
         size = stream.seek(0, os.SEEK_END)
         if not size:
             return True
-        for at in (0, max(size - SIGN_WITHIN, 0)):
-            stream.seek(at)
-            if SIGN in stream.read(SIGN_WITHIN):
-                return True
-    return False
+        stream.seek(0)
+        head = stream.read(SIGN_WITHIN)
+        sign = next(sign for start, sign in SIGNS.items() if head.startswith(start))
+        stream.seek(max(size - SIGN_WITHIN, 0))
+        return any(re.search(sign, part) for part in (head, stream.read(SIGN_WITHIN)))
 
 
 def check_ending(path: str | os.PathLike[str], what: str, endings: tuple[str, ...]) -> None:

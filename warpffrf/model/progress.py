@@ -8,6 +8,8 @@ import time
 
 from tqdm import tqdm
 
+from warpffrf.model.printable import printable
+
 log = logging.getLogger("warpffrf")
 FIRST_LINE = 3.0  # s until the first log line off a terminal: what is over by then needs none
 LOG_INTERVAL = 10.0  # s between log lines
@@ -20,7 +22,7 @@ class Progress:
         self.label, self.total, self.unit, self.done, self.begin = label, total, unit, 0, time.monotonic()
         self.next = self.begin + FIRST_LINE
         terminal = sys.stderr is not None and sys.stderr.isatty()  # None: a process without a standard error
-        self.bar = tqdm(total=total, desc=label, unit=unit, leave=False) if enabled and terminal else None
+        self.bar = tqdm(total=total, desc=printable(label), unit=unit, leave=False) if enabled and terminal else None
         self.logs = enabled and not terminal
 
     def update(self, done: int) -> None:

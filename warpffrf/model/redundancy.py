@@ -83,6 +83,21 @@ class Redundancy:
         return found
 
 
+def undetermined(scene: Scene, found: Redundancy) -> list[str]:
+    """Owners of rows whose reactions the constraints do not determine, in the order of adding.
+
+    A left-out row J_d = c J_kept takes any share mu of the load from the kept rows, lambda - c mu: the reactions of d
+    and of all rows with c != 0 follow from the choice mu = 0 alone.
+    """
+    if not found.dropped:
+        return []
+    J, kept = constraint_jacobian(scene, list(found.rows))[0], np.array(found.kept)
+    shares = np.linalg.lstsq(J[kept].T, J[~kept].T, rcond=None)[0]
+    concerned = ~kept
+    concerned[kept] = np.abs(shares).max(axis=1, initial=0.0) > RANK_TOLERANCE
+    return list(dict.fromkeys(row.owner for row, one in zip(found.rows, concerned, strict=True) if one))
+
+
 @dataclass
 class Pose:
     """Positions (b, 3) and axes (b, 3, 3) of the user frames, and the modal coordinates of each body."""

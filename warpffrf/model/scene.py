@@ -70,6 +70,7 @@ class Scene(looks.Shown):
         self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
         self.bearings: list[Bearing] = []
+        self._numbers: dict[str, int] = {}  # the last one given to an item of a kind without a name
 
     add_ball_bearing = add_ball_bearing
     add_roller_bearing = add_roller_bearing
@@ -115,7 +116,7 @@ class Scene(looks.Shown):
         >>> upper.mass == roller.mass
         True
         """
-        self._check_new_name(name, [b.name for b in self.bodies], "body")
+        self._check_new_name(name, {b.name for b in self.bodies}, "body")
         if not hasattr(body, "contact_surfaces") or not hasattr(body, "frequencies"):
             raise InputError(f"body {name!r}: a reduced body is needed (reduce(mesh, material, ...)), got {body!r}")
         handle = Body(
@@ -163,7 +164,7 @@ class Scene(looks.Shown):
         ...     0.5, (1e-4, 5e-5, 1e-4), name="tilted", position=(0, 0, 0.1), rotation={"axis": (1, 0, 0), "angle": 0.3}
         ... )
         """
-        self._check_new_name(name, [b.name for b in self.bodies], "body")
+        self._check_new_name(name, {b.name for b in self.bodies}, "body")
         handle = Body(
             name,
             len(self.bodies),
@@ -204,11 +205,12 @@ class Scene(looks.Shown):
             refuse_double_laps(thing, self.laps)
         if isinstance(thing, (Contact, LumpedContact, Film)):
             refuse_double_claims(thing, (*self.contacts, *self.lumped_contacts, *self.films))
-        names = [member.name for member in members]
+        names = {member.name for member in members}
         if thing.name is None:
-            number = 1
+            number = self._numbers.get(thing.kind, 0) + 1
             while f"{thing.kind}_{number}" in names:
                 number += 1
+            self._numbers[thing.kind] = number
             thing.name = f"{thing.kind}_{number}"
         self._check_new_name(thing.name, names, thing.kind)
         members.append(thing)
@@ -343,7 +345,7 @@ class Scene(looks.Shown):
         return f"{label}: body {name!r} belongs to another scene, with its port {where}; {cure}"
 
     @staticmethod
-    def _check_new_name(name: str, taken: list[str], kind: str) -> None:
+    def _check_new_name(name: str, taken: set[str], kind: str) -> None:
         if not isinstance(name, str) or not name or "/" in name:
             raise InputError(f"{kind}: the name must be a non-empty text without '/', got {name!r}")
         if name in taken or name == "ground":

@@ -24,6 +24,7 @@ from contextvars import ContextVar
 from tqdm import tqdm
 
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.printable import printable
 
 log = logging.getLogger("warpffrf")
 notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them as well
@@ -43,7 +44,7 @@ class Lines(logging.Handler):
         if sys.stderr is None:
             return
         try:
-            tqdm.write(self.format(record), file=sys.stderr)
+            tqdm.write(printable(self.format(record)), file=sys.stderr)
         except Exception:
             self.handleError(record)
 

@@ -1,8 +1,8 @@
 """The cache of reduced bodies: an unchanged input is never reduced twice.
 
 The key is a sha256 over the mesh's content, material, all settings, and the schema and code versions; moving one node
-by 1 nm changes it. Entries are ordinary reduced-body files; one that cannot be read is reported, dropped and made
-again.
+by 1 nm changes it. Entries are ordinary reduced-body files, which hold their key, too; one that cannot be read, or is
+called by another one's key, is reported, dropped and made again.
 """
 
 from __future__ import annotations
@@ -55,7 +55,10 @@ def load_cached(key: str) -> ReducedBody | None:
     if not path.is_file():
         return None
     try:
-        return ReducedBody.load(path)
+        body = ReducedBody.load(path)
+        if body.provenance.get("key") != key:
+            raise InputError(f"'{path}' holds another body than its name says")
+        return body
     except InputError as error:
         logger.warning("cache entry dropped: %s", error)
         try:

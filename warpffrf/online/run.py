@@ -70,6 +70,7 @@ START_REST = "the equilibrium that the run starts from"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
+COARSEN = "coarsen the contact grid (traction_spacing)"
 UPHILL = "every step from here leads uphill; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
 UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # how contact that is wedged deeply fails
@@ -80,12 +81,12 @@ MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (
         "cycling",
-        "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)",
+        "the active set of contact cycles; reduce step, or {coarsen}",
     ),
     k.CAPACITY: ("capacity", "window overflow, raise capacity of the contact to >= {capacity}"),
     k.ROOM: (
         "memory",
-        "there is no memory for {capacity} active hats at once; coarsen the contact grids (traction_spacing), "
+        "there is no memory for {capacity} active nodes or cells at once; {coarsen}, "
         "give the contacts a capacity, or run fewer worlds",
     ),
     k.NOT_FINITE: ("not_finite", "a NaN or infinite number arose; look for extreme loads, masses or stiffnesses"),
@@ -95,7 +96,7 @@ MESSAGES = {
     ),
     k.INDEFINITE: (
         "indefinite",
-        "the contact compliance is not positive definite; coarsen the contact grid (traction_spacing)",
+        "the contact compliance is not positive definite; {coarsen}",
     ),
     k.STENCIL: (
         "stencil",
@@ -325,7 +326,7 @@ def finish(
     wanted = engine.no_room.get(0)
     if wanted is None:
         bits &= ~int(k.ROOM)  # left where the user interrupts
-    status, message = describe(bits, wanted or int(engine.word("spare")[0]))
+    status, message = describe(bits, wanted or int(engine.word("spare")[0]), coarser(engine))
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
         message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
@@ -368,7 +369,8 @@ def finish(
         arcs = [c.name for c in engine.scene.contacts if not c.a.surface.grid.periodic]
         notes.append(
             f"a contact patch reached the end of a contact surface that covers an arc only ({', '.join(arcs)}): the "
-            "pressure is cut there; give the body a larger contact surface"
+            "pressure is cut there: where the body goes on, give it a larger contact surface; where it ends too, the "
+            "pressure at its edge is as sharp as the grid"
         )
     notes.extend(steep_notes(engine.scene, engine.scratch.steep.numpy()[0]))
     notes.extend(film_notes(engine.scene, history))
@@ -462,13 +464,20 @@ def check_load_paths(scene: Scene) -> list[str]:
     return [note for note in (wedged, *check.out_of_reach) if note]
 
 
-def describe(bits: int, capacity: int) -> tuple[str, str]:
-    """Status word and message of the failure bits of a world."""
+def coarser(engine: Engine) -> str:
+    """How the contacts of a scene get fewer unknowns: nodes of body-fixed grids, cells that travel with a patch."""
+    cells = f"take fewer cells (cells= of {'the contact' if len(engine.compiled.patches) == 1 else 'contacts'})"
+    on_cells = len(engine.compiled.patches)
+    return " or ".join([cells] * (on_cells > 0) + [COARSEN] * (on_cells < len(engine.scene.contacts)))
+
+
+def describe(bits: int, capacity: int, coarsen: str = COARSEN) -> tuple[str, str]:
+    """Status word and message of the failure bits of a world; `coarsen`: the cure of `coarser`."""
     if bits == 0:
         return "completed", ""
     for bit, (status, message) in MESSAGES.items():
         if bits & int(bit):
-            text = message.format(capacity=capacity)
+            text = message.format(capacity=capacity, coarsen=coarsen)
             return status, text + (" (the step was halved as often as allowed)" if bits & int(k.UNDERFLOW) else "")
     return "step_underflow", "the step became too small"
 

@@ -21,8 +21,8 @@ class SlipTable:
 
 
 def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTable:
-    """Enter the rows, behind those of the joints and before those of springs; notes where the reaction that presses
-    lacks rows."""
+    """Enter the rows, behind those of the joints and before those of springs; a note where the reactions that press
+    are not determined."""
     table = SlipTable()
     for item in collector.scene.forces:
         if not hasattr(item, "slip"):
@@ -35,12 +35,13 @@ def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTabl
             collector.rows.add(ROW_KINDS[c.kind], a, b, c.i, c.j, rigid=0) for c in law.coordinates
         ]
         table.held[item.name] = joints.held[joint]
-        missing = [row.row.held for row in joints.dropped if row.joint is law.joint and row.drive is None]
-        if missing:
-            collector.notes.append(
-                f"friction {item.name!r}: the reactions of joint {joint!r} that are left out as redundant "
-                f"({', '.join(missing)}) do not press"
-            )
+    if rubbing := [name for name, law in table.laws.items() if str(law.joint.name) in joints.undetermined]:
+        collector.notes.append(
+            f"friction {', '.join(map(repr, rubbing))}: the constraints do not determine how the joints "
+            f"{', '.join(map(repr, joints.undetermined))} share their load; reactions that are left out as redundant "
+            "do not press, so that this friction depends on the order in which the joints were added; let one of them "
+            "leave free what another one holds, or replace it by a Bushing, whose stiffness shares the load"
+        )
     return table
 
 

@@ -14,7 +14,7 @@ from warpffrf_kernels.core import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.redundancy import ConstraintRow, Redundancy, find_redundancy
+from warpffrf.model.redundancy import ConstraintRow, Redundancy, find_redundancy, undetermined
 from warpffrf.online.compile.collector import Collector
 
 ROW_KINDS = {
@@ -35,6 +35,7 @@ class JointTable:
     held: dict[str, list[int]] = field(default_factory=dict)  # without them
     markers: dict[str, tuple[int, int]] = field(default_factory=dict)
     dropped: list[ConstraintRow] = field(default_factory=list)
+    undetermined: list[str] = field(default_factory=list)  # whose reactions another choice of these would change
     notes: list[str] = field(default_factory=list)
 
 
@@ -68,7 +69,7 @@ def compile_joints(collector: Collector) -> JointTable:
         table.rows[str(item.joint.name)].append(number)
         if item.drive is None:
             table.held[str(item.joint.name)].append(number)
-    table.dropped = found.dropped
+    table.dropped, table.undetermined = found.dropped, undetermined(scene, found)
     if table.dropped:
         table.notes.append(
             "redundant constraints left out, their reactions count as zero (z: axis of the joint): "

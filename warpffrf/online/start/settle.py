@@ -38,6 +38,9 @@ RETREATS, RETREAT = 2, 1000.0
 # s/m: 1 kg of a scene of 0.1 m then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the
 # joints
 LAST = 10.0
+# of it, where the scene needs it: bodies of a tenth of a millimetre on springs of a few hertz, whose vibrations
+# are not faster for being small, come nearer to rest in each of them by less than CREEP
+LONGER = 1e6
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
 VOIDS_STAY = 1e-9  # of the clearance
@@ -71,10 +74,11 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
     model = engine.compiled.model
     length = float(model.length)
     least, last = LEAST * length, LAST * length
+    longest = LONGER * last
     tau = FIRST * length if np.isfinite(free.first) else least
     level = LEVEL[1 if engine.compiled.patches else 0]
     too_long = np.inf
-    before = moved = failed_at = np.full(engine.worlds, np.inf)
+    before = latest = moved = failed_at = np.full(engine.worlds, np.inf)
     retreats = RETREATS if engine.compiled.elements.layers.count or model.pairs.count > 1 else 0
     rubs = any(lap.friction.acts for lap in engine.scene.laps)
     settled = balanced = still = False
@@ -124,7 +128,9 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
         if longer == tau and (creeping or (settled and (balanced or tau >= last))):
             return _at_rest(engine, free, creeping=not settled)
         if tau >= last:
-            before = moved
+            if last < longest and np.all(moved < latest) and np.any(moved > CREEP * latest):
+                last *= GROWTH
+            before = latest = moved
         tau = longer
     return balanced and _at_rest(engine, free, creeping=True)
 

@@ -34,7 +34,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, restore
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
-from warpffrf.online.run import describe
+from warpffrf.online.run import coarser, describe
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
@@ -215,7 +215,11 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
     if about is None:
         if not settle(engine):
             bits = int(engine.word("status")[0])
-            why = describe(bits, int(engine.word("spare")[0]))[1] if bits else "a body does not come to rest"
+            why = (
+                describe(bits, int(engine.word("spare")[0]), coarser(engine))[1]
+                if bits
+                else "a body does not come to rest"
+            )
             raise InputError(
                 f"eigenmodes: no equilibrium was found ({why}); add a spring, joint or contact that carries the load, "
                 "or use about='initial', or the Result of a run"

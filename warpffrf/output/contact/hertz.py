@@ -104,14 +104,18 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
         if kind == "point"
         else hertz_line(float(contact.line_load[i]), float(K[0, 0]), modulus)
     )
-    extent = found.semi_axes[0] if isinstance(found, HertzPoint) else found.half_width
     own = np.ravel(contact.view.first.shape.curvatures(0.0, float(contact.moments.center[i, 1])))
-    largest = float(np.abs([own, np.diag(K) - own]).max())  # of both bodies, the second's in the first's directions
-    if conforms(extent, largest):
-        raise InputError(
-            f"{label}: the surfaces conform, its half-width would be {extent:.3g} m at a radius of {1.0 / largest:.3g} "
-            "m; compare with a conformal solution"
-        )
+    sharpest = np.abs([own, np.diag(K) - own]).max(axis=0)  # of both bodies, along (e_theta, t_z) of the first
+    ways = [(found.half_width, sharpest[0])]
+    if isinstance(found, HertzPoint):  # a long ellipse is small in each direction against the radii in that direction
+        ways.append((found.half_width_along, sharpest[1]))
+    for extent, curvature in ways:
+        if conforms(extent, float(curvature)):
+            raise InputError(
+                f"{label}: the surfaces conform, its half-width would be {extent:.3g} m at a radius of "
+                f"{1.0 / curvature:.3g} m; compare with a conformal solution"
+            )
+    extent = found.semi_axes[1] if isinstance(found, HertzPoint) else found.half_width
     for body, surface in flexible_sides(contact.view):
         wall = body.reduced.provenance.get("contact_walls", {}).get(surface.name)
         if wall is not None and extent > THIN * wall:
@@ -120,6 +124,14 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
                 "behind its surface, no half-space; compare with a solution for a layer"
             )
     return found
+
+
+def inapplicable(kind: str, reason: str) -> HertzLine | HertzPoint:
+    """NaN in the place of a contact of `kind`, with the reason."""
+    nan = float("nan")
+    if kind == "point":
+        return HertzPoint((nan, nan), nan, nan, nan, nan, (nan, nan), nan, reason)
+    return HertzLine(nan, nan, nan, nan, nan, reason)
 
 
 def flexible_sides(view: PairView) -> list[tuple[Any, Any]]:

@@ -32,6 +32,7 @@ class HertzLine(NamedTuple):
     line_load: float  # N/m
     radius: float  # m, 1/(1/R1 + 1/R2) at mid-width
     modulus: float  # Pa, E*
+    reason: str = ""  # why Hertz does not apply; the numbers are NaN then
 
 
 class HertzPoint(NamedTuple):
@@ -44,6 +45,7 @@ class HertzPoint(NamedTuple):
     approach: float  # m, of distant points
     radii: tuple[float, float]  # m, 1/(2A) >= 1/(2B)
     modulus: float  # Pa, E*
+    reason: str = ""  # why Hertz does not apply; the numbers are NaN then
 
     @property
     def half_width(self) -> float:

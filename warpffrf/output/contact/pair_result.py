@@ -8,6 +8,7 @@ are, what its pressures are, and integrates them; everything else is here.
 
 from __future__ import annotations
 
+import logging
 from abc import ABC, abstractmethod
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -15,13 +16,23 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from warpffrf.model import looks
+from warpffrf.model.errors import InputError
 from warpffrf.output.contact.friction import FrictionResult
-from warpffrf.output.contact.hertz import effective_modulus, effective_radius, hertz, pair_curvature, patch_kind
+from warpffrf.output.contact.hertz import (
+    effective_modulus,
+    effective_radius,
+    hertz,
+    inapplicable,
+    pair_curvature,
+    patch_kind,
+)
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
 from warpffrf.output.geometry.scene_view import PairView
 from warpffrf.output.recorded import Recorded
+
+log = logging.getLogger("warpffrf")
 
 
 class PatchPressure(NamedTuple):
@@ -337,10 +348,15 @@ class PairResult(looks.Shown, ABC):
     def hertz(self, i: int) -> HertzLine | HertzPoint:
         """Hertz's contact in saved step `i`: of a line at the line load found at mid-width, of a point at the load.
 
-        Raises `InputError` where nothing touches, and where Hertz's theory does not apply: flat faces, surfaces that
-        conform, a line that lies along the arc, a cover that is thin beside the patch.
+        Where nothing touches, and where Hertz's theory does not apply (flat faces, surfaces that conform, a line that
+        lies along the arc, a cover that is thin compared with the patch), its numbers are NaN, its `reason` says why,
+        and so does a warning.
         """
-        return hertz(self, i)
+        try:
+            return hertz(self, i)
+        except InputError as error:
+            log.warning("%s", error)
+            return inapplicable(self.patch_kind, str(error))
 
     @abstractmethod
     def stress_errors(self, i: int) -> dict[str, StressError]:

@@ -7,6 +7,7 @@ from typing import Any
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.bodies.stress_below import poisson_ratios, stress_below
+from warpffrf.output.contact.hertz import hertz as hertz_contact
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.contact.hertz_stress import largest_below, largest_of
 
@@ -66,6 +67,6 @@ def draw_depth(contact: Any, ax: Any, i: int, at: str) -> None:
 def _hertz(contact: Any, i: int) -> tuple[HertzLine | HertzPoint | None, str]:
     """Hertz's contact, or why he does not apply."""
     try:
-        return contact.hertz(i), ""
+        return hertz_contact(contact, i), ""
     except InputError as error:
         return None, str(error).partition(": ")[2] or str(error)

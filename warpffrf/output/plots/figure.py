@@ -11,6 +11,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.cell_result import CellContactResult
+from warpffrf.output.contact.hertz import hertz
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
 from warpffrf.output.plots.depth import draw_depth, has_material
@@ -59,7 +60,7 @@ def _last_touching(contact: Any) -> int:
 def hertz_of(contact: Any, i: int) -> HertzLine | HertzPoint | None:
     """Hertz's contact in saved step `i`, None where he does not apply or nothing touches."""
     try:
-        return contact.hertz(i)
+        return hertz(contact, i)
     except InputError:
         return None
 

@@ -7,12 +7,15 @@ Mesa (Vulkan); rerun's own `--headless` leaves pictures incomplete.
 
 from __future__ import annotations
 
+import ipaddress
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from urllib.parse import quote
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import checked_output_path, written_whole
@@ -24,6 +27,8 @@ DRIVERS = ("/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vul
 DRIVER_VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES")
 LAST_WORDS = 30  # of what the viewer says where it fails
 ENDING = ".rrd"
+LOOPBACK = "127.0.0.1"
+WEB_PORT, DATA_PORT = 9090, 9876  # those that rerun takes
 
 
 def has_screen() -> bool:
@@ -32,18 +37,41 @@ def has_screen() -> bool:
     return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def viewer_command(recording: Path, *, serve: bool = False) -> list[str]:
-    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens. Raises `InputError`
-    where there is no screen for a viewer, for no recording, and where rerun is missing."""
+def viewer_command(recording: Path, *, serve: bool = False, address: str = LOOPBACK) -> list[str]:
+    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens, which listens at the IP
+    `address`: to this machine alone unless another one is given. Raises `InputError` where there is no screen for a
+    viewer, for no recording, for an address that is none, and where rerun is missing."""
     _require_recording(recording)
     if serve:
-        return [_rerun(), str(recording), "--serve-web"]
+        try:
+            ipaddress.ip_address(address)
+        except ValueError:
+            raise InputError(
+                f"view: address must be an IP address of this machine such as {LOOPBACK}, got {address!r}"
+            ) from None
+        origin = f"http://{_host(address)}:{WEB_PORT}"
+        return [_rerun(), str(recording), "--serve-web", "--bind", address, "--cors-allow-origin", origin]
     if not has_screen():
         raise InputError(
             f"view: there is no screen for the viewer; serve=True (--serve) lets a browser open '{recording}', "
             f"or copy it and open it elsewhere with: rerun {recording.name}"
         )
     return [_rerun(), str(recording)]
+
+
+def served_at(address: str) -> str:
+    """The address that a browser opens of what is served at the IP `address` by `viewer_command`."""
+    host = _host(address)
+    data = quote(f"rerun+http://{host}:{DATA_PORT}/proxy", safe="")
+    return f"http://{host}:{WEB_PORT}?url={data}"
+
+
+def _host(address: str) -> str:
+    """What a browser calls the machine that listens at `address`: all addresses have the machine's name."""
+    ip = ipaddress.ip_address(address)
+    if ip.is_unspecified:
+        return socket.gethostname()
+    return f"[{ip}]" if ip.version == 6 else str(ip)
 
 
 def picture_command(recording: Path, picture: Path) -> list[str]:

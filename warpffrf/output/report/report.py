@@ -8,7 +8,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.budget.budget import budget_text
-from warpffrf.output.contact.hertz import flexible_sides
+from warpffrf.output.contact.hertz import flexible_sides, hertz
 from warpffrf.output.contact.hertz_patch import HertzPoint
 from warpffrf.output.report.counters import counter_lines
 from warpffrf.output.report.figures import LENGTH, SHARE, idle_energy, without_round_off
@@ -96,17 +96,17 @@ def _contact_lines(contact: Any) -> list[str]:
         f"  loaded          {int(contact.active_hats[-1])} {CARRIERS[contact.loaded]}",
     ]
     try:
-        found = contact.hertz(-1)
+        found = hertz(contact, -1)
     except InputError as error:
         return [*lines, f"  Hertz           not computed: {error}", *_stress_lines(contact), *friction]
     if isinstance(found, HertzPoint):
         a, b = found.semi_axes
-        hertz = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
-        hertz += f"{found.approach * 1e6:.5g} um at the load {found.load:.5g} N found"
+        values = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
+        values += f"{found.approach * 1e6:.5g} um at the load {found.load:.5g} N found"
     else:
-        hertz = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
-        hertz += f"at the line load {found.line_load / 1e3:.5g} N/mm found at mid-width"
-    return [*lines, f"  Hertz           {hertz}", *_stress_lines(contact), *friction]
+        values = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
+        values += f"at the line load {found.line_load / 1e3:.5g} N/mm found at mid-width"
+    return [*lines, f"  Hertz           {values}", *_stress_lines(contact), *friction]
 
 
 def _stress_lines(contact: Any) -> list[str]:

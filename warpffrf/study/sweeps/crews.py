@@ -138,7 +138,7 @@ def _started(device: str | None) -> _Worker:
     comes from another one."""
     try:
         return _Worker(device)
-    except OSError:
+    except (OSError, EOFError):
         time.sleep(DYING)
         return _Worker(device)
 

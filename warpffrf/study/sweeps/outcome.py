@@ -106,8 +106,8 @@ class Sweep(looks.Shown):
         except ImportError as error:
             raise ImportError("to_xarray needs xarray and h5netcdf: pip install 'warpffrf[arrays]'") from error
         table = Folder(self.path).table
-        opened(table).close()
-        return xarray.open_dataset(table, engine="h5netcdf").set_coords(self.parameter_names)
+        with opened(table):  # it is one, and what xarray makes of its layout can be wrong as well
+            return xarray.open_dataset(table, engine="h5netcdf").set_coords(self.parameter_names)
 
     def to_dataframe(self) -> Any:
         """A `pandas.DataFrame` of what has one value a row: index `run`, parameters first. Needs the optional package

@@ -6,7 +6,9 @@ whatever else makes a job large. The folder must be one that workers see under t
 it names.
 
 Workers hold their versions against those of the parcel before they open it: numbers would be others, or the pickle
-could not be read.
+could not be read. A pickle runs what it says: a file is opened only if its hash is the one that came with the parcel,
+so that who can write to the folder alone runs nothing in workers. Who sends parcels, the process that began the sweep
+or a scheduler, is trusted.
 """
 
 from __future__ import annotations
@@ -40,6 +42,8 @@ def opened(parcel: Parcel) -> Job:
         content, folder = parcel.content, Path(parcel.folder)
         if not content:
             content = _there(folder / JOB.format(parcel.digest)).read_bytes()
+        if hashlib.sha256(content).hexdigest() != parcel.digest:  # before it is unpickled, which runs what it says
+            raise _changed(folder / JOB.format(parcel.digest))
         try:
             _opened[parcel.digest] = _Unpickler(io.BytesIO(content), folder).load()
         except (ImportError, AttributeError) as error:
@@ -57,6 +61,14 @@ def _there(file: Path) -> Path:
             f"sweep: a worker finds no '{file}'; put the store where all workers see it under the same path"
         )
     return file
+
+
+def _changed(file: Path) -> InputError:
+    """The error of a file whose content is not what its name says."""
+    return InputError(
+        f"sweep: '{file}' is not what the sweep has written: its content has another hash than its name; remove it and "
+        "begin the sweep again, in a folder that nobody else writes to"
+    )
 
 
 def packed(job: Job, folder: Path) -> Parcel:
@@ -134,5 +146,8 @@ class _Unpickler(pickle.Unpickler):
             raise pickle.UnpicklingError(f"unknown thing {kind!r}")
         if digest not in self.bodies:
             file = _there(self.folder / f"{digest}.h5")
-            self.bodies[digest] = ReducedBody.load(file)
+            body = ReducedBody.load(file)
+            if body.content_hash() != digest:
+                raise _changed(file)
+            self.bodies[digest] = body
         return self.bodies[digest]

@@ -113,6 +113,12 @@ def sweep(
             if left:
                 crew = _crew(job, folder, workers, client, devices)
                 _run(crew, left, worlds, folder, len(design.rows), progress)
+        except (OSError, EOFError) as error:  # a full disk, a process that starts workers and was killed
+            reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
+            raise InputError(
+                f"sweep: the system refuses what store '{folder.path}' needs ({reason}); rows that have been run are "
+                "kept: see to it, and go on with resume=True (--resume)"
+            ) from error
         finally:
             folder.release()
         return Sweep(store)

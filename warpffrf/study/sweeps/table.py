@@ -18,7 +18,8 @@ renamed.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -28,6 +29,7 @@ import numpy as np
 
 from warpffrf.model import hdf5_parts
 from warpffrf.model.errors import InputError
+from warpffrf.model.hdf5_probe import probe
 from warpffrf.model.sealed_file import require_seal, verify, written_sealed
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.study.sweeps.design import Row
@@ -140,6 +142,7 @@ class Table:
                 writer.coordinate(SOURCE, np.array(list(self.budget), dtype=object))
                 sizes = np.stack(list(self.budget.values()), axis=1)
                 writer.variable(BUDGET, sizes, (RUN, SOURCE), {"units": "1"})
+        _written.add((path.absolute(), _state(path)))
 
     def _write_times(self, writer: _Writer, times: np.ndarray) -> None:
         writer.variable(SAVED, np.isfinite(times).sum(axis=1), (RUN,), {})
@@ -154,27 +157,24 @@ class Table:
         """The table in `path`, which has `count` rows. Raises `InputError` for another file."""
         subject = f"sweep: {path}"
         with opened(path) as file:
-            try:
-                kinds: dict[str, dict[str, Any]] = {"parameter": {}, "output": {}}
-                for name in file:
-                    for kind in kinds:
-                        if kind in file[name].attrs:
-                            kinds[kind][name] = file[name]
-                texts = {name: texts_of(file, name) for name in TEXTS}
-                numbers = {name: hdf5_parts.read(file, name) for name in NUMBERS}
-                found = cls({name: values_of(file, name) for name in kinds["parameter"]}, texts, numbers)
-                for name, data in kinds["output"].items():
-                    units, frame = str(data.attrs["units"]), str(data.attrs["frame"])
-                    found.columns[name] = Column(hdf5_parts.read(file, name), axes_of(data), units, frame)
-                if TIME_OF_RUN in file:
-                    found.time = hdf5_parts.read(file, TIME_OF_RUN)
-                elif TIME in file:
-                    found.time = _common_times(hdf5_parts.read(file, TIME), hdf5_parts.read(file, SAVED))
-                if BUDGET in file:
-                    sizes = hdf5_parts.read(file, BUDGET)
-                    found.budget = dict(zip(texts_of(file, SOURCE), sizes.T.copy(), strict=True))
-            except (KeyError, ValueError, IndexError, TypeError) as error:
-                raise InputError(f"{subject} is damaged ({error}); run the sweep again") from None
+            kinds: dict[str, dict[str, Any]] = {"parameter": {}, "output": {}}
+            for name in file:
+                for kind in kinds:
+                    if kind in file[name].attrs:
+                        kinds[kind][name] = file[name]
+            texts = {name: texts_of(file, name) for name in TEXTS}
+            numbers = {name: hdf5_parts.read(file, name) for name in NUMBERS}
+            found = cls({name: values_of(file, name) for name in kinds["parameter"]}, texts, numbers)
+            for name, data in kinds["output"].items():
+                units, frame = str(data.attrs["units"]), str(data.attrs["frame"])
+                found.columns[name] = Column(hdf5_parts.read(file, name), axes_of(data), units, frame)
+            if TIME_OF_RUN in file:
+                found.time = hdf5_parts.read(file, TIME_OF_RUN)
+            elif TIME in file:
+                found.time = _common_times(hdf5_parts.read(file, TIME), hdf5_parts.read(file, SAVED))
+            if BUDGET in file:
+                sizes = hdf5_parts.read(file, BUDGET)
+                found.budget = dict(zip(texts_of(file, SOURCE), sizes.T.copy(), strict=True))
         lengths = {len(v) for part in (found.parameters, found.texts, found.numbers) for v in part.values()}
         lengths |= {len(column.array) for column in found.columns.values()}
         if lengths != {count}:
@@ -248,34 +248,47 @@ def _with_row(array: np.ndarray, n: int, row: np.ndarray) -> np.ndarray:
     return array
 
 
-def opened(path: Path) -> Any:
-    """The open `h5py.File` of a table whose seal holds. Raises `InputError`."""
+@contextmanager
+def opened(path: Path) -> Iterator[Any]:
+    """The open `h5py.File` of a table whose seal holds. Raises `InputError`, also where reading it inside fails."""
     import h5py
 
-    subject, cure = f"sweep: {path}", CURE
+    subject = f"sweep: {path}"
     if not path.is_file():
-        raise InputError(f"{subject} is missing; {cure}")
-    state = path.stat()
-    _whole(path.absolute(), (state.st_ino, state.st_mtime_ns, state.st_size))
+        raise InputError(f"{subject} is missing; {CURE}")
+    _whole(path.absolute(), _state(path))
     try:
-        file = h5py.File(path, "r")
-    except OSError as error:
-        raise InputError(f"{subject} cannot be read ({error}); {cure}") from None
-    schema = file.attrs.get("schema", 0)
-    if file.attrs.get("format") != MARK or schema > SCHEMA:
-        file.close()
-        raise InputError(
-            f"{subject} is no table of a sweep" if schema <= SCHEMA else f"{subject} is of a newer version; update"
-        )
-    return file
+        with h5py.File(path, "r") as file:
+            schema = int(file.attrs.get("schema", 0))
+            if file.attrs.get("format") != MARK:
+                raise InputError(f"{subject} is no table of a sweep")
+            if schema > SCHEMA:
+                raise InputError(f"{subject} is of a newer version; update")
+            yield file
+    except InputError as error:
+        raise error if str(error).startswith("sweep: ") else InputError(f"{subject}: {error}; {CURE}") from None
+    except Exception as error:  # a document that somebody else has sealed raises what it leads to
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"{subject} is damaged ({reason}); {CURE}") from error
+
+
+def _state(path: Path) -> tuple[int, int, int]:
+    state = path.stat()
+    return state.st_ino, state.st_mtime_ns, state.st_size
 
 
 @lru_cache(maxsize=16)
 def _whole(path: Path, state: tuple[int, int, int]) -> None:
-    """Hold the seal of a table against its bytes, once for each `state` of the file: where it is, when it was written,
-    its size. Raises `InputError`, each time anew."""
+    """Hold the seal of a table against its bytes, and let the HDF5 library look through one that this process has not
+    written, once for each `state` of the file: where it is, when it was written, its size. Raises `InputError`, each
+    time anew."""
     subject = f"sweep: {path}"
     require_seal(verify(path, subject, CURE), SCHEMA, 1, subject, CURE)
+    if (path, state) not in _written:
+        probe(path, subject, CURE)
+
+
+_written: set[tuple[Path, tuple[int, int, int]]] = set()  # tables of this process
 
 
 def axes_of(data: Any) -> tuple[str, ...]:
@@ -291,7 +304,7 @@ def variables_of(file: Any) -> list[str]:
 def values_of(file: Any, name: str) -> np.ndarray:
     """The variable `name` of an open table, texts as texts."""
     data = hdf5_parts.member(file, name)
-    if data.dtype.kind == "O":
+    if data.dtype.kind == "O" or name in TEXTS:
         return texts_of(file, name)
     found = hdf5_parts.read(file, name)
     return found.astype(bool) if data.attrs.get("dtype") == "bool" else found

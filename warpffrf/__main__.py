@@ -1,0 +1,23 @@
+"""The command `warpffrf`, and `python -m warpffrf`: Ctrl-C and SIGTERM are taken before anything large is loaded."""
+
+from __future__ import annotations
+
+import sys
+
+from warpffrf.model.interruption import terminated_as_interrupted
+
+
+def main() -> int:
+    """Run the command line; returns its exit code."""
+    try:
+        with terminated_as_interrupted():
+            from warpffrf.cli import main as run
+
+            return run()
+    except KeyboardInterrupt:  # while that was loading
+        print("interrupted", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())
