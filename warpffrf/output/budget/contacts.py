@@ -1,16 +1,16 @@
 """Errors of contacts: the grid or the cells of the pressure, few sampling points, the mesh, and the iteration.
 
 *Hats of the material grid*: what the grid leaves of the force at a given approach, and of the pressures in the L2
-norm, at most, for a patch of the size found at the largest load, by the rule of `offline.contact.grid_rule` (worst
-position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps,
-of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
+norm, for a patch of the size found at the largest load: half of the rule of `offline.contact.grid_rule`, which is for
+the worst position of the patch on the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*:
+other cells at sampled steps, of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
 *Gaps along lines of centres*: the moment that they leave out where axes lean towards each other
 (`online.diagnosis.contact_notes.Leaning`), beside that of the contact, or `EDGE` of what its force has at the end.
 *Friction on cells*: of a patch that advances c cells a step, where c is above `MOST_CELLS`, c/MOST_CELLS times
 `FRICTION_ERROR` of the largest friction force (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4).
 *Points*: all points at sampled steps (`online.diagnosis.sampling_check`). *Mesh*: what the far fields of both bodies
 leave (`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBody.mesh_error`.
-*Half-widths* on n strips come from moments, 0.5 % 11/n of lines and 1 % (11/n)^2 of points too large
+*Half-widths* on n strips come from moments, 0.4 % 11/n of lines and 1 % (11/n)^2 of points too large
 (docs/studies/coarse_points.md).
 
 Forces are beside those of the contact, of one that carries less than `quantities.LIGHT` of the largest force of the
@@ -39,12 +39,16 @@ from warpffrf.output.contact.hertz import flexible_sides
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
 FORCE, PRESSURE = "force", "pressure"
+MEAN = 0.5  # of the rule, which is for the worst position of a patch on its grid
 GAPS = "gaps along lines of centres"
 EDGE = 0.01  # of the force times half the width
 ADVANCE = "friction of large steps"
 MESH_CURE = "a finer mesh; body.mesh_error(the same body on another one) says it exactly"
 USUAL = 11  # strips of a patch; on so many moments make half-widths too large by
-MOMENTS = {"line": (0.005, 1.0), "line_around": (0.005, 1.0), "point": (0.01, 2.0)}  # this, with a power of the strips
+MOMENTS = {"line": (0.004, 1.0), "line_around": (0.004, 1.0), "point": (0.01, 2.0)}  # this, with a power of the strips
+PEAK = 0.5  # of what cells change of the largest: a peak is that of the parabola through them
+WORK = "work of friction"
+ROLLING = {"creepage": 2.0, "friction power": 2.0, "wear index": 10.0, WORK: 0.5}  # times `FRICTION_ERROR`
 HALF_WIDTHS = "moments of pressures at the middles of strips, by studies of cylinders and balls"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
@@ -71,6 +75,7 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
             lines += _of_cells(found, check if known else None, cure)
         else:
             own = [_of_hats(found, of) for of in (FORCE, PRESSURE)]
+            lines.append(replace(own[1], of=f"peak pressure of contact {contact.name!r}", size=own[1].size ** 2))
         of_force = share[contact.name]
         lines += [_beside(line, part) for line, part in zip(own, (of_force, np.sqrt(of_force)), strict=True)]
     return lines
@@ -83,14 +88,16 @@ def _of_cells(found: Any, check: Any, cure: str) -> list[BudgetLine]:
     moments, power = MOMENTS.get(found.patch_kind, (0.0, 1.0))
     lines = [BudgetLine(GRID, f"half-widths of {owner}", moments * (USUAL / strips) ** power, HALF_WIDTHS, cure)]
     if check is not None:
-        lines.append(BudgetLine(GRID, f"peak pressure of {owner}", check.pressure, "other cells at sampled steps", cure))
+        lines.append(
+            BudgetLine(GRID, f"peak pressure of {owner}", PEAK * check.pressure, "other cells at sampled steps", cure)
+        )
     if found.has_friction and not np.all(np.isnan(found.friction.creepage)):
         advance = float(np.nanmax(found.friction.cells_per_step)) / MOST_CELLS["cells"]
         size = FRICTION_ERROR * max(advance, 1.0) * USUAL / strips
         basis = f"rolling on {strips} strips, by studies of cylinders and balls"
-        rubbed = ("traction", "creepage", "friction power", "wear index")
-        lines += [BudgetLine(GRID, f"{of} of {owner}", size, basis, "more strips, a smaller step") for of in rubbed]
-        lines.append(BudgetLine(GRID, "work of friction", size, basis, "more strips, a smaller step"))
+        for of, factor in ROLLING.items():
+            name = of if of == WORK else f"{of} of {owner}"
+            lines.append(BudgetLine(GRID, name, factor * size, basis, "more strips, a smaller step"))
     return lines
 
 
@@ -108,10 +115,10 @@ def _of_hats(found: Any, quantity: str) -> BudgetLine:
     of = f"{quantity} of contact {found.name!r}"
     if found.patch_kind not in PATCHES:
         return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
-    size = hats_error(found, found.spacing, quantity)
+    size = MEAN * hats_error(found, found.spacing, quantity)
     if np.isnan(size):
         return BudgetLine(GRID, of, np.nan, "the patch is smaller than a column of the grid", cure)
-    return BudgetLine(GRID, of, size, "the rule of the grid at the largest load, worst position", cure)
+    return BudgetLine(GRID, of, size, "the rule of the grid at the largest load, mean position", cure)
 
 
 def hats_error(found: Any, spacing: float, quantity: str) -> float:

@@ -3,42 +3,49 @@ r"""Every figure that a report prints, as a quantity of a run, and what an error
 A figure is called "creepage of contact 'pair'": its kind, and whose it is. A source of error gives lines for figures by
 these names. The force at a given approach is that of which most is known; what a part e of it is to other figures of a
 pair follows from contact mechanics, F ~ d^n, n = 1.1 of lines (whose approach has a logarithm), 1.5 of points and 1 of
-flat faces, a ~ F^(1/2), F^(1/3), and none. What joints, force elements and sensors say errs as the forces of contacts
-at most, as all of it does where no load is given. Where bodies do not let a force change, its error is that of the
-approach: these are upper bounds.
+flat faces, a ~ F^(1/2), F^(1/3), and none. Of the approach a machine gives a part, from none to all: `SHARED` is
+between. What joints, force elements and sensors say errs as the forces of contacts at most. Contacts and joints whose
+forces the loads give (`balance`) have no error in these, and all of it in the approach.
 
-A figure that no source speaks of gets a line that says so.
+A figure whose grid or mesh no source speaks of gets a line that says so.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
-from warpffrf.output.budget.quantities import LIGHT, Quantity
+from warpffrf.output.budget.balance import given_by_loads
+from warpffrf.output.budget.quantities import LIGHT, Quantity, machine_size, quantities
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.result import ContactResult
 from warpffrf.output.geometry.scene_view import SceneView
 
 Array = np.ndarray
 UNKNOWN = "not estimated"  # the source of a line of a figure that no source speaks of
+BALANCE = "balance"  # of what the loads give
+OF_TIME = ("time step", "energy ledger", "iteration")  # sources that say nothing of grids and meshes
+ON_GRIDS = ("contact", "film", "lap")
+AS_FORCE = "by what it is of the force"
 EXPONENTS = {"line": 1.1, "line_around": 1.1, "point": 1.5, "flat": 1.0}  # of the approach in the force
 WIDTHS = {"line": 0.5, "line_around": 0.5, "point": 1.0 / 3.0, "flat": 0.0}  # of the force in half-widths
-RUBBED = ("traction", "friction power", "wear index")
+RUBBED = ("friction power", "wear index", "creepage")
 LIFE = {"ball": 3.0}  # of the load in a life; of rollers
 OF_ROLLERS = 10.0 / 3.0
 LEAST = 1e-14  # of any figure: below, sums of zeros
 SORTS = {"reaction": "force", "load": "force", "reaction torque": "torque"}
-ARM = 1e-6  # m: torques of forces with such arms are round-off
+ARM = 0.1  # of the size of the machine: torques are beside those of its forces with such arms at least
+ASKEW = 0.15  # of a force's error in a torque that vanishes: meshes are not symmetric
+SHARED = 0.3  # of the error of an approach at a given force: machines give forces, approaches, or neither
 MAIN = (
-    "force", "pressure", "motion", "deformation", "moment", "loss", "largest friction force", "all results",
-    "energy at hand", "smallest gap", "largest pressure",
+    "force", "stiffness", "pressure", "motion", "deformation", "moment", "loss", "largest friction force",
+    "all results", "energy at hand", "smallest gap", "largest pressure",
 )  # fmt: skip
-
 
 
 def figure(kind: str, owner: str) -> str:
@@ -58,19 +65,32 @@ def is_main(line: BudgetLine) -> bool:
 
 
 def figures(history: History, view: SceneView) -> dict[str, Quantity]:
-    """By name all that are printed of a run, besides those of `quantities`, over their largest value, or over `LIGHT` of
-    that of all of their kind, torques over `ARM` of forces; what is zero, or round-off, in all rows is left out."""
+    """By name all that are printed of a run, besides those of `quantities`, over their largest value, or over `LIGHT`
+    of that of all of their kind, torques over forces with `ARM` of the machine; what is zero, or round-off, in all rows
+    is left out."""
     found, most = list[tuple[str, Quantity]](), dict[str, float]()
     for kind, owner, values in _values(history, view):
         v = np.asarray(values, dtype=float).reshape(len(history.time), -1)
-        size = float(np.nan_to_num(np.linalg.norm(v, axis=1), nan=0.0).max(initial=0.0))
-        sort = SORTS.get(kind, kind)
+        quantity = Quantity(figure(kind, owner) if owner else kind, v, 0.0)
+        sort, size = SORTS.get(kind, kind), _largest(quantity)
         most[sort] = max(most.get(sort, 0.0), size)
         if size > LEAST:
-            found.append((sort, Quantity(figure(kind, owner) if owner else kind, v, size)))
-    most["torque"] = max(most.get("torque", 0.0), ARM / LIGHT * most.get("force", 0.0))
-    beside = f"{LIGHT:g} of the largest of the machine"
-    return {q.name: q.at_least(LIGHT * most[sort], beside) for sort, q in found}
+            found.append((sort, replace(quantity, size=size)))
+    most["force"] = max(
+        most.get("force", 0.0), *(_largest(q) for q in quantities(history).values() if _is_force(q)), 0.0
+    )
+    least = {sort: LIGHT * size for sort, size in most.items()}
+    least["torque"] = max(least.get("torque", 0.0), ARM * machine_size(history) * most["force"])
+    return {q.name: q.at_least(least[sort], f"{least[sort]:.2g} in SI units, it is small") for sort, q in found}
+
+
+def _is_force(quantity: Quantity) -> bool:
+    return quantity.name.startswith("force of")
+
+
+def _largest(quantity: Quantity) -> float:
+    """The largest length of its values."""
+    return float(np.nan_to_num(np.linalg.norm(quantity.values, axis=1)).max(initial=0.0))
 
 
 def pair_result(history: History, view: SceneView, name: str) -> Any:
@@ -112,6 +132,8 @@ def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]
         yield "reaction", f"joint {name!r}", joint.force
         yield "reaction torque", f"joint {name!r}", joint.torque
     for name, force in history.forces.items():
+        if not force.deformation.shape[1]:  # a load, which is given
+            continue
         yield "load", f"force {name!r}", force.force
         yield "torque", f"force {name!r}", force.torque
     for name, sensor in history.sensors.items():
@@ -121,30 +143,51 @@ def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]
 
 
 def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLine]:
-    """`lines`, with what they are to other figures, and a line for each figure without one."""
-    history, view = result.history, result.view
-    own = figures(history, view)
-    found = [*lines, *_of_pairs(result, lines, own)]
-    found += _of_machine(result, found, own)
-    known = {line.of for line in found if line.found}
-    found += [BudgetLine(UNKNOWN, name, np.nan, _why(name, result)) for name in own if name not in known]
+    """`lines`, with what they are to other figures, and a line for each figure whose grid or mesh none speaks of."""
+    history = result.history
+    own = figures(history, result.view)
+    own |= {name: q for name, q in quantities(history).items() if _is_force(q)}
+    given = given_by_loads(result)
+    found = [line for each in lines for line in _by_loads(each, given)]
+    found += _of_pairs(result, found, own, given)
+    found += _of_machine(result, found, own, given)
+    deform = any(body.reduced is not None for body in history.scene.bodies)
+    of_numbers = {line.of for line in found if line.found and line.source not in OF_TIME}
+    of_any = {line.of for line in found if line.found}
+    for name in own:
+        owner = kind_and_owner(name)[1]
+        on_grid = owner.startswith(ON_GRIDS) or (name == "work of friction" and history.contacts)
+        if name not in (of_numbers if deform or on_grid else of_any):
+            found.append(BudgetLine(UNKNOWN, name, np.nan, _why(name, result)))
     return [*found, *_of_stress(result)]
 
 
-def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]) -> list[BudgetLine]:
-    """What errors of the force of a contact are to its other figures, of sources that do not say so themselves."""
+def _by_loads(line: BudgetLine, given: set[str]) -> list[BudgetLine]:
+    """`line`; of a contact whose force the loads give it is one of the stiffness, and the force has none."""
+    kind, owner = kind_and_owner(line.of)
+    if kind != "force" or owner not in given or line.source in OF_TIME:
+        return [line]
+    return [replace(line, of=figure("stiffness", owner)), BudgetLine(line.source, line.of, 0.0, "the loads give it")]
+
+
+def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity], given: set[str]) -> list[BudgetLine]:
+    """What errors of the force of a contact at a given approach are to its other figures, of sources that do not say so
+    themselves."""
     found, told = list[BudgetLine](), {(line.source, line.of) for line in lines}
     for name in result.history.contacts:
         owner = f"contact {name!r}"
-        pair = result.contact(name)
         if figure("approach", owner) not in own:
             continue
-        kind = pair.patch_kind
-        factors = {"approach": 1.0 / EXPONENTS[kind], "half-widths": WIDTHS[kind]}
-        factors["peak pressure"] = WIDTHS[kind] if kind != "flat" else 1.0
-        factors |= dict.fromkeys(RUBBED, 1.0)
+        kind = result.contact(name).patch_kind
+        factors = {"approach": 1.0 / EXPONENTS[kind]}
+        if owner not in given:
+            factors["approach"] *= SHARED
+            factors |= {"half-widths": WIDTHS[kind], "peak pressure": WIDTHS[kind] if kind != "flat" else 1.0}
+            factors["traction"] = 1.0
+        elif figure("traction", owner) in own:
+            found.append(BudgetLine(BALANCE, figure("traction", owner), 0.0, "the loads give it"))
         for line in lines:
-            if line.of != figure("force", owner) or not line.found:
+            if line.of != figure("stiffness" if owner in given else "force", owner) or not line.found:
                 continue
             for other, factor in factors.items():
                 if factor and figure(other, owner) in own and (line.source, figure(other, owner)) not in told:
@@ -152,27 +195,30 @@ def _of_pairs(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]
     return found
 
 
-AS_FORCE = "by what it is of the force"
-
-
-def _of_machine(result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity]) -> list[BudgetLine]:
+def _of_machine(
+    result: Any, lines: Sequence[BudgetLine], own: dict[str, Quantity], given: set[str]
+) -> list[BudgetLine]:
     """What the largest error of the force of a contact, film or lap is to joints, force elements, sensors, and lives,
-    of each source."""
-    forces: dict[str, BudgetLine] = {}
-    told = {(line.source, line.of) for line in lines}
+    of each source that does not say so itself."""
+    told, forces = {(line.source, line.of) for line in lines}, dict[str, BudgetLine]()
     for line in lines:
         if line.of.startswith("force of ") and line.found:
             if line.source not in forces or line.size > forces[line.source].size:
                 forces[line.source] = line
-    found = []
+    found = [
+        BudgetLine(BALANCE, name, 0.0, "the loads give it")
+        for name in own
+        if kind_and_owner(name)[0].startswith("reaction") and kind_and_owner(name)[1] in given
+    ]
     for source, line in forces.items():
-        basis = f"as the {line.of} at most"
+        basis = f"as the {line.of} at most" if line.size else "the loads give the forces of contacts"
         for name in own:
-            kind, owner = kind_and_owner(name)
-            if (source, name) in told:
+            owner = kind_and_owner(name)[1]
+            if (source, name) in told or owner in given:
                 continue
-            if owner.startswith(("joint", "force", "sensor")) or kind == "work of friction":
-                found.append(BudgetLine(source, name, line.size, basis, line.cure))
+            if owner.startswith(("joint", "force", "sensor")):
+                part = max(min(_largest(own[name]) / own[name].size, 1.0), ASKEW)
+                found.append(BudgetLine(source, name, part * line.size, basis, line.cure))
         for name in result.bearing_names:
             power = LIFE.get(str(result.view.bearings[name].kind), OF_ROLLERS)
             of = figure("life", f"bearing {name!r}")
@@ -193,12 +239,16 @@ def _of_stress(result: Any) -> list[BudgetLine]:
 def _why(name: str, result: Any) -> str:
     """Why no source speaks of the figure."""
     kind, owner = kind_and_owner(name)
-    if owner.startswith("film"):
-        return "the grid of the film has no second one to be held against"
+    if owner.startswith(("film", "lap")):
+        return f"what its grid does, which takes the {owner.split()[0]} on a finer one"
+    if owner.startswith("contact") and kind in RUBBED:
+        return "what its grid does to friction, which takes another one"
     if owner.startswith("contact"):
-        return "there is no rule for friction on this grid" if kind in (*RUBBED, "creepage") else "no rule for its grid"
+        return "what its grid does, which takes another one"
+    if kind == "work":
+        return "what the grids of contacts do to micro-slip, which takes other ones"
     if any(body.reduced is not None for body in result.history.scene.bodies):
-        return "it hangs on the deformation of bodies, whose mesh has no second one"
+        return "what the meshes of bodies do, which takes other ones"
     return "the run has no second one to be held against"
 
 
@@ -214,8 +264,9 @@ def figure_text(lines: Sequence[BudgetLine]) -> list[tuple[str, str]]:
         told, missing = [], dict[str, list[str]]()
         for kind, own in kinds.items():
             known = [line for line in own if line.found]
+            if unknown := [line for line in own if not line.found]:
+                missing.setdefault(unknown[0].basis, []).append(kind)
             if not known:
-                missing.setdefault(own[0].basis, []).append(kind)
                 continue
             worst = max(known, key=lambda line: line.size)
             told.append(f"{kind} {100.0 * total(known):.2g} % ({worst.source})")

@@ -47,8 +47,9 @@ class Quantity:
 def quantities(history: History) -> dict[str, Quantity]:
     """By name: the force of each contact, oil film and lap over its root mean square, or over `LIGHT` of the largest
     one, the motion of each body (its origin, and its axes as long as its radius of gyration) over the largest way from
-    its mean, or over `STILL` of the largest one, or `STANDS` of the size of the machine, the deformation of a flexible one, as the root of the strain energy of
-    each of its modes, over the root mean square of it, and what friction takes in each lap, over all of it.
+    its mean, or over `STILL` of the largest one, or over `STANDS` of the size of the machine, the deformation of a
+    flexible one, as the root of the strain energy of each of its modes, over the root mean square of it, and what
+    friction takes in each lap, over all of it.
 
     A quantity that is zero in all rows is left out.
     """
@@ -60,7 +61,7 @@ def quantities(history: History) -> dict[str, Quantity]:
     places = {body.name: _places(body, history) for body in history.scene.bodies}
     ways = {name: _way(values) for name, values in places.items()}
     least, beside = STILL * max(ways.values(), default=0.0), f"{STILL:g} of the largest way in the machine"
-    if least < STANDS * (size := _size(places)):
+    if least < STANDS * (size := machine_size(history)):
         least, beside = STANDS * size, f"{STANDS:g} of the size of the machine, it stands still"
     for body in history.scene.bodies:
         motion = Quantity(f"motion of body {body.name!r}", places[body.name], ways[body.name])
@@ -88,12 +89,13 @@ def _way(places: Array) -> float:
     return float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) if len(places) else 0.0
 
 
-def _size(places: dict[str, Array]) -> float:
-    """The size [m] of the machine at the start: how far bodies are apart, and the largest radius of gyration."""
-    first = np.array([values[0] for values in places.values() if len(values)])
-    if not len(first):
+def machine_size(history: History) -> float:
+    """How far [m] bodies are apart at the start, and the largest of their radii of gyration."""
+    if not history.scene.bodies or not len(history.time):
         return 0.0
-    return float(np.linalg.norm(np.ptp(first[:, :3], axis=0)) + np.linalg.norm(first[:, 3:], axis=1).max() / np.sqrt(3.0))
+    places = np.array([history.bodies[body.name].position[0] for body in history.scene.bodies])
+    gyration = max(np.sqrt(0.5 * np.trace(body.inertia) / body.mass) for body in history.scene.bodies)
+    return float(np.linalg.norm(np.ptp(places, axis=0)) + gyration)
 
 
 def shares(history: History) -> dict[str, float]:
