@@ -134,3 +134,19 @@ def test_sources_are_independent() -> None:
         ("film 'x'", "  film 'x': force 5 % (b); not estimated: torque (no second grid)"),
         ("", "  run: work of friction 1 % (a)"),
     ]
+
+
+def test_micro_slip_is_not_rolling() -> None:
+    """Of a patch that stays, which slips in an annulus thinner than a cell, nothing is said of what friction takes."""
+    body = rollers.reduced(rollers.hexahedra(8e-3, 2, 0.05), 0.05, tangential=True)
+    scene = wf.Scene(gravity=(0, 0, 0))
+    lower = scene.add_body(body, name="lower")
+    upper = scene.add_body(body, name="upper", position=(0.0, 0.0, 2.0 * rollers.R - 1e-5))
+    scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
+    guide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 1, 0)))
+    shift = wf.signals.Table(np.arange(4.0), 1e-6 * np.array([0.0, 1.0, 0.0, -1.0]))
+    scene.add(wf.joints.Drive(guide, shift, quantity="position"))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], friction=0.3, grid="patch", cells=(7, 7), name=rollers.PAIR))
+    lines = wf.simulate(scene, 3.0, step=1.0, kind="static", progress=False).error_budget()
+    for name in ("work of friction", f"friction power of {PAIR}"):
+        assert [line.source for line in lines if line.of == name and not line.found] == [UNKNOWN], name

@@ -145,7 +145,7 @@ def figures_section() -> str:
     return f"""## Figures of reports
 
 {scenes} scenes on coarse meshes, cells, hats and films beside the same ones on fine ones. {right} of {len(known)}
-figures are right within a factor of {FACTOR:g}, or are and are stated to be below {FLOOR:.1%}, of which reports say no more.
+figures are right within a factor of {FACTOR:g}, or are below {FLOOR:.1%} and stated to be below {FACTOR * FLOOR:.1%}.
 Of {told} a report says that they are not estimated and why; {len(found) - len(known) - told} are silent.
 
 {table(head, rows_of_figures(found))}"""

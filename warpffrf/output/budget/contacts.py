@@ -72,7 +72,7 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
                 BudgetLine(GRID, f"{of} of contact {contact.name!r}", size, other, cure)
                 for of, size in zip((FORCE, PRESSURE), sizes, strict=True)
             ]
-            lines += _of_cells(found, check if known else None, cure)
+            lines += _of_cells(found, history.time, check if known else None, cure)
         else:
             own = [_of_hats(found, of) for of in (FORCE, PRESSURE)]
             lines.append(replace(own[1], of=f"peak pressure of contact {contact.name!r}", size=own[1].size ** 2))
@@ -81,9 +81,10 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     return lines
 
 
-def _of_cells(found: Any, check: Any, cure: str) -> list[BudgetLine]:
+def _of_cells(found: Any, time: np.ndarray, check: Any, cure: str) -> list[BudgetLine]:
     """Of peak and half-widths of a patch of cells: what other cells change of the largest pressure, the moments of
-    pressures at their middles, and what friction in rolling is on them."""
+    pressures at their middles, and what friction in rolling is on them; of micro-slip in a patch that stays nothing is
+    known."""
     strips, owner = found.pressure(0).pressure.shape[0], f"contact {found.name!r}"
     moments, power = MOMENTS.get(found.patch_kind, (0.0, 1.0))
     lines = [BudgetLine(GRID, f"half-widths of {owner}", moments * (USUAL / strips) ** power, HALF_WIDTHS, cure)]
@@ -91,7 +92,7 @@ def _of_cells(found: Any, check: Any, cure: str) -> list[BudgetLine]:
         lines.append(
             BudgetLine(GRID, f"peak pressure of {owner}", PEAK * check.pressure, "other cells at sampled steps", cure)
         )
-    if found.has_friction and not np.all(np.isnan(found.friction.creepage)):
+    if found.has_friction and _rolls(found, time):
         advance = float(np.nanmax(found.friction.cells_per_step)) / MOST_CELLS["cells"]
         size = FRICTION_ERROR * max(advance, 1.0) * USUAL / strips
         basis = f"rolling on {strips} strips, by studies of cylinders and balls"
@@ -99,6 +100,12 @@ def _of_cells(found: Any, check: Any, cure: str) -> list[BudgetLine]:
             name = of if of == WORK else f"{of} of {owner}"
             lines.append(BudgetLine(GRID, name, factor * size, basis, "more strips, a smaller step"))
     return lines
+
+
+def _rolls(found: Any, time: np.ndarray) -> bool:
+    """Whether the patch leaves its place: it advances by more than its width."""
+    way = np.trapezoid(np.nan_to_num(np.abs(found.friction.rolling_velocity)), time)
+    return bool(way > 2.0 * np.max(found.half_widths[:, 0], initial=0.0))
 
 
 def _beside(line: BudgetLine, share: float) -> BudgetLine:

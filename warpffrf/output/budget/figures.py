@@ -40,7 +40,7 @@ OF_ROLLERS = 10.0 / 3.0
 LEAST = 1e-14  # of any figure: below, sums of zeros
 SORTS = {"reaction": "force", "load": "force", "reaction torque": "torque"}
 ARM = 0.1  # of the size of the machine: torques are beside those of its forces with such arms at least
-ASKEW = 0.15  # of a force's error in a torque that vanishes: meshes are not symmetric
+ASKEW = 0.12  # of a force's error in a torque that vanishes: meshes are not symmetric
 SHARED = 0.3  # of the error of an approach at a given force: machines give forces, approaches, or neither
 MAIN = (
     "force", "stiffness", "pressure", "motion", "deformation", "moment", "loss", "largest friction force",
@@ -245,7 +245,7 @@ def _why(name: str, result: Any) -> str:
         return "what its grid does to friction, which takes another one"
     if owner.startswith("contact"):
         return "what its grid does, which takes another one"
-    if kind == "work":
+    if kind == "work of friction":
         return "what the grids of contacts do to micro-slip, which takes other ones"
     if any(body.reduced is not None for body in result.history.scene.bodies):
         return "what the meshes of bodies do, which takes other ones"
