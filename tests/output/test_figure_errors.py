@@ -131,8 +131,8 @@ def test_sources_are_independent() -> None:
         BudgetLine("a", "work of friction", 0.01, ""),
     ]
     assert figure_text(lines) == [
-        ("film 'x'", "  film 'x': force 5 % (b); not estimated: torque (no second grid)"),
-        ("", "  run: work of friction 1 % (a)"),
+        ("film 'x'", "film 'x': force 5 % (b); not estimated: torque (no second grid)"),
+        ("", "run: work of friction 1 % (a)"),
     ]
 
 

@@ -131,7 +131,6 @@ with twice the step alike. They are seen where the quarter of the step resolves 
 accelerations change most; the report says from which frequency on they may be missed elsewhere.
 
 {table(head, rows)}
-
 {figures_section()}"""
 
 

@@ -10,7 +10,7 @@ other cells at sampled steps, of the pressures as cell means in the L2 norm (`on
 `FRICTION_ERROR` of the largest friction force (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4).
 *Points*: all points at sampled steps (`online.diagnosis.sampling_check`). *Mesh*: what the far fields of both bodies
 leave (`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBody.mesh_error`.
-*Half-widths* on n strips come from moments, 0.4 % 11/n of lines and 1 % (11/n)^2 of points too large
+*Half-widths* on n strips come from moments, some 0.3 % 11/n of lines and 1 % (11/n)^2 of points too large
 (docs/studies/coarse_points.md).
 
 Forces are beside those of the contact, of one that carries less than `quantities.LIGHT` of the largest force of the
@@ -33,6 +33,7 @@ from warpffrf.online.diagnosis.contact_notes import Leaning
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.output.budget.figures import WORK
 from warpffrf.output.budget.quantities import LIGHT, shares
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
 from warpffrf.output.contact.hertz import flexible_sides
@@ -45,9 +46,8 @@ EDGE = 0.01  # of the force times half the width
 ADVANCE = "friction of large steps"
 MESH_CURE = "a finer mesh; body.mesh_error(the same body on another one) says it exactly"
 USUAL = 11  # strips of a patch; on so many moments make half-widths too large by
-MOMENTS = {"line": (0.004, 1.0), "line_around": (0.004, 1.0), "point": (0.01, 2.0)}  # this, with a power of the strips
+MOMENTS = {"line": (0.003, 1.0), "line_around": (0.003, 1.0), "point": (0.01, 2.0)}  # this, with a power of the strips
 PEAK = 0.5  # of what cells change of the largest: a peak is that of the parabola through them
-WORK = "work of friction"
 ROLLING = {"creepage": 2.0, "friction power": 2.0, "wear index": 10.0, WORK: 0.5}  # times `FRICTION_ERROR`
 HALF_WIDTHS = "moments of pressures at the middles of strips, by studies of cylinders and balls"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
@@ -229,10 +229,9 @@ def _of_mesh(found: Any, reduced: Any, surface: Any, widths: tuple[float, ...]) 
 
 def tolerance_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """To what the iteration of a step is balanced."""
-    if not result.history.scene.contacts:
-        return []
+    of = "force of all contacts" if result.history.scene.contacts else "all results"
     size = engine.settings.residual_tolerance
-    return [BudgetLine(TOLERANCE, "force of all contacts", size, "the tolerance of the balance of forces")]
+    return [BudgetLine(TOLERANCE, of, size, "the tolerance of the balance of forces")]
 
 
 def _force(name: str) -> str:

@@ -28,6 +28,7 @@ from warpffrf.output.geometry.scene_view import SceneView
 
 Array = np.ndarray
 UNKNOWN = "not estimated"  # the source of a line of a figure that no source speaks of
+WORK = "work of friction"  # of the whole run
 BALANCE = "balance"  # of what the loads give
 OF_TIME = ("time step", "energy ledger", "iteration")  # sources that say nothing of grids and meshes
 ON_GRIDS = ("contact", "film", "lap")
@@ -56,7 +57,7 @@ def figure(kind: str, owner: str) -> str:
 def kind_and_owner(name: str) -> tuple[str, str]:
     """Its kind and whose it is, "" of the whole run."""
     kind, _, owner = name.partition(" of ")
-    return (name, "") if kind == "work" else (kind, owner)
+    return (kind, owner) if name != WORK else (name, "")
 
 
 def is_main(line: BudgetLine) -> bool:
@@ -139,7 +140,7 @@ def _values(history: History, view: SceneView) -> Iterator[tuple[str, str, Any]]
     for name, sensor in history.sensors.items():
         yield "values", f"sensor {name!r}", sensor.values
     if "friction" in history.energy:
-        yield "work of friction", "", history.energy["friction"]
+        yield WORK, "", history.energy["friction"]
 
 
 def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLine]:
@@ -151,12 +152,16 @@ def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLin
     found = [line for each in lines for line in _by_loads(each, given)]
     found += _of_pairs(result, found, own, given)
     found += _of_machine(result, found, own, given)
+    lumped = {f"contact {name!r}" for name in history.lumped_contacts}
+    exact = history.marks.static and not any(body.reduced for body in history.scene.bodies)  # but for its iteration
     deform = any(body.reduced is not None for body in history.scene.bodies)
     of_numbers = {line.of for line in found if line.found and line.source not in OF_TIME}
     of_any = {line.of for line in found if line.found}
     for name in own:
         owner = kind_and_owner(name)[1]
-        on_grid = owner.startswith(ON_GRIDS) or (name == "work of friction" and history.contacts)
+        on_grid = owner.startswith(ON_GRIDS) and owner not in lumped or (name == WORK and history.contacts)
+        if exact and not on_grid:
+            continue
         if name not in (of_numbers if deform or on_grid else of_any):
             found.append(BudgetLine(UNKNOWN, name, np.nan, _why(name, result)))
     return [*found, *_of_stress(result)]
@@ -220,7 +225,7 @@ def _of_machine(
                 part = max(min(_largest(own[name]) / own[name].size, 1.0), ASKEW)
                 found.append(BudgetLine(source, name, part * line.size, basis, line.cure))
         for name in result.bearing_names:
-            power = LIFE.get(str(result.view.bearings[name].kind), OF_ROLLERS)
+            power = LIFE.get(result.view.bearings[name]["kind"], OF_ROLLERS)
             of = figure("life", f"bearing {name!r}")
             found.append(BudgetLine(source, of, power * line.size, f"{basis}, to the power {power:.3g}", line.cure))
     return found
@@ -245,7 +250,7 @@ def _why(name: str, result: Any) -> str:
         return "what its grid does to friction, which takes another one"
     if owner.startswith("contact"):
         return "what its grid does, which takes another one"
-    if kind == "work of friction":
+    if kind == WORK:
         return "what the grids of contacts do to micro-slip, which takes other ones"
     if any(body.reduced is not None for body in result.history.scene.bodies):
         return "what the meshes of bodies do, which takes other ones"
@@ -272,7 +277,7 @@ def figure_text(lines: Sequence[BudgetLine]) -> list[tuple[str, str]]:
             told.append(f"{kind} {100.0 * total(known):.2g} % ({worst.source})")
         text = [", ".join(told)] if told else []
         text += [f"not estimated: {', '.join(kinds)} ({why})" for why, kinds in missing.items()]
-        found.append((owner, f"  {owner or 'run'}: " + "; ".join(text)))
+        found.append((owner, f"{owner or 'run'}: " + "; ".join(text)))
     return found
 
 

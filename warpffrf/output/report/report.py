@@ -77,8 +77,11 @@ def _budget_lines(result: Any, progress: bool, pairs: Pairs) -> list[str]:
         lines = result.error_budget(progress=progress)
     except InputError as error:
         return [f"error budget      {error}"]
-    blocks = [Block(owner, [line]) for owner, line in figure_text(lines)]
-    figures = [line for block in folded(blocks, "", pairs) for line in block]
+    kinds: dict[str, list[Block]] = {}
+    for owner, line in figure_text(lines):
+        kind, _, name = owner.partition(" '")
+        kinds.setdefault(kind, []).append(Block(name.rstrip("'"), [line]))
+    figures = [f"  {block[0]}" for kind, blocks in kinds.items() for block in folded(blocks, kind, pairs)]
     return [*budget_text(lines), "errors of figures   all sources together, and the largest of them", *figures]
 
 
