@@ -352,8 +352,8 @@ class Result(looks.Shown):
         local modes, iteration (`warpffrf.output.budget`), of equilibria too, and for each figure that a report prints;
         lines of the source "not estimated" say why nothing is known. Made when first asked for, by stepping the run, or
         parts of it, once more with twice the step, and short parts with a quarter of it: up to the time of a short run,
-        a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far it is,
-        on stderr.
+        a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far
+        it is, on stderr.
 
         Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
         method and the check integrators.
