@@ -302,7 +302,8 @@ def find_equilibrium(
         refuse_without_rest(scene)
     refuse_touching(scene.films)
     begin = time.perf_counter()
-    engine = Engine(scene, device=device, settings=settings, progress=progress)
+    made_with = {"device": device, "settings": settings, "progress": progress}
+    engine = Engine(scene, **made_with)
     built = time.perf_counter()
     apart = check_load_paths(scene)
     if not friction:
@@ -312,7 +313,9 @@ def find_equilibrium(
         films.keep(engine)
         engine.save_now()
     notes = [*engine.compiled.notes, *apart, *engine.start_notes]
-    return finish(engine, begin, built, notes, "equilibrium: ", films=films)
+    history = finish(engine, begin, built, notes, "equilibrium: ", films=films)
+    history.marks = Marks(engine, made_with, 0.0, 0, 0, static=True)
+    return history
 
 
 def finish(

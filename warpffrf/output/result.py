@@ -349,10 +349,11 @@ class Result(looks.Shown):
 
     def error_budget(self, *, progress: bool = False) -> list[BudgetLine]:
         """What each source of error does to the results: time step, contact grid, sampling points, mesh, inertia terms,
-        local modes, iteration (`warpffrf.output.budget`). Made when first asked for, by stepping the run, or parts of
-        it, once more with twice the step, and short parts with a quarter of it: up to the time of a short run, a fifth
-        of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far it is,
-        on stderr.
+        local modes, iteration (`warpffrf.output.budget`), of equilibria too, and for each figure that a report prints;
+        lines of the source "not estimated" say why nothing is known. Made when first asked for, by stepping the run, or
+        parts of it, once more with twice the step, and short parts with a quarter of it: up to the time of a short run,
+        a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far
+        it is, on stderr.
 
         Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
         method and the check integrators.

@@ -1,9 +1,10 @@
-"""The error of the time step that a run states of itself beside the one that it has: `python -m
-warpffrf.study.budget_check [FOLDER]`, a minute or two.
+"""The errors that a run states of itself beside those that it has, of its step and of the figures of its report:
+`python -m warpffrf.study.budget_check [FOLDER]`, some minutes.
 
 Machines of every kind of motion, free, driven and damped, in contact and in impact, each with a coarse and a fine step.
 True errors are those beside a run with a step `FINER` times smaller, whose own is 1/256 of them; both are root mean
-squares over the run, over the size of the quantity (`warpffrf.output.budget.quantities`).
+squares over the run, over the size of the quantity (`warpffrf.output.budget.quantities`). Figures:
+`warpffrf.study.figure_errors`.
 """
 
 from __future__ import annotations
@@ -18,9 +19,12 @@ import numpy as np
 from warpffrf.model import joints, signals
 from warpffrf.model.forces import JointSpringDamper, PointForce
 from warpffrf.model.scene import Scene
+from warpffrf.output.budget.budget import FLOOR
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.budget.time_step import SOURCE
 from warpffrf.output.simulate import simulate
+from warpffrf.study.figure_errors import FACTOR, SCENES
+from warpffrf.study.figure_errors import rows as rows_of_figures
 from warpffrf.study.step_time import swinging_pair, tread_body
 from warpffrf.verification import colliding_bars as bars
 from warpffrf.verification.markdown import table
@@ -126,7 +130,24 @@ Vibrations that the step is too long for are damped by the integrator in the fir
 with twice the step alike. They are seen where the quarter of the step resolves them, at the start and where
 accelerations change most; the report says from which frequency on they may be missed elsewhere.
 
-{table(head, rows)}"""
+{table(head, rows)}
+{figures_section()}"""
+
+
+def figures_section() -> str:
+    """What reports state of their figures."""
+    found = [stated for scene in SCENES.values() for stated in scene()]
+    known = [s for s in found if np.isfinite(s.stated)]
+    right, told = sum(s.right for s in known), sum(s.told for s in found)
+    scenes = len({s.scene for s in found})
+    head = ["scene", "figure", "true [%]", "stated [%]", "largest source", "right"]
+    return f"""## Figures of reports
+
+{scenes} scenes on coarse meshes, cells, hats and films beside the same ones on fine ones. {right} of {len(known)}
+figures are right within a factor of {FACTOR:g}, or are below {FLOOR:.1%} and stated to be below {FACTOR * FLOOR:.1%}.
+Of {told} a report says that they are not estimated and why; {len(found) - len(known) - told} are silent.
+
+{table(head, rows_of_figures(found))}"""
 
 
 def main(folder: str = "docs/studies") -> None:

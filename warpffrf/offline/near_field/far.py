@@ -135,13 +135,14 @@ def find_far_field(
             f"from {ASYMMETRIC:.0%} on forces of a patch grid err by more than 1 %); use quadratic cells, or a finer "
             "mesh at the surface"
         )
-    thin = _thin_wall(mesh, name, shape, grid, assignment, functions.edge)
-    warnings += [] if thin is None else [thin]
+    wall_error, thin = _thin_wall(mesh, name, shape, grid, assignment, functions.edge)
+    warnings += [thin] if thin else []
     facts = {
         "asymmetry": near.asymmetry,
         "windows": near.windows,
         "largest_window_dofs": near.largest,
         "ends": [end.z for end in ends],
+        "wall_error": wall_error,
     }
     if far.tangential is not None:
         facts["tangential_asymmetry"] = far.tangential.asymmetry
@@ -157,17 +158,20 @@ def _far_tangential(own: Tangential, near: NearTangential | None, hats: FarSplin
     return FarTangential(cells.compliance(own.lags_tt - near.lags_tt, directions=2), lags_nt, near.asymmetry)
 
 
-def _thin_wall(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment, edge: float) -> str | None:
-    """What to say of a wall that is as thin as its cells are wide, else None; `edge`: longest facet edge [m]."""
+def _thin_wall(
+    mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment, edge: float
+) -> tuple[float, str]:
+    """What cells make of the force at a given approach by the wall behind the surface, and what to say of one that is
+    as thin as they are wide, else ""; `edge`: longest facet edge [m]."""
     thickness = wall(mesh, name, shape, grid, assignment)
     if thickness is None:
-        return None
+        return 0.0, ""
     degree = min(facet_kind(kind).degree for kind in mesh.facets(name).blocks)
     c, p = WALL_ERROR[degree]
     error = c * (edge / thickness) ** p
     if error <= THIN:
-        return None
-    return (
+        return error, ""
+    return error, (
         f"contact {name!r}: the wall behind it is {thickness:.3g} m thick, {thickness / edge:.2g} facet edges, and "
         f"{'linear' if degree == 1 else 'quadratic'} cells make it err: forces at a given approach by about "
         f"{min(error, 1.0):.0%} where it is held inside; use shorter facets{' or quadratic cells' * (degree == 1)}"

@@ -34,6 +34,7 @@ from warpffrf.output.accuracy.first import first_setting, steps_to_see
 from warpffrf.output.accuracy.limits import PRESSURES, Limits
 from warpffrf.output.accuracy.setting import AUTO, GRID, HATS, Setting
 from warpffrf.output.budget import contacts
+from warpffrf.output.budget.figures import is_main
 from warpffrf.output.result import Result
 
 RUNS = 10
@@ -154,7 +155,7 @@ def _told(result: Result, duration: float, limits: Limits, now: Setting, why: li
     tolerance = "" if now.energy_tolerance is None else f" with energy_tolerance={now.energy_tolerance:.2g}"
     step = f"{head}: step={duration / now.steps:.6g}{tolerance} was chosen" + (f", {why[0]}" if why else "")
     notes = [step, *(f"{head}: {line}" for line in why[1:])]
-    for line in result.history.budget or []:
+    for line in filter(is_main, result.history.budget):
         allowed = limits.accuracy * (PRESSURES if line.of.startswith(contacts.PRESSURE) else 1.0)
         if line.found and line.size > allowed:
             cure = f"; {line.cure}" if line.cure else ""

@@ -38,6 +38,7 @@ from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GAPS, GRID, HATS, INERTIA, STIFFENING, Setting
 from warpffrf.output.budget import contacts, energy, time_step
 from warpffrf.output.budget.budget import percent
+from warpffrf.output.budget.figures import is_main
 
 ON_MESH = 2.0  # times the rule: linear cells as wide as the spacing of hats add as much again (`grid_rule`)
 FINER = 1.15  # times the steps that second order asks for
@@ -146,7 +147,8 @@ def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
 
 def of_the_step(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
     """Errors that a smaller step lowers."""
-    return [line for line in lines if line.source in (time_step.SOURCE, energy.SOURCE, contacts.ADVANCE)]
+    sources = time_step.SOURCE, energy.SOURCE, contacts.ADVANCE
+    return [line for line in lines if line.source in sources and is_main(line)]
 
 
 def steps_wanted(steps: int, lines: Sequence[BudgetLine], limits: Limits) -> tuple[int, str]:

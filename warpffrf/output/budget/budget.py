@@ -6,11 +6,13 @@ with its cure; sizes below `FLOOR` are told as such: they are smaller than what 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.bodies import inertia_lines, local_lines
 from warpffrf.output.budget.contacts import (
@@ -22,6 +24,7 @@ from warpffrf.output.budget.contacts import (
     tolerance_lines,
 )
 from warpffrf.output.budget.energy import energy_lines
+from warpffrf.output.budget.figures import UNKNOWN, is_main, with_all_figures
 from warpffrf.output.budget.films import film_lines
 from warpffrf.output.budget.time_step import SOURCE as TIME_STEP
 from warpffrf.output.budget.time_step import time_step_lines
@@ -29,22 +32,51 @@ from warpffrf.output.budget.time_step import time_step_lines
 FLOOR, SMALL = 1e-3, "< 0.1 %"
 
 
+@dataclass(frozen=True)
+class Run:
+    """What a source looks at: the result of a run, its engine made anew, and whether it shows its progress."""
+
+    result: Any
+    engine: Engine
+    progress: bool = False
+
+
+# Each is a file of its own: lines of what it does to figures, by the names of `quantities` and `figures`. What it does
+# to the force of a contact alone is carried on to the other figures of that.
+SOURCES: tuple[Callable[[Run], list[BudgetLine]], ...] = (
+    lambda run: _of_steps(run),
+    lambda run: [] if at_rest(run.result) else energy_lines(run.result),
+    lambda run: grid_lines(run.result, run.engine),
+    lambda run: gap_lines(run.result, run.engine),
+    lambda run: friction_lines(run.result),
+    lambda run: point_lines(run.result),
+    lambda run: film_lines(run.result.history),
+    lambda run: mesh_lines(run.result),
+    lambda run: inertia_lines(run.result, run.engine),
+    lambda run: [] if run.result.history.marks.static else local_lines(run.result, run.engine),
+    lambda run: tolerance_lines(run.result, run.engine),
+)
+
+
 def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     """The lines of `result`, a run of this process that has left its marks. progress: show how far it is."""
-    history = result.history
-    engine = history.marks.engine()
-    return [
-        *_of_steps(history, engine, progress), *energy_lines(result),
-        *grid_lines(result, engine), *gap_lines(result, engine), *friction_lines(result), *point_lines(result),
-        *film_lines(history), *mesh_lines(result),
-        *inertia_lines(result, engine), *local_lines(result, engine), *tolerance_lines(result, engine),
-    ]  # fmt: skip
+    run = Run(result, result.history.marks.engine(), progress)
+    return with_all_figures(result, [line for source in SOURCES for line in source(run)])
 
 
-def _of_steps(history: Any, engine: Any, progress: bool) -> list[BudgetLine]:
-    """Of the step of a run in time; a load step of a static run ends in an equilibrium whatever its length."""
+def at_rest(result: Any) -> bool:
+    """Whether it is one equilibrium."""
+    return bool(result.history.marks.static and len(result.history.time) == 1)
+
+
+def _of_steps(run: Run) -> list[BudgetLine]:
+    """Of the step of a run in time; a load step of a static run ends in an equilibrium whatever its length, and of a
+    single equilibrium there is none."""
+    if at_rest(run.result):
+        return []
+    history = run.result.history
     if not history.marks.static:
-        return time_step_lines(history, engine, progress=progress)
+        return time_step_lines(history, run.result.view, run.engine, progress=run.progress)
     basis = (
         "each load step ends in an equilibrium; its length matters to the path of friction, and to works, by what the "
         "ledger leaves open"
@@ -55,9 +87,9 @@ def _of_steps(history: Any, engine: Any, progress: bool) -> list[BudgetLine]:
 def why_not(result: Any) -> str:
     """Why there can be no budget of `result`, or "" where there can."""
     history = result.history
-    if history.marks is None:
+    if history.marks is None or not hasattr(history.scene, "contacts"):
         return "it takes the run itself, by the separated method and in the process that made it"
-    if len(history.time) < 2:
+    if len(history.time) < (1 if history.marks.static else 2):
         return "no step was saved"
     return ""
 
@@ -76,8 +108,9 @@ def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
     """The lines of a report: the largest of each source, and the largest of all."""
     text = ["error budget      largest of each source, found without a run to compare with"]
     largest = []
-    for source in dict.fromkeys(line.source for line in lines):
-        own = [line for line in lines if line.source == source]
+    for source in dict.fromkeys(line.source for line in lines if line.source != UNKNOWN):
+        every = [line for line in lines if line.source == source]
+        own = [line for line in every if is_main(line)] or every
         found = [line for line in own if line.found]
         if not found:
             text.append(f"  {source:<27} not found: {own[0].basis}" + (f"; {own[0].cure}" if own[0].cure else ""))

@@ -1,15 +1,17 @@
 """Errors of contacts: the grid or the cells of the pressure, few sampling points, the mesh, and the iteration.
 
 *Hats of the material grid*: what the grid leaves of the force at a given approach, and of the pressures in the L2
-norm, at most, for a patch of the size found at the largest load, by the rule of `offline.contact.grid_rule` (worst
-position of the patch on the grid; the mean one is about half of it). *Cells of a patch*: other cells at sampled steps,
-of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
+norm, for a patch of the size found at the largest load: half of the rule of `offline.contact.grid_rule`, which is for
+the worst position of the patch on the grid. Fields err at their edges, peaks by the square of that. *Cells of a patch*:
+other cells at sampled steps, of the pressures as cell means in the L2 norm (`online.diagnosis.cell_check`).
 *Gaps along lines of centres*: the moment that they leave out where axes lean towards each other
 (`online.diagnosis.contact_notes.Leaning`), beside that of the contact, or `EDGE` of what its force has at the end.
 *Friction on cells*: of a patch that advances c cells a step, where c is above `MOST_CELLS`, c/MOST_CELLS times
 `FRICTION_ERROR` of the largest friction force (docs/studies/patch_rolling.md: 0.9 to 1.0 % at 2.5, 1.0 to 1.4 % at 4).
-*Points*: all points at sampled steps (`online.diagnosis.sampling_check`). The mesh needs a second one,
-`ReducedBody.mesh_error`.
+*Points*: all points at sampled steps (`online.diagnosis.sampling_check`). *Mesh*: what the far fields of both bodies
+leave (`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBody.mesh_error`.
+*Half-widths* on n strips come from moments, some 0.3 % 11/n of lines and 1 % (11/n)^2 of points too large
+(docs/studies/coarse_points.md).
 
 Forces are beside those of the contact, of one that carries less than `quantities.LIGHT` of the largest force of the
 machine beside so much. With the force F of a line the pressures go as its root, so that these are then beside the
@@ -25,19 +27,29 @@ import numpy as np
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.evaluations import evaluation_of
+from warpffrf.model.mesh_error import own_mesh_error
 from warpffrf.offline.contact.grid_rule import grid_error
 from warpffrf.online.diagnosis.contact_notes import Leaning
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.output.budget.figures import WORK
 from warpffrf.output.budget.quantities import LIGHT, shares
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
+from warpffrf.output.contact.hertz import flexible_sides
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
 FORCE, PRESSURE = "force", "pressure"
+MEAN = 0.5  # of the rule, which is for the worst position of a patch on its grid
 GAPS = "gaps along lines of centres"
 EDGE = 0.01  # of the force times half the width
 ADVANCE = "friction of large steps"
+MESH_CURE = "a finer mesh; body.mesh_error(the same body on another one) says it exactly"
+USUAL = 11  # strips of a patch; on so many moments make half-widths too large by
+MOMENTS = {"line": (0.003, 1.0), "line_around": (0.003, 1.0), "point": (0.01, 2.0)}  # this, with a power of the strips
+PEAK = 0.5  # of what cells change of the largest: a peak is that of the parabola through them
+ROLLING = {"creepage": 2.0, "friction power": 2.0, "wear index": 10.0, WORK: 0.5}  # times `FRICTION_ERROR`
+HALF_WIDTHS = "moments of pressures at the middles of strips, by studies of cylinders and balls"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
 
@@ -60,11 +72,40 @@ def grid_lines(result: Any, engine: Engine) -> list[BudgetLine]:
                 BudgetLine(GRID, f"{of} of contact {contact.name!r}", size, other, cure)
                 for of, size in zip((FORCE, PRESSURE), sizes, strict=True)
             ]
+            lines += _of_cells(found, history.time, check if known else None, cure)
         else:
             own = [_of_hats(found, of) for of in (FORCE, PRESSURE)]
+            lines.append(replace(own[1], of=f"peak pressure of contact {contact.name!r}", size=own[1].size ** 2))
         of_force = share[contact.name]
         lines += [_beside(line, part) for line, part in zip(own, (of_force, np.sqrt(of_force)), strict=True)]
     return lines
+
+
+def _of_cells(found: Any, time: np.ndarray, check: Any, cure: str) -> list[BudgetLine]:
+    """Of peak and half-widths of a patch of cells: what other cells change of the largest pressure, the moments of
+    pressures at their middles, and what friction in rolling is on them; of micro-slip in a patch that stays nothing is
+    known."""
+    strips, owner = found.pressure(0).pressure.shape[0], f"contact {found.name!r}"
+    moments, power = MOMENTS.get(found.patch_kind, (0.0, 1.0))
+    lines = [BudgetLine(GRID, f"half-widths of {owner}", moments * (USUAL / strips) ** power, HALF_WIDTHS, cure)]
+    if check is not None:
+        lines.append(
+            BudgetLine(GRID, f"peak pressure of {owner}", PEAK * check.pressure, "other cells at sampled steps", cure)
+        )
+    if found.has_friction and _rolls(found, time):
+        advance = float(np.nanmax(found.friction.cells_per_step)) / MOST_CELLS["cells"]
+        size = FRICTION_ERROR * max(advance, 1.0) * USUAL / strips
+        basis = f"rolling on {strips} strips, by studies of cylinders and balls"
+        for of, factor in ROLLING.items():
+            name = of if of == WORK else f"{of} of {owner}"
+            lines.append(BudgetLine(GRID, name, factor * size, basis, "more strips, a smaller step"))
+    return lines
+
+
+def _rolls(found: Any, time: np.ndarray) -> bool:
+    """Whether the patch leaves its place: it advances by more than its width."""
+    way = np.trapezoid(np.nan_to_num(np.abs(found.friction.rolling_velocity)), time)
+    return bool(way > 2.0 * np.max(found.half_widths[:, 0], initial=0.0))
 
 
 def _beside(line: BudgetLine, share: float) -> BudgetLine:
@@ -81,10 +122,10 @@ def _of_hats(found: Any, quantity: str) -> BudgetLine:
     of = f"{quantity} of contact {found.name!r}"
     if found.patch_kind not in PATCHES:
         return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
-    size = hats_error(found, found.spacing, quantity)
+    size = MEAN * hats_error(found, found.spacing, quantity)
     if np.isnan(size):
         return BudgetLine(GRID, of, np.nan, "the patch is smaller than a column of the grid", cure)
-    return BudgetLine(GRID, of, size, "the rule of the grid at the largest load, worst position", cure)
+    return BudgetLine(GRID, of, size, "the rule of the grid at the largest load, mean position", cure)
 
 
 def hats_error(found: Any, spacing: float, quantity: str) -> float:
@@ -148,23 +189,49 @@ def point_lines(result: Any) -> list[BudgetLine]:
 
 
 def mesh_lines(result: Any) -> list[BudgetLine]:
-    """What it takes to know the error of the mesh, for each contact that was loaded."""
-    return [
-        BudgetLine(
-            MESH, _force(contact.name), np.nan,
-            "needs the bodies on another mesh", "body.mesh_error(the same body on a finer mesh)",
-        )
-        for contact in result.history.scene.contacts
-        if np.any(result.contact(contact.name).touching)
-    ]  # fmt: skip
+    """For each contact that was loaded what the meshes of its bodies make of its force at a given approach, each by
+    what its body yields of the whole: by `model.mesh_error.own_mesh_error`, on hats by `line_mesh_error` of the
+    reduction."""
+    lines = []
+    for contact in result.history.scene.contacts:
+        found = result.contact(contact.name)
+        if not np.any(found.touching):
+            continue
+        row = int(np.argmax(found.force_magnitude))
+        widths = tuple(float(width) for width in found.half_widths[row])
+        sides = [(body.reduced, surface) for body, surface in flexible_sides(found.view)]
+        errors = [_of_mesh(found, reduced, surface, widths) for reduced, surface in sides]
+        yields = [_softness(reduced, surface.name) for reduced, surface in sides]
+        known = bool(errors) and None not in errors and None not in yields
+        size = float(np.dot(errors, yields) / np.sum(yields)) if known else np.nan  # type: ignore[arg-type]
+        basis = "rule of far fields and walls" if found.loaded == "cells" else "rule of the cells behind the surface"
+        if not known:
+            basis = "there is no rule for the cells behind points on hats; needs the bodies on another mesh"
+        if not sides:
+            size, basis = 0.0, "rigid bodies"
+        lines.append(BudgetLine(MESH, _force(contact.name), size, basis, MESH_CURE))
+    return lines
+
+
+def _softness(reduced: Any, name: str) -> float | None:
+    """(1 - nu^2)/E [1/Pa] of the material at a surface; None where that is not known."""
+    material = reduced.provenance.get("contact_materials", {}).get(name)
+    return (1.0 - material["poisson_ratio"] ** 2) / material["youngs_modulus"] if material else None
+
+
+def _of_mesh(found: Any, reduced: Any, surface: Any, widths: tuple[float, ...]) -> float | None:
+    line = found.patch_kind in ("line", "line_around")
+    if found.loaded == "cells" and surface.far is not None:
+        return own_mesh_error(reduced, surface.name, (widths[0], widths[1]), line=line)
+    figures = reduced.report.get("contact", {}).get(surface.name, {})
+    return figures.get("line_mesh_error") if line else None
 
 
 def tolerance_lines(result: Any, engine: Engine) -> list[BudgetLine]:
     """To what the iteration of a step is balanced."""
-    if not result.history.scene.contacts:
-        return []
+    of = "force of all contacts" if result.history.scene.contacts else "all results"
     size = engine.settings.residual_tolerance
-    return [BudgetLine(TOLERANCE, "force of all contacts", size, "the tolerance of the balance of forces")]
+    return [BudgetLine(TOLERANCE, of, size, "the tolerance of the balance of forces")]
 
 
 def _force(name: str) -> str:

@@ -17,6 +17,7 @@ from warpffrf.online.history.history import History
 
 Array = np.ndarray
 STILL = 1e-5  # of the largest way in the machine: errors of a body that moves less are beside so much
+STANDS = 1e-8  # of the size of the machine: the same of one that stands still, whose ways are round-off
 LIGHT = 1e-3  # of the largest contact force in the machine: the same of a contact that carries less
 SPIKE = 10.0  # times the median of a force under load: the largest of a bounce of balls is 1.4 times
 
@@ -46,8 +47,9 @@ class Quantity:
 def quantities(history: History) -> dict[str, Quantity]:
     """By name: the force of each contact, oil film and lap over its root mean square, or over `LIGHT` of the largest
     one, the motion of each body (its origin, and its axes as long as its radius of gyration) over the largest way from
-    its mean, or over `STILL` of the largest one, the deformation of a flexible one, as the root of the strain energy of
-    each of its modes, over the root mean square of it, and what friction takes in each lap, over all of it.
+    its mean, or over `STILL` of the largest one, or over `STANDS` of the size of the machine, the deformation of a
+    flexible one, as the root of the strain energy of each of its modes, over the root mean square of it, and what
+    friction takes in each lap, over all of it.
 
     A quantity that is zero in all rows is left out.
     """
@@ -58,10 +60,12 @@ def quantities(history: History) -> dict[str, Quantity]:
     found = [quantity.at_least(least, f"{LIGHT:g} of the largest contact force") for quantity in forces]
     places = {body.name: _places(body, history) for body in history.scene.bodies}
     ways = {name: _way(values) for name, values in places.items()}
-    least = STILL * max(ways.values(), default=0.0)
+    least, beside = STILL * max(ways.values(), default=0.0), f"{STILL:g} of the largest way in the machine"
+    if least < STANDS * (size := machine_size(history)):
+        least, beside = STANDS * size, f"{STANDS:g} of the size of the machine, it stands still"
     for body in history.scene.bodies:
         motion = Quantity(f"motion of body {body.name!r}", places[body.name], ways[body.name])
-        found.append(motion.at_least(least, f"{STILL:g} of the largest way in the machine"))
+        found.append(motion.at_least(least, beside))
         modal = history.bodies[body.name].modal
         if modal.size:
             strain = 2.0 * np.pi * np.asarray(body.reduced.frequencies) * modal
@@ -83,6 +87,15 @@ def _places(body: Any, history: History) -> Array:
 def _way(places: Array) -> float:
     """The largest way [m] from the mean."""
     return float(np.linalg.norm(places - places.mean(axis=0), axis=1).max()) if len(places) else 0.0
+
+
+def machine_size(history: History) -> float:
+    """How far [m] bodies are apart at the start, and the largest of their radii of gyration."""
+    if not history.scene.bodies or not len(history.time):
+        return 0.0
+    places = np.array([history.bodies[body.name].position[0] for body in history.scene.bodies])
+    gyration = max(np.sqrt(0.5 * np.trace(body.inertia) / body.mass) for body in history.scene.bodies)
+    return float(np.linalg.norm(np.ptp(places, axis=0)) + gyration)
 
 
 def shares(history: History) -> dict[str, float]:

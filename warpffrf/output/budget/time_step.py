@@ -37,7 +37,7 @@ vibrations, of modes and of bodies on their contacts, the line says from which f
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -48,7 +48,9 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
 from warpffrf.online.marks import COARSER, FINER, Again, Marks
+from warpffrf.output.budget.figures import figures
 from warpffrf.output.budget.quantities import Quantity, quantities
+from warpffrf.output.geometry.scene_view import SceneView
 
 SPREAD, BUSIEST = 4, 2  # windows
 SETTLED, QUADRATIC = 1.8, 4.0  # d_2/d_1 is 1 of what has settled, 2.6 of t, 5.6 of t^2
@@ -64,8 +66,13 @@ CURE = "a smaller step"
 Array = np.ndarray
 
 
-def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list[BudgetLine]:
-    """One line for each quantity of a run that has left `marks`; `engine`: of the run, at hand for more steps."""
+def time_step_lines(history: History, view: SceneView, engine: Engine, *, progress: bool) -> list[BudgetLine]:
+    """One line for each quantity and figure of a run that has left `marks`; `engine`: of the run, at hand for more
+    steps."""
+
+    def of(history: History) -> dict[str, Quantity]:
+        return {**figures(history, view), **quantities(history)}
+
     marks: Marks = history.marks
     begin = float(marks.states[marks.first]["clk"]["time"][0]) if marks.states else 0.0
     reached = marks.first + round((history.time[-1] - begin) / marks.step)
@@ -85,19 +92,22 @@ def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list
             ]
         found.append(again)
         bar.update(n + 1)
-    own = quantities(history)
+    own = of(history)
     if marks.whole:
-        lines = _by_whole(history, own, found[0])
+        lines = _by_whole(history, own, found[0].coarse.time, of(found[0].coarse))
     else:
-        lines = [_by_windows(history, quantity, found, marks.step, _divisor(history)) for quantity in own.values()]
+        both = [(of(_fine(again)), of(again.coarse)) for again in found]
+        lines = [
+            _by_windows(history, quantity, found, both, marks.step, _divisor(history)) for quantity in own.values()
+        ]
     steps = min(max((reached - marks.first) // PART, min(FEWEST, reached - marks.first)), MOST)
     parts_of = (reached - marks.first) / steps
-    lines = _with_finer(lines, own, marks.finer(engine, marks.first, steps), parts_of, "the beginning")
+    lines = _with_finer(lines, own, _both(marks.finer(engine, marks.first, steps), of), parts_of, "the beginning")
     bar.update(len(chosen) + 1)
     if windows:
         busiest = windows[int(np.argmax(busyness(history, _begins(marks, windows))))][0]
         again = marks.finer(engine, busiest, min(steps, reached - busiest))
-        lines = _with_finer(lines, own, again, parts_of, "the busiest part")
+        lines = _with_finer(lines, own, _both(again, of), parts_of, "the busiest part")
     bar.close()
     unseen = _unseen(history, marks.step)
     return [
@@ -105,13 +115,27 @@ def time_step_lines(history: History, engine: Engine, *, progress: bool) -> list
     ]
 
 
+Found = dict[str, Quantity]
+
+
+def _both(again: tuple[History, History] | None, of: Callable[[History], Found]) -> tuple[Found, Found] | None:
+    return None if again is None else (of(again[0]), of(again[1]))
+
+
+def _fine(again: Again) -> History:
+    """The rows of a window with the step of the run."""
+    if again.fine is None:
+        raise TypeError("a window has rows of both steps")
+    return again.fine
+
+
 def _with_finer(
-    lines: list[BudgetLine], own: dict[str, Quantity], again: tuple[History, History] | None, parts: float, part: str
+    lines: list[BudgetLine], own: Found, again: tuple[Found, Found] | None, parts: float, part: str
 ) -> list[BudgetLine]:
     """`lines`, where one of so many `parts` of the run, with a shorter step, does not say more."""
     if again is None:
         return lines
-    fine, finer = (quantities(history) for history in again)
+    fine, finer = again
     found = []
     for line in lines:
         if line.of in fine and line.of in finer:
@@ -153,9 +177,8 @@ def _divisor(history: History) -> float:
     return FIRST_ORDER if history.counters.get("impulsive_steps") else SECOND_ORDER
 
 
-def _by_whole(history: History, own: dict[str, Quantity], again: Again) -> list[BudgetLine]:
-    """From a whole second run, whose rows are compared at the times that both have saved."""
-    time = again.coarse.time
+def _by_whole(history: History, own: Found, time: Array, coarse: Found) -> list[BudgetLine]:
+    """From a whole second run, whose rows at `time` (T,) [s] are compared where both have saved them."""
     step = float(np.median(np.diff(time))) if len(time) > 1 else float(time[0])
     at = np.searchsorted(history.time, time - SAME_TIME * step)
     same = (at < len(history.time)) & (
@@ -163,7 +186,6 @@ def _by_whole(history: History, own: dict[str, Quantity], again: Again) -> list[
     )
     if not np.any(same):
         return [BudgetLine(SOURCE, "all results", np.nan, "no saved step is an even one; use save_every of 1 or 2")]
-    coarse = quantities(again.coarse)
     lines = []
     for name, quantity in own.items():
         if name not in coarse:
@@ -204,17 +226,16 @@ def busyness(history: History, begins: Sequence[float]) -> Array:
 
 
 def _by_windows(
-    history: History, quantity: Quantity, found: Sequence[Again], step: float, divisor: float
-) -> BudgetLine:
+    history: History, quantity: Quantity, found: Sequence[Again], both: Sequence[tuple[Found, Found]], step: float,
+    divisor: float,
+) -> BudgetLine:  # fmt: skip
     """From windows, the first `SPREAD` of them evenly spread."""
     T = float(history.time[-1] - history.time[0])
     w = frequency(history.time, quantity.values)
     settled, grown, rest = 0.0, [], T
     squares = []
     for number, again in enumerate(found):
-        if again.fine is None:
-            raise TypeError("a window has rows of both steps")
-        fine, coarse = (quantities(h).get(quantity.name) for h in (again.fine, again.coarse))
+        fine, coarse = (each.get(quantity.name) for each in both[number])
         length = (again.end - again.begin) * step
         if fine is None or coarse is None:  # nothing of it in the window
             d = np.zeros(2)

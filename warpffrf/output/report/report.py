@@ -8,6 +8,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.budget.budget import budget_text
+from warpffrf.output.budget.figures import figure_text
 from warpffrf.output.contact.hertz import flexible_sides, hertz
 from warpffrf.output.contact.hertz_patch import HertzPoint
 from warpffrf.output.report.counters import counter_lines
@@ -67,15 +68,21 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
             f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, moved because patches "
             "travel over nodes of finite spacing"
         )
-    return "\n".join([*lines, *_budget_lines(result, progress), *_notes(history, pairs)])
+    return "\n".join([*lines, *_budget_lines(result, progress, pairs), *_notes(history, pairs)])
 
 
-def _budget_lines(result: Any, progress: bool) -> list[str]:
+def _budget_lines(result: Any, progress: bool, pairs: Pairs) -> list[str]:
     """The error budget, made here where it has not been and can be."""
     try:
-        return budget_text(result.error_budget(progress=progress))
+        lines = result.error_budget(progress=progress)
     except InputError as error:
         return [f"error budget      {error}"]
+    kinds: dict[str, list[Block]] = {}
+    for owner, line in figure_text(lines):
+        kind, _, name = owner.partition(" '")
+        kinds.setdefault(kind, []).append(Block(name.rstrip("'"), [line]))
+    figures = [f"  {block[0]}" for kind, blocks in kinds.items() for block in folded(blocks, kind, pairs)]
+    return [*budget_text(lines), "errors of figures   all sources together, and the largest of them", *figures]
 
 
 def _contact_lines(contact: Any) -> list[str]:
