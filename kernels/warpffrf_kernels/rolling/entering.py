@@ -16,6 +16,11 @@ next one's, at most 0.75,
 
     d_e = -0.175 + 0.95 r + 0.6 r^2,      d = cells up to the last one + d_e + 0.35 - 0.15 min(c, 1).
 
+A patch that advances by more than its length has none of its material of before: the step is refused, but for a pair
+that carries less than IDLE of the largest load of the scene. The patch of a roller that only its weight presses is a
+hundredth as long as those that are loaded, and would set the step of the whole bearing; its tractions, at most mu times
+its load, are those of full slip or of the history read at its end.
+
 Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a
 half-width on, 0.1 to 4 cells a step, at every phase; charged with the whole step it is 3 to 10 % high.
 """
@@ -43,7 +48,19 @@ STEEPEST = wp.constant(wp.float64(0.75))
 ALONE = wp.constant(wp.float64(0.5))  # the same of a row with one cell under pressure
 OFFSET = wp.constant(wp.vec2d(0.35, -0.15))  # cells, measured with Carter's force
 LEAST = wp.constant(wp.float64(0.02))  # cells: d is not below
+IDLE = wp.constant(wp.float64(0.01))  # of the largest load of a pair
 BOTH = wp.constant(wp.float64(2.0))  # what a cell gains its neighbour loses
+
+
+@wp.func
+def carries(model: Model, w: int, pair: int, last_normal: wp.array2d(dtype=vec3)) -> bool:
+    """Whether the load of a pair at the end of the last step was not next to nothing of the largest."""
+    largest = real(0.0)
+    p = int(0)
+    while p < model.pairs.count:
+        largest = wp.max(largest, wp.length(last_normal[w, p]))
+        p += 1
+    return wp.length(last_normal[w, pair]) > IDLE * largest
 
 
 @wp.func
@@ -155,7 +172,8 @@ def soften_entering(
     long = real(columns)
     if across != 0:
         long = real(rows)
-    if of_state != 0 and lane == 0 and is_whole(ctl, w) and c * elements.patches.span[pair] > long:
+    passed = of_state != 0 and lane == 0 and is_whole(ctl, w) and c * elements.patches.span[pair] > long
+    if passed and carries(model, w, pair, last_normal):
         ctl[w].failure = ctl[w].failure | k.PASSED  # none of its material was there before
     part = wp.min(c, real(1.0))
     m = lane
