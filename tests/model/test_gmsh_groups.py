@@ -102,6 +102,8 @@ OLD = {
     "2.2 with parameters": "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$ParametricNodes\n4\n"
     "{parametric}$EndParametricNodes\n$Elements\n3\n"
     "1 2 2 7 1 1 3 2\n2 4 2 1 1 1 2 3 4\n3 4 2 2 1 1 2 3 4\n$EndElements\n",
+    "1 with parameters": "$NOD\n4\n{parametric}$ENDNOD\n$ELM\n3\n1 2 7 1 3 1 3 2\n2 4 1 1 4 1 2 3 4\n"
+    "3 4 2 1 4 1 2 3 4\n$ENDELM\n",
     "4.0": "$MeshFormat\n4 0 8\n$EndMeshFormat\n$Entities\n0 0 1 1\n1 0 0 0 1 1 1 1 7 0\n1 0 0 0 1 1 1 2 1 2 0\n"
     "$EndEntities\n$Nodes\n1 4\n1 3 0 4\n{nodes}$EndNodes\n$Elements\n2 2\n1 2 2 1\n1 1 3 2\n1 3 4 1\n2 1 2 3 4\n"
     "$EndElements\n",
@@ -113,7 +115,8 @@ def test_older_versions(tmp_path: Path, version: str) -> None:
     """Versions 1 and 2 give a cell once for each of its groups."""
     x = ["0 0 0", "1 0 0", "0 1 0", "0 0 1"]
     nodes = "".join(f"{i} {p}\n" for i, p in enumerate(x, start=1))
-    parametric = "".join(f"{i} {p} 2 1 0.5 0.5\n" for i, p in enumerate(x, start=1))
+    places = ("0 1", "1 1 0.5", "2 1 0.5 0.5", "3 1")  # dimension and number of the entity, and as many parameters
+    parametric = "".join(f"{i} {x[i - 1]} {place}\n" for i, place in enumerate(places, start=1))
     mesh = read(tmp_path, OLD[version].format(nodes=nodes, parametric=parametric))
     assert mesh.cell_count == 1 and mesh.sets == {"surface_7": 1} and set(mesh.cell_sets) == {"volume_1", "volume_2"}
 

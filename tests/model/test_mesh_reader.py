@@ -268,8 +268,8 @@ def test_array_of_numbers_makes_no_sets(tmp_path: Path) -> None:
 def test_binary_vtk_with_data(tmp_path: Path) -> None:
     mesh = roller()
     path = tmp_path / "r.vtk"
-    cells = [("hexahedron", mesh.single[1])]
-    data = {"half": [np.arange(mesh.cell_count) // 4 + 1]}
+    cells: list[Any] = [("hexahedron", mesh.single[1])]
+    data: dict[str, Any] = {"half": [np.arange(mesh.cell_count) // 4 + 1]}
     meshio.Mesh(mesh.points, cells, point_data={"a": mesh.points[:, 0]}, cell_data=data).write(path)
     again = wfmesh.read(path, length_unit="m")
     np.testing.assert_array_equal(again.points, mesh.points)

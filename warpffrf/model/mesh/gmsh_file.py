@@ -271,6 +271,9 @@ def _known(scan: Scanner, kind: int) -> tuple[int, int]:
 
 def _nodes_2(scan: Scanner, found: _Found) -> None:
     (total,) = _count(scan, "the number of nodes")
+    if scan.version == b"1" and len(scan.content[scan.at :].split(b"\n", 1)[0].split()) > 4:
+        _rows_with_parameters(scan, found, total)
+        return
     n, x = scan.table(total, 1, 3, "'number x y z' of a node")
     _take_nodes(scan, found, n[:, 0], x, total)
 
@@ -284,14 +287,18 @@ def _count(scan: Scanner, what: str) -> list[int]:
 
 
 def _parametric_2(scan: Scanner, found: _Found) -> None:
-    """`number x y z dimension entity` and as many parameters as the dimension has."""
+    """`number x y z dimension entity` and as many parameters as a curve or surface has."""
     (total,) = _count(scan, "the number of nodes")
+    _rows_with_parameters(scan, found, total)
+
+
+def _rows_with_parameters(scan: Scanner, found: _Found, total: int) -> None:
     what = "'number x y z dimension entity parameters' of a node"
     rows = []
     for _ in range(total):
         rows.append(scan.take("iddd", what))
         dim, _ = scan.take("ii", what)
-        scan.take("d" * (dim if dim in (1, 2, 3) else 0), what)
+        scan.take("d" * (dim if dim in (1, 2) else 0), what)
         scan.end(what)
     table = np.array(rows).reshape(-1, 4)
     _take_nodes(scan, found, table[:, 0].astype(np.int64), table[:, 1:], total)
