@@ -103,7 +103,8 @@ class Scene(looks.Shown):
 
         inertia: what turning and deforming do to each other, "constant" (nothing), "deformed" (inertia of the deformed
         body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
-        least of them by an estimate that the result's report states. stiffening: first-order geometric stiffening by
+        least of them by an estimate that the result's report states, from the speeds that the scene states; a run in
+        which the body turns faster than that holds for begins anew with "full". stiffening: first-order geometric stiffening by
         centrifugal load and by the forces at interfaces, of a body that was reduced with `stiffening=True`.
         Raises `InputError` for a name that there is and arguments that do not fit the body.
 

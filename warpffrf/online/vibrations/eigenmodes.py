@@ -31,7 +31,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.friction import friction_notes, rolling_notes, rubbing
 from warpffrf.model.scene import Scene
-from warpffrf.online.checkpoint import is_dynamic, restore
+from warpffrf.online.checkpoint import is_dynamic, restore, turned_of
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import describe
@@ -106,7 +106,8 @@ def find_modes(
     be found.
     """
     count = require_count(count, "eigenmodes: count", 1)
-    engine = Engine(scene, device=device, settings=settings, progress=progress)
+    turned = turned_of(about.checkpoint, scene) if isinstance(about, History) else ()
+    engine = Engine(scene, device=device, settings=settings, turned=turned, progress=progress)
     notes: list[str] = []
     name = _prepare(engine, about, notes)
     linear = linearise(engine)
