@@ -32,6 +32,7 @@ from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.friction import friction_notes, rolling_notes, rubbing
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, restore, turned_of
+from warpffrf.online.compile.inertia_plan import NOTICEABLE
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import describe
@@ -282,7 +283,7 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         else:
             notes.append(f"bodies that turn: {names}; frequencies are those in world axes")
     if name != "equilibrium" and _passing(engine):
-        notes.append("the state is not steady (bodies accelerate): the modes are those of this instant")
+        notes.append("the state is not steady (bodies accelerate, or stretch): the modes are those of this instant")
     return notes
 
 
@@ -307,7 +308,7 @@ def _rubbing_notes(engine: Engine) -> list[str]:
 
 
 def _passing(engine: Engine) -> bool:
-    """Whether velocities change otherwise than by turning with the body."""
+    """Whether velocities change otherwise than by turning with the body, or bodies deform."""
     state = engine.state
     gravity = float(np.linalg.norm(engine.scene.gravity))
     for b in engine.scene.bodies:
@@ -316,10 +317,17 @@ def _passing(engine: Engine) -> bool:
         turned = rot.matrix(state.p.numpy()[0, b.index]) @ w
         circling = np.cross(turned, v)
         change = min(np.linalg.norm(a), np.linalg.norm(a - circling))
-        if change > STEADY * max(gravity, float(np.linalg.norm(circling)), 1.0):
+        turning = float(w @ w) * np.sqrt(0.5 * np.trace(b.inertia) / b.mass)  # centripetal acceleration within the body
+        if change > STEADY * max(gravity, float(np.linalg.norm(circling)), turning, 1.0):
             return True
         if np.linalg.norm(wdot) > STEADY * max(float(w @ w), 1.0):
             return True
+        if b.reduced is not None:  # what it deforms until its modes are at rest, of its size
+            own = slice(int(engine.compiled.modal_start[b.index]), int(engine.compiled.modal_start[b.index + 1]))
+            rates = state.qd_rate.numpy()[0, own][: b.mode_count]
+            ahead = np.linalg.norm(rates / (2.0 * np.pi * b.reduced.frequencies) ** 2)
+            if ahead > NOTICEABLE * np.sqrt(0.5 * np.trace(b.inertia)):
+                return True
     return False
 
 
