@@ -446,7 +446,7 @@ def finish(
     stiffened = {body.name for body in engine.scene.bodies if body.stiffening}
     inertia = indicator_lines(term_sizes(engine.scene, history.bodies, levels), levels, stiffened)
     inertia += unheld_lines(engine.scene, history.bodies)
-    inertia += deflection_lines(engine.scene, deflections(engine.scene, history.bodies))
+    inertia += deflection_lines(engine.scene, deflections(engine.scene, history.bodies), at_rest=at_rest)
     falls = [] if at_rest or is_static(engine) else fall_notes(engine.scene, history)
     families = engine.compiled.model.pairs.family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]
