@@ -150,6 +150,15 @@ def test_a_file_keeps_it(tmp_path: Path) -> None:
     assert "error budget      not made" in wf.Result.load(before).report()
 
 
+def test_an_equilibrium_has_no_steps_to_judge() -> None:
+    scene = wf.Scene()
+    bob = scene.add_rigid_body(1.0, np.eye(3), name="bob")
+    guide = scene.add(wf.joints.Prismatic(scene.ground, bob.at((0, 0, 0)), axis=(0, 0, 1)))
+    scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e3))
+    with pytest.raises(InputError, match="not made: an equilibrium has no steps"):
+        wf.equilibrium(scene, progress=False).error_budget()
+
+
 def test_stages_have_the_largest_of_each() -> None:
     scene = pendulum()
     result = wf.simulate(scene, stages=[wf.Stage("a", 0.2, 1e-2), wf.Stage("b", 0.2, 2e-3)], progress=False)

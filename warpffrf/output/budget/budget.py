@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.online.checkpoint import is_dynamic
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.bodies import inertia_lines, local_lines
 from warpffrf.output.budget.contacts import (
@@ -55,6 +56,8 @@ def _of_steps(history: Any, engine: Any, progress: bool) -> list[BudgetLine]:
 def why_not(result: Any) -> str:
     """Why there can be no budget of `result`, or "" where there can."""
     history = result.history
+    if len(history.time) == 1 and history.checkpoint and not is_dynamic(history.checkpoint):
+        return "an equilibrium has no steps whose errors it would state; compare with finer meshes and grids"
     if history.marks is None:
         return "it takes the run itself, by the separated method and in the process that made it"
     if len(history.time) < 2:
