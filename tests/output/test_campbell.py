@@ -216,6 +216,44 @@ def test_a_disc_on_a_light_shaft_in_both_frames() -> None:
     assert only.branch == passing and only.speed == pytest.approx(exact, rel=SHEAR)
 
 
+def test_internal_damping_drives_whirl_above_the_critical_speed(caplog: pytest.LogCaptureFixture) -> None:
+    """The disc on its light shaft with beta K that turns with it: M x'' + (beta K - i G W) x' + (K - i beta W K) x = 0
+    of complex x; forward whirl grows where it is slower than the speed."""
+    beta, speeds = 1e-4, np.array([40.0, 100.0])
+    mesh = box((SIDE, SIDE, LENGTH), (1, 1, 16), center=(0.0, 0.0, 0.5 * LENGTH), order=2)
+    body = wf.reduce(
+        mesh, LIGHT, interfaces={"z_min": "rigid", "z_max": "rigid"}, modes=4, cache=False, progress=False
+    )  # fmt: skip
+    mass, J_t, J_p = DISC
+
+    def rotor(speed: float) -> wf.Scene:
+        scene = wf.Scene(gravity=(0, 0, 0))
+        shaft = scene.add_body(
+            body, name="shaft", damping=wf.damping.Rayleigh(beta=beta), angular_velocity=(0, 0, speed)
+        )
+        turn = scene.add(joints.Revolute(scene.ground, shaft["z_min"], axis=(0, 0, 1)))
+        scene.add(joints.Drive(turn, speed, quantity="velocity"))
+        disc = scene.add_rigid_body(
+            mass, (J_t, J_t, J_p), name="disc", position=(0, 0, LENGTH), angular_velocity=(0, 0, speed)
+        )
+        scene.add(joints.Fixed(shaft["z_max"], disc.at((0, 0, 0))))
+        return scene
+
+    with caplog.at_level(logging.WARNING, "warpffrf"):
+        found = wf.campbell(rotor, speeds, count=5)
+    EI = LIGHT.youngs_modulus * SIDE**4 / 12.0
+    K = EI * np.array([[12.0 / LENGTH**3, -6.0 / LENGTH**2], [-6.0 / LENGTH**2, 4.0 / LENGTH]])
+    for s, speed in enumerate(speeds):
+        D, k = beta * K - 1j * speed * np.diag([0.0, J_p]), (1.0 - 1j * beta * speed) * K
+        inverse = np.diag([1.0 / mass, 1.0 / J_t])
+        exact = np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-inverse @ k, -inverse @ D]]))
+        ratios = np.sort(-exact.real / np.abs(exact))
+        assert np.sort(found.damping_ratios[s, found.waves[s] == 1]) == pytest.approx(ratios, rel=5 * SHEAR)
+        assert (ratios[0] < 0.0) == (speed == speeds[1])
+    assert "damping below zero" in found.notes[-1] and "from 100 rad/s on" in found.notes[-1]
+    assert "drives whirl" in caplog.text
+
+
 def test_waves_of_a_ring_go_round_in_the_world() -> None:
     """Bryan: in the ring the pattern of n waves lags by 2 W/(n^2 + 1), so that in the world the two are at w_n +- n W
     (n^2 - 1)/(n^2 + 1). They have no unbalance to answer to."""
@@ -242,13 +280,15 @@ def test_waves_of_a_ring_go_round_in_the_world() -> None:
 
 
 def test_a_state_that_is_not_settled_is_said_aloud(caplog: pytest.LogCaptureFixture) -> None:
-    """A bar that turns about its end and has not been stretched yet."""
+    """A bar that turns about its end, stiffened by what stretches it, and has not been stretched yet."""
     mesh = box((0.5, 0.01, 0.01), (6, 1, 1), center=(0.25, 0.0, 0.0), order=1)
-    body = wf.reduce(mesh, STEEL, interfaces={"x_min": "rigid"}, modes=12, cache=False, progress=False)
+    body = wf.reduce(
+        mesh, STEEL, interfaces={"x_min": "rigid"}, modes=12, stiffening=True, cache=False, progress=False
+    )  # fmt: skip
 
     def bar(speed: float) -> wf.Scene:
         scene = wf.Scene(gravity=(0, 0, 0))
-        arm = scene.add_body(body, name="bar", angular_velocity=(0, 0, speed))
+        arm = scene.add_body(body, name="bar", stiffening=True, angular_velocity=(0, 0, speed))
         scene.add(joints.Revolute(scene.ground, arm["x_min"], axis=(0, 0, 1)))
         return scene
 

@@ -62,7 +62,7 @@ class Engine:
         step_error: float | None = None,
         local: LocalDynamics | None = None,
         patches: Mapping[int, PatchPlan] | None = None,
-        turned: Sequence[float] = (),
+        turned: Sequence[float] | np.ndarray = (),
         progress: bool = False,
     ) -> None:
         """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
@@ -248,7 +248,7 @@ class Engine:
         """All rows saved of a world so far."""
         return joined(self.chunks[world] or [taken(self.ring.on_host(), world, range(0))])
 
-    def has_turned(self, turned: Sequence[float]) -> None:
+    def has_turned(self, turned: Sequence[float] | np.ndarray) -> None:
         """Put into the state that bodies have turned so fast [rad/s], if not faster."""
         if len(turned):
             self.state.turned.assign(np.maximum(self.state.turned.numpy(), turned))

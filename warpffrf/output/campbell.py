@@ -65,6 +65,7 @@ SLICES = 16  # of a body along its axis
 PLAINLY = 1.05  # times the sum of fewer waves: more are seen; few points around cannot tell
 SPINS = 0.99  # of the kinetic energy in the spin of bodies: the mode is no curve, if
 SLOW = 1e-2  # of the speed of rotation: it is slower
+GROWS = 1e-5  # damping ratio below zero that is no round-off
 FRAMES = ("fixed", "rotating")
 SAME_SPEED = 1e-3  # of the speed: a body that turns so much otherwise is said
 ORDERS = (1.0, 2.0, 3.0)  # drawn unless others are given
@@ -455,7 +456,22 @@ def _linked(speeds: Array, modes: list[Modes], count: int, notes: list[str]) -> 
             numbers[s, b], waves[s, b], whirl[s, b] = seen.number, seen.waves, seen.whirl
             frequencies[s, b], rotating[s, b] = seen.frequency, abs(seen.rotating) / TURN
             ratios[s, b] = -seen.fixed.real / abs(seen.fixed)
-    return Campbell(speeds, frequencies, ratios, whirl, rotating, waves, numbers, modes, notes)
+    if growing := _growing(speeds, ratios):
+        log.warning("campbell: %s", growing)
+    said = [*notes, growing] if growing else notes
+    return Campbell(speeds, frequencies, ratios, whirl, rotating, waves, numbers, modes, said)
+
+
+def _growing(speeds: Array, ratios: Array) -> str:
+    """Which curves have damping below zero, or nothing."""
+    below = ratios < -GROWS
+    found = [f"{b} from {speeds[np.argmax(below[:, b])]:.5g} rad/s on" for b in np.flatnonzero(below.any(axis=0))]
+    if not found:
+        return ""
+    return (
+        f"motions grow (damping below zero): curve {', '.join(found)}; damping= of a body that turns is internal and "
+        "turns with it, so that it drives whirl above the critical speed: dampers to the ground hold against it"
+    )
 
 
 def _costs(a: list[_Seen], b: list[_Seen], at: Modes) -> tuple[Array, Array]:

@@ -94,7 +94,7 @@ class Collector:
         local: LocalDynamics,
         patches: Mapping[int, PatchPlan] | None = None,
         shared: Shared | None = None,
-        turned: Sequence[float] = (),
+        turned: Sequence[float] | np.ndarray = (),
     ) -> None:
         self.scene, self.settings, self.device = scene, settings, device
         self.constants = Constants(device, shared)

@@ -66,7 +66,7 @@ class InertiaPlan:
     notes: list[str]
 
     @classmethod
-    def of(cls, scene: Scene, turned: Sequence[float] = ()) -> InertiaPlan:
+    def of(cls, scene: Scene, turned: Sequence[float] | np.ndarray = ()) -> InertiaPlan:
         """Levels as the scene asks for them; `turned`: the fastest turning of each body [rad/s] in a run so far. Raises
         InputError for a body that was reduced without inertia terms."""
         plans, notes = [], []

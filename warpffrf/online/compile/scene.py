@@ -240,7 +240,7 @@ def compile_scene(
     local: LocalDynamics | None = None,
     patches: Mapping[int, PatchPlan] | None = None,
     shared: Shared | None = None,
-    turned: Sequence[float] = (),
+    turned: Sequence[float] | np.ndarray = (),
 ) -> CompiledScene:
     """Constant device data of `scene`; `patches`: the cells of its patches in place of those that the contacts ask for;
     `shared`: arrays of scenes that differ in numbers only, of which those that are equal lie on the device once;

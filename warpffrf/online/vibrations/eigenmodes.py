@@ -53,6 +53,9 @@ MOST_SHIFTS = 30
 SAME_SHAPE = 1e-6  # singular value, below which the shapes of two zero eigenvalues are one motion
 REAL = 1e-7  # of |lambda|: a smaller imaginary part is round-off of a double real eigenvalue
 STEADY = 1e-3  # of weight and centripetal acceleration: more makes the state one that passes
+SHAKES = (
+    1e-2  # of the centripetal acceleration within a body, where flexible ones begin to stretch in their stiff modes
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -311,14 +314,15 @@ def _passing(engine: Engine) -> bool:
     """Whether velocities change otherwise than by turning with the body, or bodies deform."""
     state = engine.state
     gravity = float(np.linalg.norm(engine.scene.gravity))
+    flexible = any(b.reduced is not None for b in engine.scene.bodies)
     for b in engine.scene.bodies:
         v, w = state.v.numpy()[0, b.index], state.omega.numpy()[0, b.index]
         a, wdot = state.v_rate.numpy()[0, b.index], state.omega_rate.numpy()[0, b.index]
         turned = rot.matrix(state.p.numpy()[0, b.index]) @ w
         circling = np.cross(turned, v)
         change = min(np.linalg.norm(a), np.linalg.norm(a - circling))
-        turning = float(w @ w) * np.sqrt(0.5 * np.trace(b.inertia) / b.mass)  # centripetal acceleration within the body
-        if change > STEADY * max(gravity, float(np.linalg.norm(circling)), turning, 1.0):
+        within = float(w @ w) * np.sqrt(0.5 * np.trace(b.inertia) / b.mass) if flexible else 0.0
+        if change > max(STEADY * max(gravity, float(np.linalg.norm(circling)), 1.0), SHAKES * within):
             return True
         if np.linalg.norm(wdot) > STEADY * max(float(w @ w), 1.0):
             return True
@@ -326,7 +330,8 @@ def _passing(engine: Engine) -> bool:
             own = slice(int(engine.compiled.modal_start[b.index]), int(engine.compiled.modal_start[b.index + 1]))
             rates = state.qd_rate.numpy()[0, own][: b.mode_count]
             ahead = np.linalg.norm(rates / (2.0 * np.pi * b.reduced.frequencies) ** 2)
-            if ahead > NOTICEABLE * np.sqrt(0.5 * np.trace(b.inertia)):
+            bound = NOTICEABLE if b.stiffening else STEADY  # small strains change the stiffness of slender bodies
+            if ahead > bound * np.sqrt(0.5 * np.trace(b.inertia)):
                 return True
     return False
 

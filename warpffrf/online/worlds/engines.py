@@ -161,7 +161,7 @@ class Company:
             integrator: Integrator | None = None,
             step_error: float | None = None,
             local: LocalDynamics | None = None,
-            turned: Sequence[float] = (),
+            turned: Sequence[float] | np.ndarray = (),
             progress: bool = False,
         ) -> Engine:
             used = settings or Settings()
