@@ -241,9 +241,10 @@ def campbell(
     """Natural frequencies of a machine against the speed of its rotation: of the `count` lowest modes that have some in
     the fixed frame, at each of `speeds` (s,) [rad/s], seen from there and from axes that turn with the bodies.
 
-    build(speed) makes the machine turning at the speed: a Scene, whose initial positions and velocities are meant, or
-    the Result of a run or of `equilibrium`, whose last state is, for flexible bodies that the rotation stretches: the
-    state must be steady. What speaks against that is logged as a warning and stands in front of the report.
+    build(speed) makes the machine turning at the speed [rad/s]: a Scene, whose initial positions and velocities are
+    meant, or the Result of a run or of `equilibrium`, whose last state is, for flexible bodies that the rotation
+    stretches: the state must be steady. What speaks against that is logged as a warning and stands in front of the
+    report.
     progress: what takes long, on stderr. Raises InputError for speeds that do not rise or are negative, what is neither
     Scene nor Result, scenes of different bodies, and as `eigenmodes`. How it is done: `warpffrf.output.campbell`.
     """
