@@ -100,12 +100,15 @@ class Scene(looks.Shown):
         of the global modes, a number, an array (m,), a function of the frequencies [Hz] such as DampingBands or
         Rayleigh (`warpffrf.model.damping`), "1/10/100" for 1 % below 100 Hz, 10 % below 1 kHz and 100 % above, or None
         for 10 % above half the highest retained frequency and none below: the highest modes ring against the massless
-        contact compliance after a load step. The energy it takes is counted.
+        contact compliance after a load step. The energy it takes is counted. It is internal damping, which turns with
+        the body: above a critical speed it drives whirl, and dampers to the ground (`forces.Bearing`) are to stop it.
 
         inertia: what turning and deforming do to each other, "constant" (nothing), "deformed" (inertia of the deformed
         body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
-        least of them by an estimate that the result's report states. stiffening: first-order geometric stiffening by
-        centrifugal load and by the forces at interfaces, of a body that was reduced with `stiffening=True`.
+        least of them by an estimate that the result's report states, from the speeds that the scene states; a run in
+        which the body turns faster than that holds for begins anew with "full". stiffening: first-order geometric
+        stiffening by centrifugal load and by the forces at interfaces, of a body that was reduced with
+        `stiffening=True`.
         Raises `InputError` for a name that there is and arguments that do not fit the body.
 
         With `roller` as in `reduce`:

@@ -31,7 +31,8 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.friction import friction_notes, rolling_notes, rubbing
 from warpffrf.model.scene import Scene
-from warpffrf.online.checkpoint import is_dynamic, restore
+from warpffrf.online.checkpoint import is_dynamic, restore, turned_of
+from warpffrf.online.compile.inertia_plan import NOTICEABLE
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import coarser, describe
@@ -52,6 +53,9 @@ MOST_SHIFTS = 30
 SAME_SHAPE = 1e-6  # singular value, below which the shapes of two zero eigenvalues are one motion
 REAL = 1e-7  # of |lambda|: a smaller imaginary part is round-off of a double real eigenvalue
 STEADY = 1e-3  # of weight and centripetal acceleration: more makes the state one that passes
+SHAKES = (
+    1e-2  # of the centripetal acceleration within a body, where flexible ones begin to stretch in their stiff modes
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +110,8 @@ def find_modes(
     be found.
     """
     count = require_count(count, "eigenmodes: count", 1)
-    engine = Engine(scene, device=device, settings=settings, progress=progress)
+    turned = turned_of(about.checkpoint, scene) if isinstance(about, History) else ()
+    engine = Engine(scene, device=device, settings=settings, turned=turned, progress=progress)
     notes: list[str] = []
     name = _prepare(engine, about, notes)
     linear = linearise(engine)
@@ -285,7 +290,7 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         else:
             notes.append(f"bodies that turn: {names}; frequencies are those in world axes")
     if name != "equilibrium" and _passing(engine):
-        notes.append("the state is not steady (bodies accelerate): the modes are those of this instant")
+        notes.append("the state is not steady (bodies accelerate, or stretch): the modes are those of this instant")
     return notes
 
 
@@ -310,19 +315,28 @@ def _rubbing_notes(engine: Engine) -> list[str]:
 
 
 def _passing(engine: Engine) -> bool:
-    """Whether velocities change otherwise than by turning with the body."""
+    """Whether velocities change otherwise than by turning with the body, or bodies deform."""
     state = engine.state
     gravity = float(np.linalg.norm(engine.scene.gravity))
+    flexible = any(b.reduced is not None for b in engine.scene.bodies)
     for b in engine.scene.bodies:
         v, w = state.v.numpy()[0, b.index], state.omega.numpy()[0, b.index]
         a, wdot = state.v_rate.numpy()[0, b.index], state.omega_rate.numpy()[0, b.index]
         turned = rot.matrix(state.p.numpy()[0, b.index]) @ w
         circling = np.cross(turned, v)
         change = min(np.linalg.norm(a), np.linalg.norm(a - circling))
-        if change > STEADY * max(gravity, float(np.linalg.norm(circling)), 1.0):
+        within = float(w @ w) * np.sqrt(0.5 * np.trace(b.inertia) / b.mass) if flexible else 0.0
+        if change > max(STEADY * max(gravity, float(np.linalg.norm(circling)), 1.0), SHAKES * within):
             return True
         if np.linalg.norm(wdot) > STEADY * max(float(w @ w), 1.0):
             return True
+        if b.reduced is not None:  # what it deforms until its modes are at rest, of its size
+            own = slice(int(engine.compiled.modal_start[b.index]), int(engine.compiled.modal_start[b.index + 1]))
+            rates = state.qd_rate.numpy()[0, own][: b.mode_count]
+            ahead = np.linalg.norm(rates / (2.0 * np.pi * b.reduced.frequencies) ** 2)
+            bound = NOTICEABLE if b.stiffening else STEADY  # small strains change the stiffness of slender bodies
+            if ahead > bound * np.sqrt(0.5 * np.trace(b.inertia)):
+                return True
     return False
 
 
