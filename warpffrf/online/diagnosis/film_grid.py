@@ -28,6 +28,7 @@ from warpffrf.online.engine import Engine
 Array = np.ndarray
 NOTED = 0.01  # of the load: more is worth a finer grid
 OF_CHANGE = 4.0 / 3.0  # see the module
+STAYS = 1e-3  # of the rate at which voids pass nodes: what they keep of where they were, which finer grids do not know
 HELD = 0.999  # of a node between two that are held
 
 
@@ -146,7 +147,9 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
     void = state.film_void.numpy()[0, 0, functions]
     travels, may_void = film.cavitation == "mass_conserving", film.cavitation in ("mass_conserving", "reynolds")
     T = transport(basis, carried)
-    keeps = float(scratch.film_rates.numpy()[0, 0]) * basis.area
+    passes = float(np.abs(carried).max()) / np.sqrt(basis.area.mean())  # 1/s: voids, from node to node
+    a0 = float(scratch.film_rates.numpy()[0, 0])
+    keeps = (min(a0, STAYS * passes) if passes > 0.0 else a0) * basis.area
     began, rate = np.zeros((2, basis.functions))
     if travels:
         refill = scratch.film_refill.numpy()[0, functions] - transport(own, of_nodes) @ void
