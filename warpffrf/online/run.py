@@ -42,6 +42,7 @@ from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
 from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_check_notes
+from warpffrf.online.diagnosis.film_grid import film_grid_errors, film_grid_notes
 from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
 from warpffrf.online.diagnosis.free_falls import fall_notes
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
@@ -434,6 +435,9 @@ def finish(
         )
     notes.extend(steep_notes(engine.scene, engine.scratch.steep.numpy()[0]))
     notes.extend(film_notes(engine.scene, history))
+    if history.status == "completed" and engine.worlds == 1:
+        history.film_grids = film_grid_errors(engine)
+        notes.extend(film_grid_notes(engine, history.film_grids))
     if films is not None:
         history.film_checks = check_films(engine, films)
         notes.extend(film_check_notes(engine, history.film_checks))

@@ -20,6 +20,7 @@ are. Motions without stiffness have lambda = 0, one for each direction.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -42,6 +43,7 @@ from warpffrf.online.start.settle import settle
 from warpffrf.online.turn import TURN
 from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
+from warpffrf.online.vibrations.quadratic import quadratic_modes
 from warpffrf.online.vibrations.stuck_laps import stuck_notes
 
 Array = np.ndarray
@@ -52,6 +54,11 @@ MORE_SHIFT = 10.0  # factor, where an unstable state needs a larger one
 MOST_SHIFTS = 30
 SAME_SHAPE = 1e-6  # singular value, below which the shapes of two zero eigenvalues are one motion
 REAL = 1e-7  # of |lambda|: a smaller imaginary part is round-off of a double real eigenvalue
+LOST = (
+    "oil films: the search for {} heavily damped motions came to nothing, as voids travel no faster than they would "
+    "die out; the slowest of them was looked for at {:.4g} 1/s"
+)
+Solve = Callable[[Array, Array, Array, Array], tuple[Array, Array]]
 STEADY = 1e-3  # of weight and centripetal acceleration: more makes the state one that passes
 SHAKES = (
     1e-2  # of the centripetal acceleration within a body, where flexible ones begin to stretch in their stiff modes
@@ -116,18 +123,25 @@ def find_modes(
     name = _prepare(engine, about, notes)
     linear = linearise(engine)
     notes.extend(_notes(engine, linear, name))
+
+    def with_films(m: Array, d: Array, k: Array, basis: Array) -> tuple[Array, Array]:
+        lam, phi, lost = film_modes(m, d, k, linear.T @ basis, linear.U @ basis, linear.films, count)
+        if lost:
+            notes.append(LOST.format(len(lost), max(value.real for value in lost)))
+        return lam, phi
+
     values, vectors = complex_modes(
-        linear.M, linear.D, linear.K, linear.C, max(ZERO, linear.resolution), linear if linear.films else None
+        linear.M, linear.D, linear.K, linear.C, max(ZERO, linear.resolution), with_films if linear.films else None
     )
     values, vectors = values[:count], vectors[:, :count]
     return _wrapped(engine, name, values, vectors, linear, notes)
 
 
 def complex_modes(
-    M: Array, D: Array, K: Array, C: Array, zero: float = ZERO, oiled: Linearisation | None = None
+    M: Array, D: Array, K: Array, C: Array, zero: float = ZERO, solve: Solve | None = None
 ) -> tuple[Array, Array]:
-    """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0, and
-    with the films of `oiled`.
+    """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0;
+    solve: of (m, d, k, basis) in place of m z'' + d z' + k z, y = basis z, those of a scene with films.
 
     Those below `zero` [1/s] are motions without stiffness, one for each direction. Raises InputError where a free
     coordinate has no mass.
@@ -137,15 +151,8 @@ def complex_modes(
     if not basis.shape[1]:
         return np.zeros(0, complex), np.zeros((len(M), 0), complex)
     m, d, k = (basis.T @ X @ basis for X in (M, D, K))
-    if oiled is not None:
-        lam, phi = film_modes(m, d, k, oiled.T @ basis, oiled.U @ basis, oiled.films)
-        Y = basis @ phi
-    else:
-        n = len(m)
-        A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(m, k), -np.linalg.solve(m, d)]])
-        balanced, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
-        lam, phi = np.linalg.eig(balanced)
-        Y = basis @ (scale[:, None] * phi)[:n]
+    lam, phi = solve(m, d, k, basis) if solve is not None else quadratic_modes(m, d, k)
+    Y = basis @ phi
     still = np.abs(lam) < zero
     Y_still = (
         _independent(np.concatenate([np.real(Y[:, still]), np.imag(Y[:, still])], axis=1) / S[:, None]) * S[:, None]
