@@ -390,7 +390,8 @@ def finish(
     status, message = describe(bits, wanted or int(engine.word("spare")[0]), coarser(engine))
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
-        message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
+        uphill = bits & int(k.ENERGY) and not bits & int(k.CAPACITY)  # a window that is too small leads there, too
+        message = UPHILL if uphill else message.replace("; reduce step", STATIC_CURE)
     hidden = hidden_inertia(engine) if bits & int(k.SINGULAR) else ""
     owner = failure_owner(engine, bits) if bits and not hidden else ""
     message = hidden or (f"{message} ({owner})" if owner else message)
