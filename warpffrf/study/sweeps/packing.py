@@ -3,7 +3,8 @@
 A reduced body may have a hundred megabytes, and a function that builds scenes mostly holds one or two of them. So a
 body is written once into the folder `bodies` of the sweep, and the job says its hash; a worker reads it once. So is
 whatever else makes a job large. The folder must be one that workers see under the same path, as a scene file and what
-it names.
+it names. A pickle runs code when it is opened. So a worker opens what has the hash that the sweep has sent it, and
+nothing that lies in the folder under that name: whoever can write there can make a sweep fail, and no more.
 
 Workers hold their versions against those of the parcel before they open it: numbers would be others, or the pickle
 could not be read.
@@ -21,6 +22,7 @@ from typing import Any
 from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import written_whole
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_file import read_reduced_body
 from warpffrf.study.sweeps.job import OTHER_VERSIONS, Answer, Job, Numbered, versions
 from warpffrf.study.sweeps.parcel import Parcel
 
@@ -40,6 +42,11 @@ def opened(parcel: Parcel) -> Job:
         content, folder = parcel.content, Path(parcel.folder)
         if not content:
             content = _there(folder / JOB.format(parcel.digest)).read_bytes()
+        if hashlib.sha256(content).hexdigest() != parcel.digest:
+            raise InputError(
+                f"sweep: the job '{parcel.digest}' in '{folder}' is not the one that was sent (its hash differs), and "
+                "is not opened; see who can write to that folder, and begin anew with overwrite=True (--overwrite)"
+            )
         try:
             _opened[parcel.digest] = _Unpickler(io.BytesIO(content), folder).load()
         except (ImportError, AttributeError) as error:
@@ -134,5 +141,5 @@ class _Unpickler(pickle.Unpickler):
             raise pickle.UnpicklingError(f"unknown thing {kind!r}")
         if digest not in self.bodies:
             file = _there(self.folder / f"{digest}.h5")
-            self.bodies[digest] = ReducedBody.load(file)
+            self.bodies[digest] = read_reduced_body(ReducedBody, file, f"sweep: '{file}'", content=digest)
         return self.bodies[digest]
