@@ -35,6 +35,10 @@ def add_picture_commands(app: typer.Typer) -> None:
         serve: Annotated[
             bool, typer.Option("--serve", help="Serve it to a browser, on a machine without a screen.")
         ] = False,
+        bind: Annotated[
+            str,
+            typer.Option(metavar="ADDRESS", help="Of --serve: who is listened to; 0.0.0.0: the whole network."),
+        ] = "127.0.0.1",
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Open a run in the rerun viewer; of results the recording is made first.
@@ -48,7 +52,7 @@ def add_picture_commands(app: typer.Typer) -> None:
             if file.suffix.lower() == viewer.ENDING:
                 if out is not None or every is not None or field != "displacement":
                     raise InputError("a recording is shown as it is; --field, --every and --out are for results (.h5)")
-                viewer.run(viewer.viewer_command(file, serve=serve))
+                _show(file, serve, bind)
                 return
             if out is None and not serve and not viewer.has_screen():
                 raise InputError(
@@ -63,7 +67,7 @@ def add_picture_commands(app: typer.Typer) -> None:
                 said = _recorded(file, recording, field, every, False, Asked.quiet)
                 if not Asked.quiet:
                     print(said)
-                viewer.run(viewer.viewer_command(recording, serve=serve))
+                _show(recording, serve, bind)
 
     @app.command("picture")
     def picture_of_results(
@@ -93,11 +97,17 @@ def add_picture_commands(app: typer.Typer) -> None:
         Example: warpffrf picture press.h5 press.gif --field von_mises
         """
         with one_line_errors():
+            from warpffrf.model.errors import InputError
             from warpffrf.output.plots.animation import ENDINGS
             from warpffrf.output.recording.viewer import ENDING, recording_picture
             from warpffrf.output.result import Result
 
             if file.suffix.lower() == ENDING:
+                if time is not None or every is not None or deformation_factor is not None or field != "displacement":
+                    raise InputError(
+                        "a recording is drawn as it opens; --time, --field, --every and --deformation-factor are for "
+                        "results (.h5)"
+                    )
                 print(f"written to {recording_picture(file, out, overwrite=overwrite)}")
                 return
             result = Result.load(file)
@@ -107,6 +117,16 @@ def add_picture_commands(app: typer.Typer) -> None:
             else:
                 written = result.picture(out, field, time=time, **common)
             print(f"written to {written}")
+
+
+def _show(recording: Path, serve: bool, bind: str) -> None:
+    """Open the viewer of a recording, or serve it and say where."""
+    from warpffrf.output.recording import viewer
+
+    command = viewer.viewer_command(recording, serve=serve, bind=bind)
+    if serve:
+        print(viewer.served_at(bind), flush=True)
+    viewer.run(command)
 
 
 def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: bool, is_quiet: bool) -> str:

@@ -7,12 +7,15 @@ Mesa (Vulkan); rerun's own `--headless` leaves pictures incomplete.
 
 from __future__ import annotations
 
+import ipaddress
 import os
 import shutil
+import socket
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
+from urllib.parse import quote
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import checked_output_path, written_whole
@@ -24,6 +27,8 @@ DRIVERS = ("/usr/share/vulkan/icd.d", "/usr/local/share/vulkan/icd.d", "/etc/vul
 DRIVER_VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES")
 LAST_WORDS = 30  # of what the viewer says where it fails
 ENDING = ".rrd"
+LOOPBACK = "127.0.0.1"
+WEB_PORT, DATA_PORT = 9090, 9876  # rerun's own, of the page and of what the page reads
 
 
 def has_screen() -> bool:
@@ -32,18 +37,39 @@ def has_screen() -> bool:
     return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def viewer_command(recording: Path, *, serve: bool = False) -> list[str]:
-    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens. Raises `InputError`
-    where there is no screen for a viewer, for no recording, and where rerun is missing."""
+def viewer_command(recording: Path, *, serve: bool = False, bind: str = LOOPBACK) -> list[str]:
+    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens, which listens on the
+    address `bind` alone. Raises `InputError` where there is no screen for a viewer, for no recording, for what is no
+    address, and where rerun is missing."""
     _require_recording(recording)
     if serve:
-        return [_rerun(), str(recording), "--serve-web"]
+        try:
+            ipaddress.ip_address(bind)
+        except ValueError:
+            raise InputError(
+                f"view: bind={bind!r} is no address of a machine; give {LOOPBACK}, or 0.0.0.0 for the whole network"
+            ) from None
+        return [_rerun(), str(recording), "--serve-web", "--bind", bind]
     if not has_screen():
         raise InputError(
             f"view: there is no screen for the viewer; serve=True (--serve) lets a browser open '{recording}', "
             f"or copy it and open it elsewhere with: rerun {recording.name}"
         )
     return [_rerun(), str(recording)]
+
+
+def served_at(bind: str) -> str:
+    """What a browser opens of a server on the address `bind`, and who can. Of a server on all addresses: by the name
+    of this machine."""
+    address = ipaddress.ip_address(bind)
+    host = socket.gethostname() if address.is_unspecified else f"[{bind}]" if address.version == 6 else bind
+    page = f"http://{host}:{WEB_PORT}?url=rerun%2Bhttp%3A%2F%2F{quote(host, safe='')}%3A{DATA_PORT}%2Fproxy"
+    if address.is_loopback:
+        return (
+            f"open {page} on this machine; from another one by a tunnel, "
+            f"ssh -L {WEB_PORT}:{host}:{WEB_PORT} -L {DATA_PORT}:{host}:{DATA_PORT} {socket.gethostname()}"
+        )
+    return f"open {page}; everybody who reaches this machine can"
 
 
 def picture_command(recording: Path, picture: Path) -> list[str]:
