@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from warpffrf import cli
-from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.output_paths import checked_output_path, written_whole
 
 PENDULUM = """
@@ -65,6 +65,6 @@ def test_a_scene_with_such_names_ends_with_a_line(
 
 
 def test_counts_are_counted_in_32_bits() -> None:
-    assert require_count(2.0**31 - 1, "steps", 1) == 2**31 - 1
+    assert require_count(2.0**31 - 1, "steps", 1, most=MOST_COUNTED) == 2**31 - 1
     with pytest.raises(InputError, match="at most 2147483647"):
-        require_count(2**31, "steps", 1)
+        require_count(2**31, "steps", 1, most=MOST_COUNTED)

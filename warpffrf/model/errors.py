@@ -37,7 +37,7 @@ def require_number(value: Any, name: str, *, positive: bool = False, non_negativ
     return number
 
 
-def require_count(value: Any, name: str, minimum: int, most: int = MOST_COUNTED) -> int:
+def require_count(value: Any, name: str, minimum: int, most: float = np.inf) -> int:
     """`value` as an int from `minimum` to `most`, else `InputError`; 3.0 is accepted, 3.5 is not."""
     number = require_number(value, name)
     if number != int(number) or number < minimum:

@@ -45,7 +45,7 @@ class Design:
 def design_of(parameters: Any, sample: str | None, seed: int) -> Design:
     """All combinations of the `parameters`, the first varied slowest, a `sample` of them, or rows as they are given.
     Raises `InputError`."""
-    seed = require_count(seed, "sweep: seed", 0, most=2**64)
+    seed = require_count(seed, "sweep: seed", 0)
     if isinstance(parameters, Mapping):
         made = parameters_of(parameters)
         return _grid(made) if sample is None else _sample(made, sample, seed)
