@@ -1,8 +1,8 @@
 """The cache of reduced bodies: an unchanged input is never reduced twice.
 
 The key is a sha256 over the mesh's content, material, all settings, and the schema and code versions; moving one node
-by 1 nm changes it. Entries are ordinary reduced-body files, which say of which key they are; one that cannot be read, or
-is of another key, is reported, dropped and made again.
+by 1 nm changes it. Entries are ordinary reduced-body files, which say of which key they are; one that cannot be read,
+or is of another key, is reported, dropped and made again.
 """
 
 from __future__ import annotations
