@@ -11,7 +11,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.bearings.bearing import loose_ring, without_cage
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
 from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
@@ -213,7 +213,7 @@ def _run(
         for drive in scene.drives:
             _check_velocity(drive, began, began + steps * step)
         refuse_short_tables(scene, began, began + steps * step)
-    save_every = require_count(save_every, "simulate: save_every", 1)
+    save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
     loaded = isinstance(start, History) and is_loaded(start.checkpoint)  # what `run_static` leaves
     # what `find_equilibrium` leaves
     at_rest = isinstance(start, History) and not loaded and not is_dynamic(start.checkpoint)
