@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import socket
 from pathlib import Path
 
 import numpy as np
@@ -75,15 +76,14 @@ def test_view_on_a_server_says_what_to_do(
         assert "no screen" in (error := capsys.readouterr().err) and "--serve" in error
     assert not started
     assert cli.main(["view", str(recording), "--serve"]) == 0
-    assert "http://127.0.0.1:9090" in capsys.readouterr().out
-    assert started[0][1:5] == [str(recording), "--serve-web", "--bind", "127.0.0.1"]  # nobody else's machine
-    assert cli.main(["view", str(recording), "--serve", "--address", "10.0.0.7"]) == 0
-    assert "http://10.0.0.7:9090?url=rerun%2Bhttp%3A%2F%2F10.0.0.7%3A9876" in capsys.readouterr().out
-    assert started[1][3:5] == ["--bind", "10.0.0.7"]
-    assert cli.main(["view", str(recording), "--serve", "--address", "nowhere"]) == 1
-    assert "must be an IP address" in capsys.readouterr().err
-    assert cli.main(["view", str(recording), "--address", "10.0.0.7"]) == 1
-    assert "give both" in capsys.readouterr().err
+    assert started[0][1:] == [str(recording), "--serve-web", "--bind", "127.0.0.1"]
+    assert "http://127.0.0.1:9090?" in capsys.readouterr().out
+    assert cli.main(["view", str(recording), "--serve", "--bind", "0.0.0.0"]) == 0
+    assert started[1][-1] == "0.0.0.0" and f"http://{socket.gethostname()}:9090?" in capsys.readouterr().out
+    assert cli.main(["view", str(recording), "--serve", "--bind", "everybody"]) == 1
+    assert "--bind everybody is no address" in capsys.readouterr().err
+    assert cli.main(["picture", str(recording), str(tmp_path / "x.png"), "--time", "0.05"]) == 1
+    assert "--time" in capsys.readouterr().err
     assert cli.main(["view", str(tmp_path / "none.rrd")]) == 1
     assert "does not exist" in capsys.readouterr().err
 

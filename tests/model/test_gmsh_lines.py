@@ -1,4 +1,4 @@
-"""ASCII .msh files: a line with a number too few, too many, or with something else is refused, with its number."""
+"""Text .msh files: a line with a number too few, too many, or with something else is refused, with its number."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_file_that_ends_early_is_refused(tmp_path: Path) -> None:
     [
         ("\n24 ", "\n23 ", "not positive and distinct"),
         ("\n24 ", "\n0 ", "not positive and distinct"),
-        ("\n24 ", "\n2000000000 ", "24 nodes have numbers up to 2000000000; renumber"),
+        ("\n24 ", "\n2000000000 ", "refers to a node that the file does not hold"),
     ],
 )
 def test_numbers_of_nodes(tmp_path: Path, old: str, new: str, message: str) -> None:

@@ -189,3 +189,19 @@ def test_random_bytes_raise_only_input_errors(tmp_path_factory: pytest.TempPathF
     path = tmp_path_factory.getbasetemp() / "garbage.inp"
     path.write_bytes(content)
     read_garbage(path)
+
+
+def test_a_surface_of_nodes_with_the_name_of_one_of_faces(tmp_path: Path) -> None:
+    text = GOOD + "*SURFACE, NAME=S, TYPE=NODE\n1\n*SURFACE, NAME=S\nE, S2\n"
+    (tmp_path / "m.inp").write_text(text)
+    mesh = read_inp(tmp_path / "m.inp", length_unit="m")
+    assert mesh.sets["S"] == 1
+    assert "surface 'S' of nodes is not taken over, one of element faces has that name" in mesh.notes
+
+
+def test_a_step_that_generates_a_substructure_is_a_step(tmp_path: Path) -> None:
+    (tmp_path / "m.inp").write_text(
+        GOOD + "*STEP\n*SUBSTRUCTURE GENERATE\n*RETAINED NODAL DOFS\nALL, 1, 3\n*END STEP\n"
+    )
+    mesh = read_inp(tmp_path / "m.inp", length_unit="m")
+    assert mesh.cell_count == 1 and "*SUBSTRUCTUREGENERATE (1)" in mesh.notes[-1]

@@ -18,6 +18,7 @@ from warpffrf.model import mesh as wfmesh
 from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.output.files.vtu import meshio_package
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 TET_ROLLER = examples.path("roller") / "roller.msh"
@@ -264,12 +265,19 @@ def test_array_of_numbers_makes_no_sets(tmp_path: Path) -> None:
     assert not again.cell_sets and any("'number' has 288 values" in note for note in again.notes)
 
 
-def test_binary_vtk_with_data_is_refused(tmp_path: Path) -> None:
+def test_binary_vtk_with_data(tmp_path: Path) -> None:
     mesh = roller()
     path = tmp_path / "r.vtk"
-    meshio.Mesh(mesh.points, [("hexahedron", mesh.single[1])], point_data={"a": mesh.points[:, 0]}).write(path)
-    with pytest.raises(InputError, match=r"r.vtk: data of binary .vtk files.*save it as .vtu"):
-        wfmesh.read(path, length_unit="m")
+    cells: list[Any] = [("hexahedron", mesh.single[1])]
+    data: dict[str, Any] = {"half": [np.arange(mesh.cell_count) // 4 + 1]}
+    meshio.Mesh(mesh.points, cells, point_data={"a": mesh.points[:, 0]}, cell_data=data).write(path)
+    again = wfmesh.read(path, length_unit="m")
+    np.testing.assert_array_equal(again.points, mesh.points)
+    assert {name: list(members) for name, members in again.cell_sets.items()} == {
+        "half_1": [0, 1, 2, 3],
+        "half_2": [4, 5, 6, 7],
+    }
+    assert again.notes == ("arrays that are not used: a (points)",)
 
 
 def test_deck_of_abaqus_is_read_by_our_own_reader(tmp_path: Path) -> None:
@@ -292,10 +300,8 @@ def test_facet_off_the_cells(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("error", [ImportError("no module"), AttributeError("np.string_ was removed")])
-def test_a_meshio_that_cannot_be_imported_is_named(
-    error: Exception, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As its versions before 5.3.5 beside NumPy 2."""
+def test_a_meshio_that_cannot_be_imported_is_named(error: Exception, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Runs are written through it. As its versions before 5.3.5 beside NumPy 2."""
 
     class Broken(MetaPathFinder):
         def find_spec(self, fullname: str, path: Any, target: Any = None) -> None:
@@ -304,6 +310,5 @@ def test_a_meshio_that_cannot_be_imported_is_named(
 
     monkeypatch.delitem(sys.modules, "meshio")
     monkeypatch.setattr(sys, "meta_path", [Broken(), *sys.meta_path])
-    (tmp_path / "body.vtu").write_text("")
     with pytest.raises(InputError, match=rf"package meshio.*{type(error).__name__}.*meshio>=5.3.5"):
-        wfmesh.read(tmp_path / "body.vtu", length_unit="mm")
+        meshio_package()

@@ -136,6 +136,82 @@ def test_include(read: Read, tmp_path: Path) -> None:
         read("INCLUDE 'nodes.inc'\n" + cube())
 
 
+WEDGES = "".join(
+    f"GRID,{3 * k + i + 1},,{x},{k}.\n" for k in range(5) for i, x in enumerate(("0.,0.", "1.,0.", "0.,1."))
+)
+
+
+@pytest.mark.parametrize(
+    ("copies", "count"),
+    [
+        ("=,*1,=,*3,*3,*3,*3,*3,*3\n", 2),
+        ("=,*(1),=,*(3),*3,*3,*3,*3,*3\n=(2)\n", 4),
+        ("=,*1,=,*3,*3,*3,*3,*3,*3\n=1\n=,*1,==\n", 4),  # the last one is where the one before it is
+        ("=       *1      =       *3      *3      *3      *3      *3      *3\n", 2),
+    ],
+)
+def test_cards_by_replication(read: Read, copies: str, count: int) -> None:
+    deck = "CPENTA,1,1,1,2,3,4,5,6\n" + copies + WEDGES
+    if "==" in copies:
+        with pytest.raises(InputError, match="stand on the corners of another one, the first are element 3 and 4"):
+            read(deck)
+    else:
+        assert read(deck).volume() == pytest.approx(0.5 * count, rel=1e-14)
+
+
+def test_grid_points_by_replication(read: Read) -> None:
+    """Four cubes in a row: nodes and cells of five and four lines, continuations copied with their cards."""
+    face = ("0.,0.", "1.,0.", "1.,1.", "0.,1.")
+    grid = "".join(f"GRID,{i},,{x},0.\n=,*10,==\n" for i, x in enumerate(face, start=1))
+    grid = "".join(f"GRID,{i},,{x},0.\n=,*10,=,=,=,*1.0\n=3\n" for i, x in enumerate(face, start=1))
+    cells = "CHEXA,1,1,1,2,3,4,11,12\n,13,14\n=,*1,=,*10,*10,*10,*10,*10,*10\n,*10,*10\n=2\n"
+    mesh = read(grid + cells)
+    assert mesh.cell_count == 4 and mesh.volume() == pytest.approx(4.0, rel=1e-14)
+    with pytest.raises(InputError, match="it says 8 of the 10 fields of CHEXA; write == for the rest"):
+        read(grid + cells.replace(",*10,*10\n=2", "=2"))
+
+
+def test_weights_become_densities(read: Read) -> None:
+    text = grids(CUBE) + cube() + "PSOLID,3,1\nMAT1,1,3.2+9,,.38,11180.\n"
+    for before, after in (("", "PARAM,WTMASS,.10197\n"), ("PARAM,WTMASS,.10197\nBEGIN BULK\n", "")):
+        mesh = read(before + text + after)
+        assert mesh.materials["property_3"].density == pytest.approx(0.10197 * 11180.0, rel=1e-14)
+        assert any("PARAM,WTMASS 0.10197" in note for note in mesh.notes)
+    with pytest.raises(InputError, match="PARAM,WTMASS is given as .0.1, 0.2."):
+        read(text + "PARAM,WTMASS,.1\nPARAM,WTMASS,.2\n")
+
+
+@pytest.mark.parametrize("kind", ["CTETRA", "CPENTA", "CHEXA"])
+def test_cells_of_either_hand(read: Read, kind: str) -> None:
+    """Mirrored cells have the volume of the others, and are noted."""
+    nodes = cell_kind({"CTETRA": "tet4", "CPENTA": "wedge6", "CHEXA": "hex8"}[kind]).nodes
+    row = [10 * i + 10 for i in range(len(nodes))]
+    card = f"{kind},7,1,{','.join(map(str, row[:6]))}\n" + (f",{row[6]},{row[7]}\n" if len(row) > 6 else "")
+    right, left = read(grids(nodes) + card), read(grids(nodes * [1.0, 1.0, -1.0]) + card)
+    assert left.volume() == pytest.approx(right.volume(), rel=1e-14)
+    assert not right.notes and "turn round the other way are turned over" in left.notes[0]
+    # a cell that is no cell either way is named by its number
+    with pytest.raises(InputError, match="inverted .* the first is element 7"):
+        read(grids(nodes * [1.0, 1.0, 0.0]) + card)
+
+
+def test_names_of_continuations_are_compared(read: Read) -> None:
+    card = "CHEXA,1,3,10,20,30,40,50,60,{}\n{},70,80\n"
+    for behind, before in (("+A", "+A"), ("", "+"), ("+A", "+"), ("", "+A")):
+        assert read(grids(CUBE) + card.format(behind, before)).cell_count == 1
+    with pytest.raises(InputError, match="deck.bdf, line 10: continuation '.B' stands where '.A' .* is expected"):
+        read(grids(CUBE) + card.format("+A", "+B"))
+    fixed = "CHEXA   1       3       10      20      30      40      50      60      {}\n{}70      80\n"
+    assert read(grids(CUBE) + fixed.format("+A", "+A      ")).cell_count == 1
+    with pytest.raises(InputError, match="continuation"):
+        read(grids(CUBE) + fixed.format("+A", "+B      "))
+
+
+def test_other_solids_are_not_passed_over(read: Read) -> None:
+    with pytest.raises(InputError, match="CHEXP: solids of this name are not read"):
+        read(grids(CUBE) + cube() + "CHEXP,2,1,10,20\n")
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [

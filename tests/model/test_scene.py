@@ -236,3 +236,28 @@ def test_content_hash_follows_everything(body_maker) -> None:
     ]
     hashes = {build(**change) for change in changes}
     assert len(hashes) == len(changes) and reference not in hashes
+
+
+class Counted(forces.PointForce):
+    """Counts how often its kind is asked for, which each name that is tried does."""
+
+    asked = 0
+
+    @property
+    def kind(self) -> str:
+        Counted.asked += 1
+        return "pull"
+
+
+def test_names_that_are_given_are_free_and_found_at_once() -> None:
+    """The work for each item does not grow with the items before it: not even one name more is tried."""
+    scene = Scene()
+    stone = scene.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="stone")
+    scene.add(forces.PointForce(stone.at((0, 0, 0)), (0, 0, 1.0), name="pull_3"))
+    asked = []
+    for _ in range(20):
+        before = Counted.asked
+        scene.add(Counted(stone.at((0, 0, 0)), (0, 0, 1.0)))
+        asked.append(Counted.asked - before)
+    assert [force.name for force in scene.forces[1:]] == [f"pull_{n}" for n in (1, 2, *range(4, 22))]
+    assert max(asked[3:]) == asked[0]

@@ -259,3 +259,4 @@ def test_notes_and_warnings(slit) -> None:
     held = slit.select_plane("front", point=(0.06, 0, 0), normal=(1, 0, 0))
     stuck = lapped(held, {"lap": LapCells("low", "high", by="nodes")}, interfaces={"front": "rigid"})
     assert any("3 of 18 cells hardly give way" in text for text in stuck.report["warnings"])
+    assert all("end the lap a row of facets before" in text for text in stuck.report["warnings"])

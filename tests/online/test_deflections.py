@@ -27,6 +27,7 @@ from warpffrf.online.diagnosis.deflections import (
     deflection_lines,
     deflections,
 )
+from warpffrf.online.diagnosis.indicator import percent
 from warpffrf.output.simulate import equilibrium, simulate
 
 MATERIAL = Material(210e9, 0.0, 7850.0)  # as a beam: sections are not stiffened by their width
@@ -44,12 +45,20 @@ def beam(stiffening: Any) -> ReducedBody:
 
 
 @functools.cache
-def plate() -> ReducedBody:
+def plate(membrane_modes: int | None = None) -> ReducedBody:
     plain = box((SIDE, SIDE, THIN), (4, 4, 1))
     sides = [plain.facets(name) for name in ("x_min", "x_max", "y_min", "y_max")]
     rim = FacetSet({kind: np.concatenate([s.blocks[kind] for s in sides]) for kind in sides[0].blocks})
     mesh = Mesh(plain.points, plain.cells, {"rim": rim})
-    return reduce(mesh, MATERIAL, interfaces={"rim": "rigid"}, modes=6, stiffening="membrane", progress=False)
+    return reduce(
+        mesh,
+        MATERIAL,
+        interfaces={"rim": "rigid"},
+        modes=6,
+        stiffening="membrane",
+        progress=False,
+        membrane_modes=membrane_modes,
+    )
 
 
 def cantilever(force, kind: bool | str = "membrane", stiffening: bool = True) -> Scene:
@@ -60,9 +69,9 @@ def cantilever(force, kind: bool | str = "membrane", stiffening: bool = True) ->
     return scene
 
 
-def clamped(acceleration: float, stiffening: bool = True) -> Scene:
+def clamped(acceleration: float, stiffening: bool = True, membrane_modes: int | None = None) -> Scene:
     scene = Scene(gravity=(0.0, 0.0, -acceleration))
-    body = scene.add_body(plate(), name="plate", stiffening=stiffening, inertia="constant")
+    body = scene.add_body(plate(membrane_modes), name="plate", stiffening=stiffening, inertia="constant")
     scene.add(joints.Fixed(scene.ground, body["rim"], name="rim"))
     return scene
 
@@ -89,6 +98,19 @@ def test_membrane_energy_over_that_of_the_modes() -> None:
     assert "inertia of second-order motion, which is neglected, up to" in line
     assert "turns" not in line  # the rim of a plate does not
     assert set(deflection_lines(scene, [found])) <= set(result.history.notes)
+
+
+def test_modes_without_membrane_energy_are_named() -> None:
+    """With their part of the energy; of an equilibrium that stretches more than it bends, about w = 1.7 t, also that it
+    may be on another branch."""
+    for acceleration, stretches in ((5e3, False), (5e4, True)):
+        result = equilibrium(clamped(acceleration, membrane_modes=3), progress=False)
+        share = (plate(3).frequencies * result.history.bodies["plate"].modal[-1]) ** 2
+        (line,) = about(result.history.notes, "those after the first 3 have no membrane energy")
+        assert f"of its {len(share)} modes" in line and f"reduce it with membrane_modes={len(share)}" in line
+        assert f"up to {percent(share[3:].sum() / share.sum())} of the energy of all" in line
+        assert ("another branch" in line) == stretches
+        assert not about(equilibrium(clamped(acceleration), progress=False).history.notes, "no membrane energy")
 
 
 def test_interfaces_that_turn_far() -> None:
@@ -176,7 +198,7 @@ def test_bodies_that_do_not_deflect_say_nothing() -> None:
 
 def test_contact_surfaces_have_no_second_order_motion() -> None:
     """Said where it is more than 1 % of the deflection, of bodies that are touched."""
-    found = Deflection("beam", None, None, "", None, 1.0, 0.0, np.zeros(3), 0.05)
+    found = Deflection("beam", None, 0.0, None, "", None, 1.0, 0.0, np.zeros(3), 0.05)
     scene = cantilever((0.0, 0.0, BENDING))
     assert not about(deflection_lines(scene, [found]), "contact surfaces")
     touching = SimpleNamespace(

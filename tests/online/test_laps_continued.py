@@ -68,6 +68,9 @@ class _Keeps:
     def begin(self, source: Source) -> None:
         pass
 
+    def clear(self) -> None:
+        pass
+
     def due(self) -> bool:
         return not self.found
 

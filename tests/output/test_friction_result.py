@@ -19,7 +19,7 @@ from shape_runs import contact_of, ellipsoid, grid_of
 from synthetic_run import HALF_WIDTH, PEAK, PITCH, ROWS, WIDTH, R, make_history
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.surfaces import Bore, Cylinder
+from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
 from warpffrf.online.history.history import FrictionHistory
 from warpffrf.output.contact.friction import OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
@@ -128,6 +128,32 @@ def test_inside_forms_turn_the_profile() -> None:
     for profile in profiles.values():
         assert np.all(np.diff(profile["arc"]) > 0.0)
     assert profiles[-1.0]["traction"] == pytest.approx(profiles[1.0]["traction"][::-1])
+
+
+@pytest.mark.parametrize(("cells", "warned"), [(11, True), (101, False)])
+def test_a_thin_slip_annulus_is_warned_about(cells: int, warned: bool) -> None:
+    """Cattaneo and Mindlin: of a circle of radius a that carries Q all beyond a (1 - Q/(mu N))^(1/3) slips. The annulus
+    in cells is that of the closed form to what whole cells leave of areas; where all slips, none is left."""
+    R, a, share = 0.02, 2e-4, 0.5
+    ball = Sphere(radius=R, axis_point=(0, 0, 0), axis_direction=(0.0, 1.0, 0.0))
+    floor = Plane(origin=(R, 0.0, 0.0), outward=(-1.0, 0.0, 0.0))
+    step = 2.0 * a / cells
+    grid = grid_of(ball, step / R, cells + 6, step * (np.arange(cells + 6) - 0.5 * (cells + 5)))
+    r = np.hypot(R * grid.theta[:, None], np.asarray(grid.z)[None, :])
+    rim = a * np.cbrt(1.0 - share)
+    for stuck in (rim, 0.0):
+        state = np.where(r >= a, OPEN, np.where(r < stuck, STICKS, SLIP))[None].astype(np.int8)
+        zero = np.zeros((1, 2, *r.shape))
+        rubs = FrictionHistory(zero, zero, state, np.zeros(1), np.zeros((1, 2)), np.zeros(1), np.zeros(1))
+        contact = contact_of(ball, grid, floor, lambda t, z: ellipsoid(a, a, 1e9)(R * t, z), friction=rubs)
+        friction = contact.friction
+        if stuck == 0.0:
+            assert np.isnan(friction.slip_width) and friction.warning() is None
+            continue
+        width = (a - rim) / step
+        assert friction.slip_width == pytest.approx(width, abs=0.15 + 0.01 * width)
+        assert (friction.warning() is not None) == warned
+        assert not warned or f"may err by about {friction.loss_error:.0%}" in str(friction.warning())
 
 
 def test_more_than_a_cell_a_step_is_warned_about(body) -> None:

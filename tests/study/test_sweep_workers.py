@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import pickle
 import signal
 import subprocess
@@ -221,38 +220,6 @@ def test_reduced_bodies_travel_by_their_hash(tmp_path: Path) -> None:
     assert len(parcel.content) < 2000
     scenes: Any = opened(parcel).scenes
     assert scenes.function.keywords["body"].content_hash() == body.content_hash()
-    (file,) = (tmp_path / "bodies").iterdir()
-    file.unlink()
-    dataclasses.replace(body, mass=2.0 * body.mass).save(file)  # whole, but not what its name says
-    packing._opened.clear()
-    with pytest.raises(InputError, match="not what the sweep has written"):
-        opened(parcel)
-
-
-def test_a_job_under_the_hash_of_another_is_not_unpickled(tmp_path: Path) -> None:
-    """Who can write to the store alone does not run code in workers."""
-    scenes = FunctionScenes(partial(_marked, marker="x" * packing.LARGE))
-    parcel = packing.packed(job.Job(scenes, {}), tmp_path)
-    assert not parcel.content
-    (file,) = tmp_path.iterdir()
-    file.write_bytes(pickle.dumps(_Touches(tmp_path / "ran")))
-    with pytest.raises(InputError, match="not what the sweep has written"):
-        packing.opened(parcel)
-    assert not (tmp_path / "ran").exists()
-
-
-def _marked(stiffness: float, marker: str) -> Any:
-    return bob(stiffness)
-
-
-class _Touches:
-    """Its pickle writes a file where it is opened."""
-
-    def __init__(self, file: Path) -> None:
-        self.file = file
-
-    def __reduce__(self) -> Any:
-        return Path.touch, (self.file,)
 
 
 def _with_body(stiffness: float, body: Any) -> Any:

@@ -35,14 +35,10 @@ def add_picture_commands(app: typer.Typer) -> None:
         serve: Annotated[
             bool, typer.Option("--serve", help="Serve it to a browser, on a machine without a screen.")
         ] = False,
-        address: Annotated[
-            str | None,
-            typer.Option(
-                metavar="IP",
-                help="With --serve: listen at this address of the machine, 0.0.0.0 for all of them, to anybody who "
-                "reaches it; left out: to browsers of this machine alone, as through ssh -L.",
-            ),
-        ] = None,
+        bind: Annotated[
+            str,
+            typer.Option(metavar="ADDRESS", help="Of --serve: who is listened to; 0.0.0.0: the whole network."),
+        ] = "127.0.0.1",
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Open a run in the rerun viewer; of results the recording is made first.
@@ -53,12 +49,10 @@ def add_picture_commands(app: typer.Typer) -> None:
             from warpffrf.model.errors import InputError
             from warpffrf.output.recording import viewer
 
-            if address is not None and not serve:
-                raise InputError("--address says where --serve listens; give both")
             if file.suffix.lower() == viewer.ENDING:
                 if out is not None or every is not None or field != "displacement":
                     raise InputError("a recording is shown as it is; --field, --every and --out are for results (.h5)")
-                _opened(file, serve, address)
+                _show(file, serve, bind)
                 return
             if out is None and not serve and not viewer.has_screen():
                 raise InputError(
@@ -73,7 +67,7 @@ def add_picture_commands(app: typer.Typer) -> None:
                 said = _recorded(file, recording, field, every, False, Asked.quiet)
                 if not Asked.quiet:
                     print(said)
-                _opened(recording, serve, address)
+                _show(recording, serve, bind)
 
     @app.command("picture")
     def picture_of_results(
@@ -103,11 +97,17 @@ def add_picture_commands(app: typer.Typer) -> None:
         Example: warpffrf picture press.h5 press.gif --field von_mises
         """
         with one_line_errors():
+            from warpffrf.model.errors import InputError
             from warpffrf.output.plots.animation import ENDINGS
             from warpffrf.output.recording.viewer import ENDING, recording_picture
             from warpffrf.output.result import Result
 
             if file.suffix.lower() == ENDING:
+                if time is not None or every is not None or deformation_factor is not None or field != "displacement":
+                    raise InputError(
+                        "a recording is drawn as it opens; --time, --field, --every and --deformation-factor are for "
+                        "results (.h5)"
+                    )
                 print(f"written to {recording_picture(file, out, overwrite=overwrite)}")
                 return
             result = Result.load(file)
@@ -117,6 +117,16 @@ def add_picture_commands(app: typer.Typer) -> None:
             else:
                 written = result.picture(out, field, time=time, **common)
             print(f"written to {written}")
+
+
+def _show(recording: Path, serve: bool, bind: str) -> None:
+    """Open the viewer of a recording, or serve it and say where."""
+    from warpffrf.output.recording import viewer
+
+    command = viewer.viewer_command(recording, serve=serve, bind=bind)
+    if serve:
+        print(viewer.served_at(bind), flush=True)
+    viewer.run(command)
 
 
 def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: bool, is_quiet: bool) -> str:
@@ -131,14 +141,3 @@ def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: b
     info = record(Result.load(file), out, color=field, every=every, overwrite=overwrite, progress=not is_quiet)
     written = Written.of("recording", info.path, time.perf_counter() - begin)
     return f"recording: {written}, {info.frames} frames"
-
-
-def _opened(recording: Path, serve: bool, address: str | None) -> None:
-    """Open a recording in the viewer, or serve it and say where, until that ends."""
-    from warpffrf.output.recording import viewer
-
-    where = address or viewer.LOOPBACK
-    command = viewer.viewer_command(recording, serve=serve, address=where)
-    if serve:
-        print(f"open {viewer.served_at(where)} in a browser; Ctrl-C ends the server", flush=True)
-    viewer.run(command)

@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+MOST_COUNTED = 2**31 - 1  # what is counted is counted in 32-bit integers
+
 
 class InputError(ValueError):
     """A wrong or incomplete description. The message names the thing at fault and the cure."""
@@ -35,11 +37,13 @@ def require_number(value: Any, name: str, *, positive: bool = False, non_negativ
     return number
 
 
-def require_count(value: Any, name: str, minimum: int) -> int:
-    """`value` as an int of at least `minimum`, else `InputError`; 3.0 is accepted, 3.5 is not."""
+def require_count(value: Any, name: str, minimum: int, most: float = np.inf) -> int:
+    """`value` as an int from `minimum` to `most`, else `InputError`; 3.0 is accepted, 3.5 is not."""
     number = require_number(value, name)
     if number != int(number) or number < minimum:
         raise InputError(f"{name} must be a whole number of at least {minimum}, got {value!r}")
+    if number > most:
+        raise InputError(f"{name} must be a whole number of at most {most}, got {value!r}")
     return int(number)
 
 

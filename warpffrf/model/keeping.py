@@ -46,6 +46,7 @@ class Unfinished:
     rows: Sequence[Rows]
     checkpoint: Mapping[str, np.ndarray]
     plan: Plan
+    start: Any = "initial"  # of the run, for one that has to begin anew
 
 
 class Keeper(Protocol):
@@ -53,6 +54,10 @@ class Keeper(Protocol):
 
     def begin(self, source: Source) -> None:
         """Of a run that is about to give something out: what its rows are of."""
+        ...
+
+    def clear(self) -> None:
+        """Forget what was given out: the run begins anew."""
         ...
 
     def due(self) -> bool:

@@ -8,12 +8,12 @@ written the next time.
 
 from __future__ import annotations
 
+import errno
 import logging
 import os
 import re
 import secrets
 import socket
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from glob import escape
@@ -49,24 +49,31 @@ def checked_output_path(
     "record") when the path is a folder, when a parent is not a folder, when the folder or file cannot be written, and
     for a file that exists, unless warpffrf wrote it and `overwrite` is set.
     """
+    refuse_nul(path, what)
     target = Path(path).expanduser()
-    if target.is_dir():
-        raise InputError(f"{what}: '{target}' is a folder; give the name of a file in it")
     try:
+        if target.is_dir():
+            raise InputError(f"{what}: '{target}' is a folder; give the name of a file in it")
         if not target.parent.exists():
             target.parent.mkdir(parents=True, exist_ok=True)
             log.info("%s: the folder '%s' is new", what, target.parent)
-        with tempfile.NamedTemporaryFile(dir=target.parent, prefix=".warpffrf-"):
-            pass
+        partial = _partial(target)  # the longest name that there will be
+        partial.touch(exist_ok=False)
+        partial.unlink()
         if target.exists():
             _refuse(target, what, overwrite, ours or written_here)
             with target.open("ab"):
                 pass
     except OSError as error:
-        raise InputError(
-            f"{what}: '{target}' cannot be written ({error.strerror or error}); choose a folder that you may write to"
-        ) from error
+        cure = "a shorter name" if error.errno == errno.ENAMETOOLONG else "a folder that you may write to"
+        raise InputError(f"{what}: '{target}' cannot be written ({error.strerror or error}); choose {cure}") from error
     return target
+
+
+def refuse_nul(path: str | os.PathLike[str], what: str) -> None:
+    """Raises `InputError` naming `what` for a path that no file can have."""
+    if "\0" in os.fspath(path):
+        raise InputError(f"{what}: {os.fspath(path)!r} holds a NUL, which no name of a file can; choose another name")
 
 
 def _refuse(target: Path, what: str, overwrite: bool, ours: Callable[[Path], bool]) -> None:
@@ -107,13 +114,18 @@ def written_whole(path: Path) -> Iterator[Path]:
     """A neighbouring name to write to; it replaces `path` only when the block ends without error, so no file is
     left half written."""
     remove_left_over(path)
-    host = socket.gethostname().replace(".", "-")
-    partial = path.with_name(f".{path.name}.{host}.{os.getpid()}.{secrets.token_hex(4)}{ENDING}")
+    partial = _partial(path)
     try:
         yield partial
         os.replace(partial, path)
     finally:
         partial.unlink(missing_ok=True)
+
+
+def _partial(path: Path) -> Path:
+    """A name beside `path` of this process and machine."""
+    host = socket.gethostname().replace(".", "-")
+    return path.with_name(f".{path.name}.{host}.{os.getpid()}.{secrets.token_hex(4)}{ENDING}")
 
 
 def remove_left_over(path: Path) -> None:

@@ -360,9 +360,10 @@ def _stored(file: Any) -> dict[str, np.ndarray]:
     return {path: hdf5_parts.read(file, path, kinds=kinds[path]) for path in found}
 
 
-def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None) -> Body:
-    """The body of class `kind` in the file `path`; raises `InputError` when the file is missing, damaged, no body's, or
-    of a newer schema. `subject`: what messages call it, where a reader knows the file by another name."""
+def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None, content: str | None = None) -> Body:
+    """The body of class `kind` in the file `path`; raises `InputError` when the file is missing, damaged, no body's, of
+    a newer schema, or another body than the one with the content hash `content`. `subject`: what messages call it,
+    where a reader knows the file by another name."""
     import h5py
 
     if not path.is_file():
@@ -385,6 +386,8 @@ def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None) 
             expected = file.attrs["content_hash"]
         if _digest(arrays, facts) != expected:
             raise InputError(f"{subject} is damaged (content hash differs); {cure}")
+        if content is not None and expected != content:
+            raise InputError(f"{subject} is another body than its name says (content hash differs); {cure}")
         body = _restore(kind, arrays, facts, report, provenance)
         check_body(body, arrays)
         return body

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
@@ -70,7 +70,7 @@ class Scene(looks.Shown):
         self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
         self.bearings: list[Bearing] = []
-        self._numbers: dict[str, int] = {}  # the last one given to an item of a kind without a name
+        self._numbers: dict[str, int] = {}  # kind -> the last number that was given to one without a name
 
     add_ball_bearing = add_ball_bearing
     add_roller_bearing = add_roller_bearing
@@ -100,12 +100,15 @@ class Scene(looks.Shown):
         of the global modes, a number, an array (m,), a function of the frequencies [Hz] such as DampingBands or
         Rayleigh (`warpffrf.model.damping`), "1/10/100" for 1 % below 100 Hz, 10 % below 1 kHz and 100 % above, or None
         for 10 % above half the highest retained frequency and none below: the highest modes ring against the massless
-        contact compliance after a load step. The energy it takes is counted.
+        contact compliance after a load step. The energy it takes is counted. It is internal damping, which turns with
+        the body: above a critical speed it drives whirl, and dampers to the ground (`forces.Bearing`) are to stop it.
 
         inertia: what turning and deforming do to each other, "constant" (nothing), "deformed" (inertia of the deformed
         body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
-        least of them by an estimate that the result's report states. stiffening: first-order geometric stiffening by
-        centrifugal load and by the forces at interfaces, of a body that was reduced with `stiffening=True`.
+        least of them by an estimate that the result's report states, from the speeds that the scene states; a run in
+        which the body turns faster than that holds for begins anew with "full". stiffening: first-order geometric
+        stiffening by centrifugal load and by the forces at interfaces, of a body that was reduced with
+        `stiffening=True`.
         Raises `InputError` for a name that there is and arguments that do not fit the body.
 
         With `roller` as in `reduce`:
@@ -194,7 +197,8 @@ class Scene(looks.Shown):
             )
         thing: Any = item
         members = getattr(self, where)
-        if any(member is thing for member in members):
+        names = {member.name for member in members}
+        if thing.name in names and any(member is thing for member in members):
             raise InputError(f"scene: {thing.kind} {thing.name!r} is in the scene already")
         for port in thing.ports:
             if port.body is not self.ground and not any(port.body is b for b in self.bodies):
@@ -205,13 +209,11 @@ class Scene(looks.Shown):
             refuse_double_laps(thing, self.laps)
         if isinstance(thing, (Contact, LumpedContact, Film)):
             refuse_double_claims(thing, (*self.contacts, *self.lumped_contacts, *self.films))
-        names = {member.name for member in members}
         if thing.name is None:
             number = self._numbers.get(thing.kind, 0) + 1
             while f"{thing.kind}_{number}" in names:
                 number += 1
-            self._numbers[thing.kind] = number
-            thing.name = f"{thing.kind}_{number}"
+            self._numbers[thing.kind], thing.name = number, f"{thing.kind}_{number}"
         self._check_new_name(thing.name, names, thing.kind)
         members.append(thing)
         return item
@@ -345,7 +347,7 @@ class Scene(looks.Shown):
         return f"{label}: body {name!r} belongs to another scene, with its port {where}; {cure}"
 
     @staticmethod
-    def _check_new_name(name: str, taken: set[str], kind: str) -> None:
+    def _check_new_name(name: str, taken: Collection[str], kind: str) -> None:
         if not isinstance(name, str) or not name or "/" in name:
             raise InputError(f"{kind}: the name must be a non-empty text without '/', got {name!r}")
         if name in taken or name == "ground":

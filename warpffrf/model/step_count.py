@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_number
 
 SAME_TIME = 1e-9  # relative: times that differ by less were meant to be the same
-MOST_STEPS = 2**31 - 1  # they are counted in 32-bit integers
 
 
 def step_count(duration: float, step: float) -> tuple[int, list[str]]:
@@ -13,7 +12,7 @@ def step_count(duration: float, step: float) -> tuple[int, list[str]]:
     `InputError`."""
     duration = require_number(duration, "simulate: duration", positive=True)
     step = require_number(step, "simulate: step", positive=True)
-    if duration / step > MOST_STEPS:
+    if duration / step > MOST_COUNTED:
         raise InputError(
             f"simulate: {duration:g} s are {duration / step:.3g} steps of {step:g} s, more than can be counted"
         )

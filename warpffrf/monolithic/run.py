@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.evaluations import all_full
 from warpffrf.model.friction import friction_notes
 from warpffrf.model.interruption import deferred_interrupts
@@ -132,7 +132,7 @@ def run(
     `InputError` for wrong input.
     """
     steps, uneven = step_count(duration, step)
-    save_every = require_count(save_every, "simulate: save_every", 1)
+    save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
     coefficients = coefficients_of(integrator)
     entered = clock.perf_counter()
     system, state = build(

@@ -1,8 +1,8 @@
 """The cache of reduced bodies: an unchanged input is never reduced twice.
 
 The key is a sha256 over the mesh's content, material, all settings, and the schema and code versions; moving one node
-by 1 nm changes it. Entries are ordinary reduced-body files, which hold their key, too; one that cannot be read, or is
-called by another one's key, is reported, dropped and made again.
+by 1 nm changes it. Entries are ordinary reduced-body files, which say of which key they are; one that cannot be read,
+or is of another key, is reported, dropped and made again.
 """
 
 from __future__ import annotations
@@ -50,14 +50,14 @@ def work_file(key: str) -> Path:
 
 
 def load_cached(key: str) -> ReducedBody | None:
-    """The cached body, or None where there is none or it cannot be read."""
+    """The cached body, or None where there is none, it cannot be read, or it is of another key."""
     path = cache_folder() / f"{key}.h5"
     if not path.is_file():
         return None
     try:
         body = ReducedBody.load(path)
         if body.provenance.get("key") != key:
-            raise InputError(f"'{path}' holds another body than its name says")
+            raise InputError(f"reduced body: {path} is of another input than its name says")
         return body
     except InputError as error:
         logger.warning("cache entry dropped: %s", error)

@@ -19,6 +19,7 @@ import numpy as np
 from warpffrf_kernels.core import control as k
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.engine import Engine
 
@@ -41,6 +42,13 @@ def time_of(checkpoint: Mapping[str, np.ndarray]) -> float:
     """The time [s] at which a checkpoint was taken; 0 of one that does not say (it is refused elsewhere)."""
     clock = np.asarray(checkpoint.get("clk", np.zeros(0)))
     return float(clock["time"][0]) if "time" in (clock.dtype.names or ()) else 0.0
+
+
+def turned_of(checkpoint: Mapping[str, np.ndarray] | None, scene: Scene) -> np.ndarray:
+    """The fastest turning of each body [rad/s] up to a checkpoint; empty of one that does not say, or of another
+    scene (it is refused elsewhere)."""
+    found = np.asarray((checkpoint or {}).get("turned", np.zeros((1, 0))))
+    return found[0] if found.shape == (1, len(scene.bodies)) and np.all(np.isfinite(found)) else np.zeros(0)
 
 
 def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, np.ndarray], label: str) -> None:

@@ -62,13 +62,15 @@ class Engine:
         step_error: float | None = None,
         local: LocalDynamics | None = None,
         patches: Mapping[int, PatchPlan] | None = None,
+        turned: Sequence[float] | np.ndarray = (),
         progress: bool = False,
     ) -> None:
         """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
+        `turned`: the fastest turning of each body [rad/s] in a run so far, by which inertia "auto" is judged as well.
         `device`: None for the usual one (`chosen_device`). `progress`: a bar while kernels are compiled; the rest as
         `online.run`."""
         settings = settings or Settings()
-        compiled = compile_scene(scene, settings, ready_device(device), local, patches)
+        compiled = compile_scene(scene, settings, ready_device(device), local, patches, turned=turned)
         self._begin([compiled] * worlds, settings, integrator, step_error, progress)
 
     def _begin(
@@ -245,6 +247,19 @@ class Engine:
     def saved(self, world: int = 0) -> SavedRows:
         """All rows saved of a world so far."""
         return joined(self.chunks[world] or [taken(self.ring.on_host(), world, range(0))])
+
+    def has_turned(self, turned: Sequence[float] | np.ndarray) -> None:
+        """Put into the state that bodies have turned so fast [rad/s], if not faster."""
+        if len(turned):
+            self.state.turned.assign(np.maximum(self.state.turned.numpy(), turned))
+
+    def outrun(self) -> np.ndarray | None:
+        """The fastest turning of each body [rad/s], where one has left what its inertia level holds for."""
+        limits = self.compiled.inertia.limits
+        if not np.any(np.isfinite(limits)):
+            return None
+        turned = self.state.turned.numpy()[0]
+        return turned if np.any(turned > limits) else None
 
     # --- checkpoints
 

@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.consistency import refuse_singular_mass
-from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.keeping import Keeper, Plan, Unfinished
@@ -92,7 +92,7 @@ def run_static(
             "a stage in time, or equilibrium(), in which films slide as the scene begins"
         )
     steps, uneven = step_count(duration, step)
-    save_every = require_count(save_every, "simulate: save_every", 1)
+    save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
     refuse_singular_mass(scene)
     if not isinstance(start, Unfinished):
         began = time_of(start.checkpoint) if isinstance(start, History) else 0.0

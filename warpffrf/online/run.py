@@ -11,7 +11,7 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.bearings.bearing import loose_ring, without_cage
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
 from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
@@ -35,13 +35,14 @@ from warpffrf.model.scene_check import connecting
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
-from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of
+from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of, turned_of
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
 from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_check_notes
+from warpffrf.online.diagnosis.film_grid import film_grid_errors, film_grid_notes
 from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
 from warpffrf.online.diagnosis.free_falls import fall_notes
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
@@ -68,6 +69,7 @@ log = logging.getLogger("warpffrf")
 INTERRUPTED = "interrupted"
 START_REST = "the equilibrium that the run starts from"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
+OTHER_LEVELS = "a body has more inertia terms from here on than in the run that this one continues"
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
 STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
 COARSEN = "coarsen the contact grid (traction_spacing)"
@@ -146,8 +148,52 @@ def run(
     saved while the run is under way. step_error: halve steps whose local error exceeds it, see
     `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do not agree with the joints are changed as
     little as possible (in the kinetic energy of the change) instead of refused. engine_of: makes the engine, alone or
-    in a place beside others (`warpffrf.online.worlds`). Raises InputError for wrong input.
+    in a place beside others (`warpffrf.online.worlds`). A run in which a body with inertia "auto" turns faster than its
+    level holds for begins anew (`online.compile.inertia_plan`). Raises InputError for wrong input.
     """
+    options = {
+        "step": step, "integrator": integrator, "local": local, "step_error": step_error, "save_every": save_every,
+        "device": device, "progress": progress, "settings": settings, "project_start": project_start, "keeper": keeper,
+        "engine_of": engine_of,
+    }  # fmt: skip
+    turned: np.ndarray = np.zeros(0)
+    while True:
+        try:
+            return _run(scene, duration, start=start, turned=turned, **options)
+        except _Outrun as faster:
+            turned = faster.turned
+            start = start.start if isinstance(start, Unfinished) else start
+            log.info("a body turns faster than its inertia terms hold for: the run begins anew, with all of them")
+
+
+class _Outrun(Exception):
+    """Bodies have `turned` (bodies,) [rad/s] faster than their inertia levels hold for."""
+
+    def __init__(self, turned: np.ndarray) -> None:
+        super().__init__()
+        self.turned = turned
+
+
+def _run(
+    scene: Scene,
+    duration: float,
+    *,
+    step: float,
+    start: str | History | Unfinished,
+    integrator: Integrator | RungeKutta4 | EnergyMomentum | None,
+    local: str | LocalDynamics,
+    step_error: float | None,
+    save_every: int,
+    device: str | None,
+    progress: bool,
+    settings: Settings | None,
+    project_start: bool,
+    keeper: Keeper | None,
+    engine_of: EngineOf,
+    turned: np.ndarray,
+) -> History:
+    """`run`, with inertia levels for bodies that have `turned` so fast [rad/s], each; raises `_Outrun` where one turns
+    faster than its level holds for."""
     if isinstance(integrator, CHECK_INTEGRATORS):
         if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
             raise InputError(
@@ -167,7 +213,7 @@ def run(
         for drive in scene.drives:
             _check_velocity(drive, began, began + steps * step)
         refuse_short_tables(scene, began, began + steps * step)
-    save_every = require_count(save_every, "simulate: save_every", 1)
+    save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
     loaded = isinstance(start, History) and is_loaded(start.checkpoint)  # what `run_static` leaves
     # what `find_equilibrium` leaves
     at_rest = isinstance(start, History) and not loaded and not is_dynamic(start.checkpoint)
@@ -186,6 +232,11 @@ def run(
         "device": device, "settings": settings, "integrator": integrator, "step_error": step_error,
         "local": as_local_dynamics(local), "progress": progress,
     }  # fmt: skip
+    before = turned_of(start.checkpoint, scene) if isinstance(start, History | Unfinished) else turned[:0]
+    anew = len(turned) > 0
+    if len(before):
+        turned = np.maximum(before, turned if anew else 0.0)
+    made_with["turned"] = turned
     engine = engine_of(scene, **made_with)
     built = time.perf_counter()
     first_step, rejected = 0, 0
@@ -202,6 +253,7 @@ def run(
             first_step = 0
         if not at_rest:
             notes.extend(engine.start_notes)
+            notes.extend([OTHER_LEVELS] if anew and not loaded else [])
         if np.any(engine.word("status")):
             return finish(engine, begin, built, notes, "start: ")
     elif isinstance(start, Unfinished):
@@ -232,6 +284,7 @@ def run(
             engine.control(level=min(RUB_IN, engine.settings.max_level))
         engine.save_now()
         first_step = 0
+    engine.has_turned(turned)
     engine.control(every=save_every)
     engine.seconds_in_graph = 0.0
     loop = time.perf_counter()
@@ -263,6 +316,11 @@ def run(
             films.look(engine, done)
             if watch.look():
                 gain = watch.end()
+            if (faster := engine.outrun()) is not None:
+                bar.close()
+                if keeper is not None:
+                    keeper.clear()
+                raise _Outrun(faster)
             keeping.look()
         if not np.any(engine.word("status")) and watch.gained_at_end():
             gain = watch.end()
@@ -332,7 +390,8 @@ def finish(
     status, message = describe(bits, wanted or int(engine.word("spare")[0]), coarser(engine))
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
-        message = UPHILL if bits & int(k.ENERGY) else message.replace("; reduce step", STATIC_CURE)
+        uphill = bits & int(k.ENERGY) and not bits & int(k.CAPACITY)  # a window that is too small leads there, too
+        message = UPHILL if uphill else message.replace("; reduce step", STATIC_CURE)
     hidden = hidden_inertia(engine) if bits & int(k.SINGULAR) else ""
     owner = failure_owner(engine, bits) if bits and not hidden else ""
     message = hidden or (f"{message} ({owner})" if owner else message)
@@ -377,6 +436,9 @@ def finish(
         )
     notes.extend(steep_notes(engine.scene, engine.scratch.steep.numpy()[0]))
     notes.extend(film_notes(engine.scene, history))
+    if history.status == "completed" and engine.worlds == 1:
+        history.film_grids = film_grid_errors(engine)
+        notes.extend(film_grid_notes(engine, history.film_grids))
     if films is not None:
         history.film_checks = check_films(engine, films)
         notes.extend(film_check_notes(engine, history.film_checks))
@@ -397,7 +459,7 @@ def finish(
     stiffened = {body.name for body in engine.scene.bodies if body.stiffening}
     inertia = indicator_lines(term_sizes(engine.scene, history.bodies, levels), levels, stiffened)
     inertia += unheld_lines(engine.scene, history.bodies)
-    inertia += deflection_lines(engine.scene, deflections(engine.scene, history.bodies))
+    inertia += deflection_lines(engine.scene, deflections(engine.scene, history.bodies), at_rest=at_rest)
     falls = [] if at_rest or is_static(engine) else fall_notes(engine.scene, history)
     families = engine.compiled.model.pairs.family.numpy()
     on_axes = [c.name for c, f in zip(engine.scene.contacts, families, strict=False) if f == LINE_OF_CENTRES]

@@ -1,14 +1,30 @@
 r"""Campbell diagrams: natural frequencies of a machine against the speed of its rotation, with lines of orders.
 
 `eigenmodes` has the modes about a state that turns, with gyroscopic, centrifugal and stiffening parts; here it is asked
-at one speed after the other. Frequencies are those of `eigenmodes`: in world axes where what turns is rigid and
-symmetric, else in axes that turn with the bodies, in which a force that stands in the world goes round once a turn.
+at one speed after the other. Its coordinates stand in the world where what turns is rigid and symmetric, and turn with
+the bodies else. A diagram has both frames.
 
-**Branches.** Modes of neighbouring speeds are one curve where their shapes are alike: with the mass matrix M,
+**Frames.** Seen along the spin n, at the angle theta of the body, a mode with k waves around is, in cylindrical
+components, u exp(i m theta) exp(lambda t), m = -k where the pattern goes round in the sense of the spin (forward), k
+where it goes against it. The body is at theta = Theta - W t seen from the angle Theta of the world, so that
+
+    lambda_fixed = lambda - i m W:     forward f + k W/2 pi, backward f - k W/2 pi.
+
+The whole rotor bends with k = 1; k = 0 has what stretches and twists, which is the same in both frames. Counted
+positive where forward, frequencies are continuous: a curve that passes zero in one of the frames changes its sense
+there, and goes on. k is that of the largest sum over slices of the skin of the body that moves most, |sum u exp(-i m
+theta)|^2; a rigid body has k = 1 if it leans and goes aside more than it spins and goes along.
+
+**Unbalance** stands in the frame that turns: it excites where a forward curve of k = 1 meets order 1 in the fixed
+frame, which is zero in the frame that turns.
+
+**Branches.** Modes of neighbouring speeds are one curve where their shapes are alike: with the mass matrix M, in axes
+of the bodies, backward ones as their conjugates,
 
     MAC = |y_a^H M y_b|^2/(y_a^H M y_a  y_b^H M y_b),
 
-pairs are those with the smallest sum of (1 - MAC) + |ln f_a/f_b|; below `ALIKE` a new curve begins.
+pairs are those with the smallest sum of (1 - MAC) + 2 |f_a - f_b|/(f_a + f_b), fixed frame; below `ALIKE` a new curve
+begins. What does not swing is no curve: overdamped motions, and bodies that only spin faster or slower.
 
 **Whirl.** With the spin along n, e_1 x e_2 = n, a point goes round at u = u_1 e_1 + u_2 e_2 + u_3 n; the mean over the
 points of the bodies that turn, weighed by their masses,
@@ -20,6 +36,7 @@ is 1 where all go round in circles in the sense of the spin (forward), -1 agains
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -40,18 +57,28 @@ if TYPE_CHECKING:
 
 Array = np.ndarray
 TURN = 2.0 * np.pi
-RIGID = 6  # motions of a body
+ALL = 10**9  # modes: which are the lowest in the fixed frame is not known before
 ALIKE = 0.2  # MAC below which two modes are not one
 SENSE = 0.1  # of the whirl: below it a mode goes neither forward nor backward
+MOST_WAVES = 6  # around, that are looked for
+SLICES = 16  # of a body along its axis
+PLAINLY = 1.05  # times the sum of fewer waves: more are seen; few points around cannot tell
+SPINS = 0.99  # of the kinetic energy in the spin of bodies: the mode is no curve, if
+SLOW = 1e-2  # of the speed of rotation: it is slower
+GROWS = 1e-5  # damping ratio below zero that is no round-off
+FRAMES = ("fixed", "rotating")
 SAME_SPEED = 1e-3  # of the speed: a body that turns so much otherwise is said
 ORDERS = (1.0, 2.0, 3.0)  # drawn unless others are given
+UNBALANCE = 1.0  # its order
 SIZE = (8.0, 5.2)  # inches
 FORWARD, BACKWARD, NEITHER, ORDER = "#1b6ca8", "#d1495b", "#6b7480", "0.55"
+
+log = logging.getLogger("warpffrf")
 
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where the curve `branch` meets an order: `speed` [rad/s], `frequency` [Hz], `whirl` [-] there."""
+    """Where the curve `branch` meets an order in the fixed frame: `speed` [rad/s], `frequency` [Hz], `whirl` [-]."""
 
     branch: int
     order: float
@@ -65,26 +92,31 @@ class Campbell(looks.Shown):
     """Modes against the speed of rotation; made by `campbell`. A row of the arrays is a speed, a column a curve, NaN
     where it has no mode among those asked for.
 
-    `speeds` (s,) [rad/s], `frequencies` (s, b) [Hz], `damping_ratios` (s, b) [-], `whirl` (s, b) from -1, backward, to
-    1, forward; `numbers` (s, b) of the modes in `modes` (s,), -1 where there is none. `co_rotating`: whether they are
-    in axes that turn.
+    `speeds` (s,) [rad/s]; `frequencies` (s, b) [Hz], `damping_ratios` (s, b) [-] and `whirl` (s, b) from -1, backward,
+    to 1, forward, as seen in the fixed frame, the world; `rotating_frequencies` (s, b) [Hz], as seen in axes that turn
+    with the bodies; `waves` (s, b) around, 1 where the rotor bends, 0 where it stretches or twists, -1 where nothing
+    turns; `numbers` (s, b) of the modes in `modes` (s,), -1 where there is none. `notes`: what speaks against the
+    diagram.
     """
 
     speeds: Array
     frequencies: Array
     damping_ratios: Array
     whirl: Array
+    rotating_frequencies: Array
+    waves: Array
     numbers: Array
     modes: list[Modes]
-    co_rotating: bool
     notes: list[str] = field(default_factory=list)
 
     def _facts(self) -> dict[str, Any]:
         low, high = self.speeds.min(), self.speeds.max()
         return {"speeds": f"{len(self.speeds)} from {low:g} to {high:g} rad/s", "curves": self.frequencies.shape[1]}
 
-    def critical_speeds(self, order: float = 1.0) -> list[Crossing]:
-        """Where curves cross the line of `order`, f = order x speed/2 pi, by rising speed, linear between speeds."""
+    def critical_speeds(self, order: float = UNBALANCE) -> list[Crossing]:
+        """Where curves cross the line of `order` in the fixed frame, f = order x speed/2 pi, by rising speed, linear
+        between speeds. Order 1 is unbalance, which goes round with the rotor and bends it: of it those with one wave
+        around and a forward part count. Of other orders all do."""
         rate = order * self.speeds / TURN
         found = []
         for b in range(self.frequencies.shape[1]):
@@ -92,29 +124,39 @@ class Campbell(looks.Shown):
             for s in np.flatnonzero((away[:-1] * away[1:] < 0.0) | ((away[:-1] == 0.0) & (self.speeds[:-1] > 0.0))):
                 part = away[s] / (away[s] - away[s + 1])
                 at = [float((1.0 - part) * v[s] + part * v[s + 1]) for v in (self.speeds, self.whirl[:, b])]
+                if order == UNBALANCE and (self.waves[s + 1, b] != 1 or at[1] < SENSE - 1.0):
+                    continue
                 found.append(Crossing(b, order, at[0], order * at[0] / TURN, at[1]))
         return sorted(found, key=lambda crossing: crossing.speed)
 
-    def report(self, orders: Sequence[float] = (1.0,)) -> str:
-        """Table of the frequencies by speed, marked f, b by the sense of their whirl, the critical speeds of `orders`,
-        and notes."""
-        axes = "axes that turn with the bodies" if self.co_rotating else "world axes"
-        lines = [f"natural frequencies [Hz] against speed, {axes}", ""]
-        lines.append("speed rad/s" + "".join(f"{f'curve {b}':>12}" for b in range(self.frequencies.shape[1])))
-        for speed, row, whirl in zip(self.speeds, self.frequencies, self.whirl, strict=True):
-            marks = [_sense(w)[0] if _sense(w) != "neither" else " " for w in whirl]
-            cells = [f"{f:>10.5g} {m}" if np.isfinite(f) else 12 * " " for f, m in zip(row, marks, strict=True)]
-            lines.append(f"{speed:>11.5g}" + "".join(f"{cell:>12}" for cell in cells))
+    def report(self, orders: Sequence[float] = (UNBALANCE,)) -> str:
+        """Tables of the frequencies by speed in the fixed frame, marked f, b by the sense of their whirl, and in axes
+        that turn, the critical speeds of `orders` in the fixed frame, and in front what speaks against all this."""
+        lines = [*(f"CAUTION: {note}" for note in self.notes), ""] if self.notes else []
+        for frame, values in (("the fixed frame", self.frequencies), ("axes that turn", self.rotating_frequencies)):
+            lines += [f"natural frequencies [Hz] against speed, {frame}", ""]
+            lines.append("speed rad/s" + "".join(f"{f'curve {b}':>12}" for b in range(values.shape[1])))
+            for speed, row, whirl in zip(self.speeds, values, self.whirl, strict=True):
+                fixed = values is self.frequencies
+                marks = [_sense(w)[0] if fixed and _sense(w) != "neither" else " " for w in whirl]
+                cells = [f"{f:>10.5g} {m}" if np.isfinite(f) else 12 * " " for f, m in zip(row, marks, strict=True)]
+                lines.append(f"{speed:>11.5g}" + "".join(f"{cell:>12}" for cell in cells))
+            lines.append("")
         for order in orders:
-            for c in self.critical_speeds(order):
-                lines.append(f"order {order:g}: curve {c.branch} at {c.speed:.5g} rad/s, {c.frequency:.5g} Hz")
-        return "\n".join([*lines, *(f"note: {note}" for note in self.notes)])
+            what = "order 1 (unbalance)" if order == UNBALANCE else f"order {order:g}"
+            crossed = self.critical_speeds(order)
+            for c in crossed:
+                lines.append(f"{what}: curve {c.branch} at {c.speed:.5g} rad/s, {c.frequency:.5g} Hz, fixed frame")
+            if not crossed:
+                lines.append(f"{what}: meets no curve")
+        return "\n".join(lines)
 
     __str__ = report
 
     def to_dataframe(self) -> Any:
         """A `pandas.DataFrame`, a row for each mode: speed [rad/s], curve, mode, frequency [Hz], damping_ratio [-] and
-        whirl [-]. Needs the optional package pandas, without which it raises ImportError."""
+        whirl [-] in the fixed frame, rotating_frequency [Hz], waves [-]. Needs the optional package pandas, without
+        which it raises ImportError."""
         try:
             import pandas
         except ImportError as error:
@@ -123,26 +165,33 @@ class Campbell(looks.Shown):
         columns = {
             "speed": self.speeds[s], "curve": b, "mode": self.numbers[s, b], "frequency": self.frequencies[s, b],
             "damping_ratio": self.damping_ratios[s, b], "whirl": self.whirl[s, b],
+            "rotating_frequency": self.rotating_frequencies[s, b], "waves": self.waves[s, b],
         }  # fmt: skip
         frame = pandas.DataFrame(columns)
         frame.attrs["units"] = {"speed": "rad/s", "frequency": "Hz", "damping_ratio": "-", "whirl": "-"}
+        frame.attrs["units"] |= {"rotating_frequency": "Hz", "waves": "-"}
         return frame
 
-    def plot(self, ax: Axes | None = None, *, orders: Sequence[float] = ORDERS) -> Axes:
+    def plot(self, ax: Axes | None = None, *, orders: Sequence[float] = ORDERS, frame: str = "fixed") -> Axes:
         """Draw the curves over the speed on the matplotlib axes `ax` (new ones when None) and return them: points of
-        forward, backward and other modes in three colours, lines of `orders` dashed, their crossings marked."""
+        forward, backward and other modes in three colours; in the "fixed" `frame` lines of `orders` dashed, their
+        crossings marked, in the "rotating" one where unbalance meets curves. Raises InputError for another frame."""
+        if frame not in FRAMES:
+            raise InputError(f"plot: frame is {frame!r}; known: {', '.join(map(repr, FRAMES))}")
         axes: Any = _new_axes() if ax is None else ax
+        fixed = frame == FRAMES[0]
+        values = self.frequencies if fixed else self.rotating_frequencies
         rate = self.speeds / TURN
-        for b in range(self.frequencies.shape[1]):
-            axes.plot(rate, self.frequencies[:, b], color="0.8", lw=1.0, zorder=1)
+        for b in range(values.shape[1]):
+            axes.plot(rate, values[:, b], color="0.8", lw=1.0, zorder=1)
         senses = np.array([[_sense(w) for w in row] for row in self.whirl])
         for name, color, mark in (("forward", FORWARD, "^"), ("backward", BACKWARD, "v"), ("neither", NEITHER, "o")):
-            s, b = np.nonzero((senses == name) & np.isfinite(self.frequencies))
+            s, b = np.nonzero((senses == name) & np.isfinite(values))
             if len(s):
-                axes.plot(rate[s], self.frequencies[s, b], mark, color=color, ms=4.5, label=name, zorder=2)
-        top = 1.08 * float(np.nanmax(self.frequencies, initial=0.0)) or 1.0
+                axes.plot(rate[s], values[s, b], mark, color=color, ms=4.5, label=name, zorder=2)
+        top = 1.08 * float(np.nanmax(values, initial=0.0)) or 1.0
         last = float(rate.max())
-        for order in orders:
+        for order in orders if fixed else ():
             end = min(last, top / order) if order > 0.0 else last
             axes.plot([0.0, end], [0.0, order * end], "--", color=ORDER, lw=0.9, zorder=0)
             place: dict[str, Any] = {"xytext": (4, 0) if end == last else (4, -9), "textcoords": "offset points"}
@@ -153,10 +202,16 @@ class Campbell(looks.Shown):
                 [c.speed / TURN for c in crossed], [c.frequency for c in crossed], "o", ms=9.0, mfc="none",
                 color="black", mew=0.8, zorder=3,
             )  # fmt: skip
+        if not fixed:
+            met = [c.speed / TURN for c in self.critical_speeds()]
+            axes.plot(met, np.zeros(len(met)), "o", ms=9.0, mfc="none", color="black", mew=0.8, clip_on=False)
         axes.set(xlim=(0.0, last or 1.0), ylim=(0.0, top))
         axes.set(xlabel="speed of rotation [turns/s]", ylabel="natural frequency [Hz]")
-        turning = "axes that turn" if self.co_rotating else "world axes"
-        axes.set_title(f"Campbell diagram, {turning}; circles: orders meet frequencies", fontsize=10)
+        seen, met = ("fixed frame", "orders meet curves") if fixed else ("axes that turn", "unbalance meets curves")
+        axes.set_title(f"Campbell diagram, {seen}; circles: {met}", fontsize=10)
+        if self.notes:
+            said = f"caution: {self.notes[0].split(';')[0]}"
+            axes.text(0.01, 0.99, said, transform=axes.transAxes, fontsize=8, color=BACKWARD, va="top")
         axes.grid(alpha=0.25)
         axes.legend(frameon=False, fontsize=8, loc="upper left", title="whirl", title_fontsize=8)
         return axes
@@ -183,11 +238,13 @@ def campbell(
     *,
     progress: bool = False,
 ) -> Campbell:
-    """Natural frequencies of a machine against the speed of its rotation: of the `count` lowest modes that have some,
-    at each of `speeds` (s,) [rad/s].
+    """Natural frequencies of a machine against the speed of its rotation: of the `count` lowest modes that have some in
+    the fixed frame, at each of `speeds` (s,) [rad/s], seen from there and from axes that turn with the bodies.
 
-    build(speed) makes the machine turning at the speed: a Scene, whose initial positions and velocities are meant, or
-    the Result of a run or of `equilibrium`, whose last state is, for flexible bodies that the rotation stretches.
+    build(speed) makes the machine turning at the speed [rad/s]: a Scene, whose initial positions and velocities are
+    meant, or the Result of a run or of `equilibrium`, whose last state is, for flexible bodies that the rotation
+    stretches: the state must be steady. What speaks against that is logged as a warning and stands in front of the
+    report.
     progress: what takes long, on stderr. Raises InputError for speeds that do not rise or are negative, what is neither
     Scene nor Result, scenes of different bodies, and as `eigenmodes`. How it is done: `warpffrf.output.campbell`.
     """
@@ -203,11 +260,13 @@ def campbell(
         if not isinstance(made, Scene | Result):
             raise InputError(f"campbell: build({speed:g}) must make a Scene or a Result, got {made!r}")
         scene, about = (made, "initial") if isinstance(made, Scene) else (made.scene, made)
-        still = RIGID * len(scene.bodies)  # motions without stiffness at the most, which come first
-        modes.append(eigenmodes(scene, count + still, about=about, progress=progress))
+        modes.append(eigenmodes(scene, ALL, about=about, progress=progress))
     if len({len(m.found.linear.M) for m in modes}) > 1:
         raise InputError("campbell: build must make the same bodies at every speed")
-    return _linked(rates, modes, count, _doubts(rates, modes))
+    doubts = _doubts(rates, modes)
+    for doubt in doubts:
+        log.warning("campbell: %s", doubt)
+    return _linked(rates, modes, count, doubts)
 
 
 def _doubts(speeds: Array, modes: list[Modes]) -> list[str]:
@@ -215,14 +274,22 @@ def _doubts(speeds: Array, modes: list[Modes]) -> list[str]:
     notes = []
     passing = [speed for speed, found in zip(speeds, modes, strict=True) if any("not steady" in n for n in found.notes)]
     if passing:
-        said = f"the state is not steady (bodies accelerate) at {len(passing)} of {len(speeds)} speeds"
-        notes.append(f"{said}, from {passing[0]:.5g} rad/s on: the modes are those of the instant")
+        said = f"the state is not steady (bodies accelerate, or stretch) at {len(passing)} of {len(speeds)} speeds"
+        notes.append(
+            f"{said}, from {passing[0]:.5g} rad/s on: the modes are those of the instant, and may be far off; let "
+            "build return the Result of a run that has settled, with damping"
+        )
     turned = np.array([max((float(np.linalg.norm(w)) for w in _spins(m).values()), default=0.0) for m in modes])
     off = np.flatnonzero(np.abs(turned - speeds) > SAME_SPEED * np.maximum(speeds, 1.0))
     if len(off):
         notes.append(
             f"the fastest body turns otherwise than asked for at {len(off)} of {len(speeds)} speeds, as at "
             f"{turned[off[0]]:.5g} instead of {speeds[off[0]]:.5g} rad/s"
+        )
+    rates = [np.linalg.norm(list(_spins(m).values()), axis=1) for m in modes if _spins(m)]
+    if any(rate.min() < (1.0 - SAME_SPEED) * rate.max() for rate in rates):
+        notes.append(
+            "bodies turn at different speeds: a mode is seen from the fixed frame by that of the body it moves most"
         )
     return notes
 
@@ -256,38 +323,166 @@ def whirl_of(modes: Modes, i: int) -> float:
     return about / size if size > 0.0 else 0.0
 
 
+@dataclass(frozen=True)
+class _Seen:
+    """Mode `number` in both frames: signed eigenvalues [1/s], imaginary part positive where forward; `whirl` in the
+    fixed frame, `waves` around, and `shape` in axes of the bodies, of backward ones the conjugate."""
+
+    number: int
+    fixed: complex
+    rotating: complex
+    whirl: float
+    waves: int
+    shape: Array
+
+    @property
+    def frequency(self) -> float:
+        """Hz, fixed frame."""
+        return abs(self.fixed) / TURN
+
+
+def _seen(modes: Modes, i: int) -> _Seen | None:
+    """Mode i; None where it is no curve."""
+    value, linear = complex(modes.eigenvalues[i]), modes.found.linear
+    if value.imag <= 0.0:
+        return None
+    spins, shares = _spins(modes), modes.energy_shares(i)
+    name = max(shares, key=lambda body: shares[body])
+    shape = modes.found.vectors[:, i] if linear.co_rotating else _axes_of_bodies(modes).T @ modes.found.vectors[:, i]
+    if name not in spins:
+        return _Seen(i, value, value, 0.0, -1 if not spins else 0, shape)
+    speed = float(np.linalg.norm(spins[name]))
+    if abs(value) < SLOW * speed and _spin_share(modes, i, spins) > SPINS:
+        return None
+    waves, whirl = _waves(modes, i, name, spins[name] / speed)
+    if waves == 1:
+        whirl = whirl_of(modes, i)
+    sense = -1.0 if waves and whirl < 0.0 else 1.0
+    signed, shift = complex(value.real, sense * value.imag), 1j * waves * speed
+    fixed, rotating = (signed + shift, signed) if linear.co_rotating else (signed, signed - shift)
+    shape = shape.conj() if sense < 0.0 and abs(whirl) > SENSE else shape
+    return _Seen(i, fixed, rotating, float(np.copysign(abs(whirl), fixed.imag)), waves, shape)
+
+
+def _axes_of_bodies(modes: Modes) -> Array:
+    """R (n, n): coordinates in axes of the bodies -> in the world's, of positions and turns."""
+    R = np.eye(len(modes.found.linear.M))
+    for body in modes.scene.bodies:
+        A = rot.matrix(modes.found.rotation[body.name])
+        for first in (6 * body.index, 6 * body.index + 3):
+            R[first : first + 3, first : first + 3] = A
+    return R
+
+
+def _energies(modes: Modes, i: int, name: str, n: Array) -> tuple[float, float, float]:
+    """Of a body as a rigid one, twice the kinetic energy of mode i: aside and leaning, along, and spin about n."""
+    body, shape, A = modes.scene.body(name), modes.shape(i, name), rot.matrix(modes.found.rotation[name])
+    v = shape.translation + np.cross(shape.rotation, A @ body.center_of_mass)
+    J, spin = A @ body.inertia @ A.T, (shape.rotation @ n)
+    leans = shape.rotation - spin * n
+    aside = body.mass * np.sum(np.abs(v - (v @ n) * n) ** 2) + np.real(leans.conj() @ J @ leans)
+    return float(aside), float(body.mass * np.abs(v @ n) ** 2), float((n @ J @ n) * np.abs(spin) ** 2)
+
+
+def _spin_share(modes: Modes, i: int, spins: dict[str, Array]) -> float:
+    """Part of the kinetic energy of mode i (y^H M y = 1) that is spin of the bodies that turn."""
+    return sum(_energies(modes, i, name, spin / np.linalg.norm(spin))[2] for name, spin in spins.items())
+
+
+def _waves(modes: Modes, i: int, name: str, n: Array) -> tuple[int, float]:
+    """Waves k around n of mode i on the body `name`, and by how much more of them go forward than backward, -1 to 1."""
+    body = modes.scene.body(name)
+    if body.reduced is None:
+        aside, along, spin = _energies(modes, i, name, n)
+        return int(aside > along + spin), 0.0
+    A = rot.matrix(modes.found.rotation[name])
+    x = (body.reduced.surface.points - body.center_of_mass) @ A.T
+    along = x @ n
+    radial = x - along[:, None] * n
+    radius = np.linalg.norm(radial, axis=1)
+    off = radius > 1e-6 * radius.max()
+    e_r = radial[off] / radius[off, None]
+    e_t = np.cross(n, e_r)
+    u = modes.displacement(i, name)[off]
+    u = np.stack([np.sum(u * e_r, axis=1), np.sum(u * e_t, axis=1), u @ n])
+    e_1 = e_r[0]
+    theta = np.arctan2(e_r @ np.cross(n, e_1), e_r @ e_1)
+    slices = np.floor(SLICES * (along[off] - along.min()) / max(float(np.ptp(along)), 1e-300)).clip(0, SLICES - 1)
+    order = np.argsort(slices, kind="stable")
+    _, starts, counts = np.unique(slices[order], return_index=True, return_counts=True)
+
+    def part(m: int) -> float:
+        sums = np.add.reduceat((u * np.exp(-1j * m * theta))[:, order], starts, axis=1)
+        return float(np.sum(np.abs(sums) ** 2 / counts))
+
+    best, most, whirl = 0, part(0), 0.0
+    for k in range(1, MOST_WAVES + 1):
+        forward, backward = part(-k), part(k)
+        if forward + backward > PLAINLY * most:
+            best, most, whirl = k, forward + backward, (forward - backward) / (forward + backward)
+    return best, whirl
+
+
+def _lowest(modes: Modes, count: int) -> list[_Seen]:
+    """The `count` modes of lowest frequency in the fixed frame, rising there."""
+    fastest = max((float(np.linalg.norm(w)) for w in _spins(modes).values()), default=0.0)
+    reach = MOST_WAVES * fastest / TURN if modes.found.linear.co_rotating else 0.0
+    found: list[_Seen] = []
+    for i, frequency in enumerate(modes.frequencies):
+        if len(found) >= count and frequency - reach > found[count - 1].frequency:
+            break
+        if (seen := _seen(modes, i)) is not None:
+            found = sorted([*found, seen], key=lambda one: one.frequency)
+    return found[:count]
+
+
 def _linked(speeds: Array, modes: list[Modes], count: int, notes: list[str]) -> Campbell:
-    """The first `count` modes with a frequency at each speed put into curves."""
-    kept = [np.flatnonzero(m.frequencies > 0.0)[:count] for m in modes]
-    curves = [{0: int(i)} for i in kept[0]]  # number of the speed -> mode, of every curve
+    """The lowest `count` modes at each speed put into curves."""
+    kept = [_lowest(m, count) for m in modes]
+    curves = [{0: seen} for seen in kept[0]]  # number of the speed -> mode, of every curve
     for s in range(1, len(modes)):
         open_ones = [c for c in curves if s - 1 in c]
-        cost, alike = _costs(modes[s - 1], [c[s - 1] for c in open_ones], modes[s], kept[s])
+        cost, alike = _costs([c[s - 1] for c in open_ones], kept[s], modes[s])
         linked = {b: a for a, b in zip(*linear_sum_assignment(cost), strict=True) if alike[a, b] > ALIKE}
-        for b, i in enumerate(kept[s]):
+        for b, seen in enumerate(kept[s]):
             if b in linked:
-                open_ones[linked[b]][s] = int(i)
+                open_ones[linked[b]][s] = seen
             else:
-                curves.append({s: int(i)})
-    numbers = np.full((len(modes), len(curves)), -1)
+                curves.append({s: seen})
+    shape = (len(modes), len(curves))
+    numbers, waves = np.full(shape, -1), np.full(shape, -1)
+    frequencies, ratios, whirl, rotating = (np.full(shape, np.nan) for _ in range(4))
     for b, curve in enumerate(curves):
-        numbers[list(curve), b] = list(curve.values())
-    shape = numbers.shape
-    frequencies, ratios, whirl = (np.full(shape, np.nan) for _ in range(3))
-    for s, b in np.argwhere(numbers >= 0):
-        i = int(numbers[s, b])
-        frequencies[s, b], ratios[s, b] = modes[s].frequencies[i], modes[s].damping_ratios[i]
-        whirl[s, b] = whirl_of(modes[s], i)
-    co_rotating = any(m.found.linear.turning and m.found.linear.co_rotating for m in modes)
-    return Campbell(speeds, frequencies, ratios, whirl, numbers, modes, co_rotating, notes)
+        for s, seen in curve.items():
+            numbers[s, b], waves[s, b], whirl[s, b] = seen.number, seen.waves, seen.whirl
+            frequencies[s, b], rotating[s, b] = seen.frequency, abs(seen.rotating) / TURN
+            ratios[s, b] = -seen.fixed.real / abs(seen.fixed)
+    if growing := _growing(speeds, ratios):
+        log.warning("campbell: %s", growing)
+    said = [*notes, growing] if growing else notes
+    return Campbell(speeds, frequencies, ratios, whirl, rotating, waves, numbers, modes, said)
 
 
-def _costs(a: Modes, of_a: Sequence[int], b: Modes, of_b: Array) -> tuple[Array, Array]:
-    """(modes of a, modes of b) what it costs to call two one curve, and their MAC."""
-    T = b.found.linear.T
-    M = T @ b.found.linear.M @ T.T
-    x, y = a.found.linear.T @ a.found.vectors[:, list(of_a)], T @ b.found.vectors[:, of_b]
+def _growing(speeds: Array, ratios: Array) -> str:
+    """Which curves have damping below zero, or nothing."""
+    below = ratios < -GROWS
+    found = [f"{b} from {speeds[np.argmax(below[:, b])]:.5g} rad/s on" for b in np.flatnonzero(below.any(axis=0))]
+    if not found:
+        return ""
+    return (
+        f"motions grow (damping below zero): curve {', '.join(found)}; damping= of a body that turns is internal and "
+        "turns with it, so that it drives whirl above the critical speed: dampers to the ground hold against it"
+    )
+
+
+def _costs(a: list[_Seen], b: list[_Seen], at: Modes) -> tuple[Array, Array]:
+    """(modes of a, modes of b) what it costs to call two one curve, and their MAC; b are modes of `at`."""
+    if not a or not b:
+        return np.zeros((len(a), len(b))), np.zeros((len(a), len(b)))
+    R = np.eye(len(at.found.linear.M)) if at.found.linear.co_rotating else _axes_of_bodies(at)
+    M = R.T @ at.found.linear.M @ R
+    x, y = (np.stack([seen.shape for seen in side], axis=1) for side in (a, b))
     mass = [np.real(np.einsum("in,ij,jn->n", v.conj(), M, v)) for v in (x, y)]
     alike = np.abs(x.conj().T @ M @ y) ** 2 / np.outer(*mass)
-    ratio = np.abs(np.log(a.frequencies[list(of_a)][:, None] / b.frequencies[of_b]))
-    return 1.0 - alike + ratio, alike
+    f, g = np.array([seen.frequency for seen in a])[:, None], np.array([seen.frequency for seen in b])
+    return 1.0 - alike + 2.0 * np.abs(f - g) / np.maximum(f + g, 1e-300), alike

@@ -12,6 +12,7 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -138,7 +139,7 @@ class Outputs:
             found = run.load()
             if found is not None:
                 log.info("results: going on from '%s', %d parts", run.folder, run.parts)
-            return start if found is None else found
+            return start if found is None else replace(found, start=start)
         if run.has_checkpoint() and not self.overwrite:
             raise InputError(
                 f"results: '{run.folder}' holds a run that has not ended; go on with resume=True (--resume), or begin "

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
 from warpffrf.model.interruption import terminated_as_interrupted
 from warpffrf.model.named_arguments import named_arguments
@@ -144,7 +144,7 @@ def simulate(
         raise InputError("simulate: resume goes on from what stands beside the results; give results")
     require_number(keep_every, "simulate: keep_every", positive=True)
     if record_every is not None:
-        require_count(record_every, "simulate: record_every", 1)
+        require_count(record_every, "simulate: record_every", 1, most=MOST_COUNTED)
     beginning = _start(scene, start)
     outputs = Outputs(overwrite, resume, keep_every)
     outputs.check(results, record)

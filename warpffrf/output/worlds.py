@@ -10,7 +10,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, Integrator
 from warpffrf.model.interruption import terminated_as_interrupted
 from warpffrf.model.named_arguments import named_arguments
@@ -109,7 +109,7 @@ def simulate_worlds(
     steps, _ = step_count(duration, step)
     with TURN:
         ready_device(device)
-    save_every = require_count(save_every, "simulate_worlds: save_every", 1)
+    save_every = require_count(save_every, "simulate_worlds: save_every", 1, most=MOST_COUNTED)
     options: dict[str, Any] = {"save_every": save_every, "device": device, "local": local}
     if energy_tolerance is not None:
         energy_tolerance = require_number(energy_tolerance, "simulate_worlds: energy_tolerance", positive=True)

@@ -147,9 +147,12 @@ def _write_document(file: Path, text: str, overwrite: bool, resume: bool) -> Non
 
 def _in_folder(arguments: dict[str, Any], folder: Path, results: str, anywhere: bool) -> dict[str, Any]:
     """The arguments with output files in `folder`; raises `InputError` for those outside, unless `anywhere`."""
+    from warpffrf.model.output_paths import refuse_nul
+
     files = {"results": results, **arguments}
     placed = {key: folder / files[key] for key in ("results", "record") if key in files}
     for key, file in placed.items():
+        refuse_nul(file, key)
         if not anywhere and not file.resolve().is_relative_to(folder.resolve()):
             raise InputError(
                 f"{key} {str(files[key])!r} is outside of the output folder '{folder}'; give a name in it, or say "

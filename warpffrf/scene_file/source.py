@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.scene_file.regular_file import read_regular
+from warpffrf.model.regular_file import read_regular
 
 Path = tuple[str | int, ...]  # keys and list indices from the top of the document
 LARGEST_INTEGER = 2**63 - 1  # TOML promises 64 bits; larger ones overflow in floating point sooner or later
@@ -22,6 +22,8 @@ DEEPEST = 40  # tables in tables: no scene needs more, and recursion has an end
 MOST_BYTES = 1 << 22  # of a file: some hundred thousand numbers
 # a key of more parts than that, before the parser takes it apart (its time grows with the square of them)
 _DEEP_KEY = re.compile(rf"""(?<![\w.'"-])(?>(?>[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST}}}""")
+MOST_DIGITS = 1000  # one behind the other: no number needs them, and Python's conversion of integers ends at 4,300
+_LONG_INTEGER = re.compile(rf"(?<![0-9_])[0-9](?>_?[0-9]){{{MOST_DIGITS}}}")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _PLAIN = re.compile(r"[^,\]}#\n]+")
 _BLANK = re.compile(r"(?:[ \t\n]|#[^\n]*)*")
@@ -77,6 +79,9 @@ def parse(text: str, name: str, folder: FilePath) -> Source:
     text = text.replace("\r\n", "\n")
     if found := _DEEP_KEY.search(text):
         raise InputError(f"{name}:{text.count(chr(10), 0, found.start()) + 1}: no valid TOML: nested too deeply")
+    if found := _LONG_INTEGER.search(text):  # in a text or comment it would mean nothing either
+        line = text.count(chr(10), 0, found.start()) + 1
+        raise InputError(f"{name}:{line}: a number of more than {MOST_DIGITS} digits")
     try:
         values = tomllib.loads(text)
         lines = _Walk(text).lines()

@@ -17,7 +17,7 @@ import warp as wp
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
 from warpffrf_kernels.films.sampling import (
     FILLING,
     FLOW_ALONG,
@@ -36,8 +36,9 @@ from warpffrf_kernels.films.sampling import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# of the scene's length, over the step: what round-off leaves of a gap, 1e-16, over the tolerance of the iteration
-ROUND_OFF = wp.constant(wp.float64(1.0e-7))
+# of the scene's extent, over the step: what round-off of places leaves of a gap, some 1e-15 in axes that are oblique to
+# the world's, over the tolerance of the iteration
+ROUND_OFF = wp.constant(wp.float64(1.0e-6))
 SMALL_PRESSURE = wp.constant(wp.float64(1.0e4))  # Pa: asperities that press less carry nothing
 TAKEN = 2  # lines of the ledger: by pressure, voids and feeds; by sliding
 
@@ -111,6 +112,7 @@ def holding(
 def balance_film(
     models: wp.array(dtype=Model),
     ctl: wp.array(dtype=Control),
+    r1: wp.array2d(dtype=vec3),
     film_pressure: wp.array3d(dtype=real),
     film_void: wp.array3d(dtype=real),
     film_void_before: wp.array2d(dtype=real),
@@ -138,6 +140,13 @@ def balance_film(
     first = model.elements[0].films[0].function_start[film]
     end = model.elements[0].films[0].function_start[film + 1]
     travels = model.elements[0].films[0].rule[film] != REYNOLDS
+    extent = model.length
+    a = model.surfaces.body[model.elements[0].films[0].first[film]]
+    b = model.surfaces.body[model.elements[0].films[0].second[film]]
+    if a >= 0:
+        extent = wp.max(extent, wp.length(r1[w, a]))
+    if b >= 0:
+        extent = wp.max(extent, wp.length(r1[w, b]))
     i = first + lane
     while i < end:
         flow = real(0.0)
@@ -146,12 +155,12 @@ def balance_film(
         e = model.elements[0].films[0].entry_start[i]
         while e < model.elements[0].films[0].entry_start[i + 1]:
             g = model.elements[0].films[0].entry_point[e]
-            a = model.elements[0].films[0].entry_slot[e]
-            x = model.elements[0].films[0].slope_around[g, a] * film_line[w, g, FLOW_AROUND]
-            z = model.elements[0].films[0].slope_along[g, a] * film_line[w, g, FLOW_ALONG]
+            n = model.elements[0].films[0].entry_slot[e]
+            x = model.elements[0].films[0].slope_around[g, n] * film_line[w, g, FLOW_AROUND]
+            z = model.elements[0].films[0].slope_along[g, n] * film_line[w, g, FLOW_ALONG]
             flow += x + z
             size += wp.abs(x) + wp.abs(z)
-            filling += model.elements[0].films[0].value[g, a] * film_line[w, g, FILLING]
+            filling += model.elements[0].films[0].value[g, n] * film_line[w, g, FILLING]
             e += 1
         area = model.elements[0].films[0].area[i]
         own = film_rates[w, 0] * area * film_void[w, 1, i]
@@ -165,7 +174,7 @@ def balance_film(
                 refill -= inflow(model, w, first, i, n, film_carried) * film_void[w, 1, first + other]
         film_rest[w, i] = flow + filling - refill
         film_refill[w, i] = refill
-        film_size[w, i] = size + wp.abs(filling) + ROUND_OFF * film_rates[w, 0] * area * model.length
+        film_size[w, i] = size + wp.abs(filling) + ROUND_OFF * film_rates[w, 0] * area * extent
         i += wp.block_dim()
     c = lane
     while c < PULL:

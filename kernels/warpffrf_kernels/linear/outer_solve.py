@@ -216,6 +216,7 @@ def solve_outer(
     tangent: wp.array3d(dtype=real),
     rhs: wp.array(dtype=real),
     hold: wp.array3d(dtype=real),
+    hold_count: wp.array(dtype=int),
     ctl: inout(wp.array(dtype=Control)),
     scaling: inout(wp.array2d(dtype=real)),
     pivots: inout(wp.array2d(dtype=int)),
@@ -233,8 +234,8 @@ def solve_outer(
     if ctl[w].run == 0 or ctl[w].moved == 0:
         return
     bad = solve(
-        model, patterns[0], w, lane, ctl[w].refresh, tangent, rhs, hold, 0, scaling, pivots, factor, vector, lines,
-        fallback, work, inverse_transposed, z,
+        model, patterns[0], w, lane, ctl[w].refresh, tangent, rhs, hold, held_motions(ctl, w, hold_count), scaling,
+        pivots, factor, vector, lines, fallback, work, inverse_transposed, z,
     )  # fmt: skip
     if bad != 0 and lane == 0:
         ctl[w].failure = ctl[w].failure | k.SINGULAR

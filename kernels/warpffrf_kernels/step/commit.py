@@ -310,6 +310,7 @@ def keep_bodies(
     omega: inout(wp.array2d(dtype=vec3)),
     omega_rate: out(wp.array2d(dtype=vec3)),
     omega_alg: out(wp.array2d(dtype=vec3)),
+    turned: inout(wp.array2d(dtype=real)),
 ):
     w, lane = wp.tid()
     model = models[w]
@@ -340,6 +341,8 @@ def keep_bodies(
         if mode == k.DYNAMIC or mode == k.PROJECT:
             v[w, b] = v1[w, b]
             omega[w, b] = omega1[w, b]
+        if mode == k.DYNAMIC:
+            turned[w, b] = wp.max(turned[w, b], wp.length(omega1[w, b]))
         if mode == k.START:  # PROJECT found the velocity at the end of its tiny step: back to its beginning
             v[w, b] = v[w, b] - h * v1_rate[w, b]
             omega[w, b] = omega[w, b] - h * omega1_rate[w, b]

@@ -6,8 +6,8 @@ coordinate s of a joint, the distance of its two sides along the axis, obeys
     lambda = F(t)    until `lock_at`,        s = s_lock    from then on,
 
 lambda the pull on the coordinate, positive where it draws the sides together, and s_lock the value of s at the end of
-the last step that ends at `lock_at` or before, so that locking changes nothing by itself. The other relative motions
-are the joint's.
+the first step, in time or static, that ends at `lock_at` or later, so that locking changes nothing by itself. The other
+relative motions are the joint's.
 
 With the joint between the two faces of a cut through the shank of a bolt (`Mesh.cut`) this is the *pretension section*
 of finite-element programs: a Prismatic joint holds five relative coordinates of the faces, tension moves the faces

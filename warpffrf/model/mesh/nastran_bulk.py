@@ -7,7 +7,11 @@ knows no materials. A card is a line of up to 10 fields, in one of three formats
     small field  8 columns each
     large field  the name ends in *: 8 columns, then 16 each, half as many fields a line
 
-A continuation begins with +, *, a blank field or a comma. Reals may drop the E of their exponent: 7.-2 is 0.07.
+A continuation begins with +, *, a blank field or a comma; where the tenth field of a line and the first of the next one
+both name it, the names are the same. Reals may drop the E of their exponent: 7.-2 is 0.07. A card = is the one before
+it again, with = for a field that stays, *d for one that grows by d, == for all the rest; a card =n says that n times.
+
+Densities are multiplied by PARAM,WTMASS: a deck may give weights. The nodes of a solid may turn round either way.
 
 Solids with property p form the cell set `property_p`, shells on their surface the facet set of that name. A local
 system (CORD2R, CORD2C, CORD2S) is given by three points in its reference system: the origin A, B on its third axis e_3
@@ -30,6 +34,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.raw_mesh import RawMesh
 from warpffrf.model.mesh.units import system_of
+from warpffrf.model.regular_file import Budget, exists, reason
 
 SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
 MOST_LISTED = 20  # kinds of unused cards in the note; control decks have a handful
@@ -51,8 +56,10 @@ _SHELLS = {
 }
 _CORNERS = {"CTETRA": 4, "CPENTA": 6, "CHEXA": 8}
 _LOCAL = {"CORD2R", "CORD2C", "CORD2S"}
+_OTHER_SOLIDS = ("CHEX", "CPENT", "CTETR", "CPYR")  # how names of solids begin that are not read
+MOST_COPIES = 100_000  # cards that =n makes
 _INTEGER = re.compile(r"[+-]?[0-9]{1,18}")
-_REAL = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)(e[+-]?[0-9]+)?")
+_REAL = re.compile(r"[+-]?(?>[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:e[+-]?[0-9]++)?")
 _EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
 
 Array = np.ndarray
@@ -103,6 +110,7 @@ class _Deck:
     elements: set[int] = field(default_factory=set)  # their numbers
     solids: dict[int, _Card] = field(default_factory=dict)  # PSOLID by property
     materials: dict[int, _Card] = field(default_factory=dict)  # MAT1
+    mass_factors: list[float] = field(default_factory=list)  # PARAM,WTMASS
     ignored: Counter[str] = field(default_factory=Counter)
 
 
@@ -114,7 +122,7 @@ def read_bulk(path: Path, length_unit: str) -> RawMesh:
     numbers = {node: i for i, node in enumerate(deck.grids)}
     placed = _Systems(deck)
     points = np.array([placed.basic(cp, x, card) for cp, x, card in deck.grids.values()]).reshape(-1, 3)
-    blocks, groups = [], {}
+    blocks, labels, groups = [], [], {}
     for kind, rows in deck.cells.items():
         try:
             nodes = np.array([[numbers[a] for a in row] for _, row, _ in rows], dtype=np.int64)
@@ -126,6 +134,7 @@ def read_bulk(path: Path, length_unit: str) -> RawMesh:
             members = groups.setdefault(f"property_{p}", {})
             members[len(blocks)] = np.flatnonzero(properties == p)
         blocks.append((kind, nodes))
+        labels.append(np.array([card.integer(1) for _, _, card in rows]))
     if not any(name in deck.cells for pair in _SOLIDS.values() for name in pair[:2]):
         raise InputError(f"mesh file {path.name}: there are no volume cells ({', '.join(_SOLIDS)}); export the solids")
     empty = np.zeros(0, dtype=np.int64)
@@ -136,7 +145,8 @@ def read_bulk(path: Path, length_unit: str) -> RawMesh:
         listed = [f"{name} ({count})" for name, count in deck.ignored.most_common(MOST_LISTED)]
         more = len(deck.ignored) - len(listed)
         notes.append(f"cards that are not used: {', '.join(listed)}" + (f" and {more} other kinds" if more else ""))
-    return RawMesh(points, blocks, full, materials, tuple(notes), stray_facets=True)
+    more = {"stray_facets": True, "either_hand": True, "labels": labels}
+    return RawMesh(points, blocks, full, materials, tuple(notes), **more)
 
 
 def _take(deck: _Deck, card: _Card) -> None:
@@ -163,6 +173,10 @@ def _take(deck: _Deck, card: _Card) -> None:
         _add(deck, kind, card, list(range(3, 3 + count)))
     elif name in ("CPYRAM", "CPYRA"):
         raise card.fault("pyramids are not supported; mesh with tetrahedra, wedges and hexahedra")
+    elif name.startswith(_OTHER_SOLIDS):
+        raise card.fault(f"solids of this name are not read; {', '.join(_SOLIDS)} are")
+    elif name == "PARAM" and card.text(1).upper() == "WTMASS":
+        deck.mass_factors.append(card.real(2))
     elif name in _LOCAL:
         deck.systems[card.integer(1)] = card
     elif name == "PSOLID":
@@ -228,6 +242,11 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
     if system is None:
         return {}
     stress, density, units = system
+    if deck.mass_factors:
+        if len(set(deck.mass_factors)) > 1 or not deck.mass_factors[0] > 0.0:
+            raise InputError(f"PARAM,WTMASS is given as {deck.mass_factors}; give one positive factor")
+        density *= deck.mass_factors[0]
+        notes.append(f"densities are multiplied by PARAM,WTMASS {deck.mass_factors[0]:g}")
     found: dict[str, Material] = {}
     for p, solid in deck.solids.items():
         number = solid.integer(2)
@@ -250,49 +269,120 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
 
 
 def _cards(path: Path) -> Iterator[_Card]:
-    """The cards of the bulk data section with their continuations put together."""
+    """The cards of the bulk data section, those that are written as copies in full."""
+    last: _Card | None = None
+    recipe: list[str] | None = None
+    copies = 0
+    for card in _written_cards(path):
+        if not card.name.startswith("="):
+            last, recipe = card, None
+            yield card
+            continue
+        if last is None:
+            raise card.fault("there is no card before it to repeat; repair the line")
+        count = 1
+        if card.name != "=":
+            word = card.name[1:].strip("()")
+            if recipe is None or not word.isdigit() or len(word) > 8 or any(card.fields):
+                raise card.fault("=n stands behind a card with = and says how often that is repeated; repair the line")
+            count = int(word)
+        else:
+            recipe = card.fields
+        copies += count
+        if copies > MOST_COPIES:
+            raise card.fault(f"more than {MOST_COPIES} copies of cards; write the deck out")
+        for _ in range(count):
+            last = _copy(last, recipe or [], card)
+            yield last
+
+
+def _copy(last: _Card, recipe: list[str], card: _Card) -> _Card:
+    """The card after `last` by `recipe`, the fields of a card = at `card`."""
+    fields: list[str] = []
+    given = list(recipe)
+    while given and not given[-1]:
+        given.pop()
+    for i, text in enumerate(given, start=1):
+        if text == "==":
+            if i < len(given):
+                raise card.fault("== is its last field; repair the line")
+            fields += last.fields[i - 1 :]
+        elif text == "=":
+            fields.append(last.text(i))
+        elif text.startswith("*"):
+            fields.append(_grown(last, i, text[1:].strip("()"), card))
+        else:
+            fields.append(text)
+    if len(given) < len(last.fields) and "==" not in given and any(last.fields[len(given) :]):
+        raise card.fault(f"it says {len(given)} of the {len(last.fields)} fields of {last.name}; write == for the rest")
+    return _Card(last.name, fields, card.place)
+
+
+def _grown(last: _Card, i: int, step: str, card: _Card) -> str:
+    """Field i of `last` and `step` more."""
+    if _INTEGER.fullmatch(last.text(i)) and _INTEGER.fullmatch(step):
+        return str(int(last.text(i)) + int(step))
+    by = _Card(card.name, [step], card.place)
+    return repr(last.real(i) + by.real(1))
+
+
+def _written_cards(path: Path) -> Iterator[_Card]:
+    """The cards as they are written, with their continuations put together."""
     card: _Card | None = None
     width = 8
-    for line, place in _bulk_lines(path):
+    name = ""  # of the continuation that the line before announces
+    for line, place in _bulk_lines(path, Budget()):
         free = "," in line
         fields = [f.strip() for f in line.split(",")] if free else []
         head = fields[0] if free else line[:8].strip()
         large = head.endswith("*") or head.startswith("*")
+        goes_on = head == "" or head[0] in "+*"
+        copied = head.startswith("=") or (goes_on and card is not None and card.name.startswith("="))
         if not free:
             step = 16 if large else 8
             fields = [head, *(line[8 + i * step : 8 + (i + 1) * step].strip() for i in range(64 // step))]
-        if free and len(fields) > 1 and fields[-1].startswith(("+", "*")) and not _is_number(fields[-1]):
-            fields.pop()
+            behind = line[72:80].strip()
+        else:
+            behind = fields[9] if len(fields) == 10 and not large else ""
+            # a short line may end with the name at once
+            if not copied and len(fields) > 1 and fields[-1].startswith(("+", "*")) and not _is_number(fields[-1]):
+                behind = fields.pop()
         limit = 4 if large else 8
         # behind the data comes the name of the continuation; a longer free line is one that goes on without
         data = fields[1:] if len(fields) > limit + 2 else fields[1 : 1 + limit]
-        if head == "" or head[0] in "+*":
+        if goes_on:
             if card is None:
                 raise InputError(f"mesh file {place}: a continuation without a card before it; repair the line")
+            if name.strip("+* ") and head.strip("+* ") and name.strip("+* ") != head.strip("+* "):
+                raise InputError(
+                    f"mesh file {place}: continuation {head!r} stands where {name!r} of the card before is expected; "
+                    "put the lines of a card one behind the other"
+                )
             card.fields += [""] * (-len(card.fields) % width) + data
-            width = limit
+            width, name = limit, behind
             continue
         if card is not None:
             yield card
-        card, width = _Card(head.rstrip("*").upper(), data, place), limit
+        card, width, name = _Card(head.rstrip("*").upper(), data, place), limit, behind
     if card is not None:
         yield card
 
 
 def _is_number(text: str) -> bool:
-    return re.fullmatch(r"[+-]?[0-9.]+([ed]?[+-]?[0-9]+)?", text.lower()) is not None
+    return re.fullmatch(r"[+-]?[0-9.]++([ed]?[+-]?[0-9]++)?", text.lower()) is not None
 
 
-def _bulk_lines(path: Path, parents: tuple[Path, ...] = ()) -> Iterator[tuple[str, str]]:
-    """Lines of the bulk data section without comments, includes put in, each with its place in words."""
+def _bulk_lines(path: Path, budget: Budget, parents: tuple[Path, ...] = ()) -> Iterator[tuple[str, str]]:
+    """Lines of the bulk data section (before it those of PARAM) without comments, includes put in, each with its place
+    in words."""
     try:
-        lines = path.read_text(encoding="latin-1").splitlines()  # comments may hold anything
-    except OSError as error:
-        raise InputError(f"mesh file {path.name}: cannot be read ({error}); check the path") from None
+        lines = budget.read(path, len(parents)).decode("latin-1").splitlines()  # comments may hold anything
+    except (OSError, ValueError) as error:
+        raise InputError(f"mesh file {path.name}: cannot be read ({reason(error)}); check the path") from None
     begin = next((i for i, line in enumerate(lines) if line.upper().split()[:2] == ["BEGIN", "BULK"]), -1)
-    for number, raw in enumerate(lines[begin + 1 :], start=begin + 2):
+    for number, raw in enumerate(lines, start=1):
         line = raw.split("$", 1)[0].expandtabs(8).rstrip()
-        if not line:
+        if not line or (number <= begin + 1 and not line.upper().startswith("PARAM")):
             continue
         place = f"{path.name}, line {number}"
         word = line.split(None, 1)[0].upper()
@@ -303,6 +393,8 @@ def _bulk_lines(path: Path, parents: tuple[Path, ...] = ()) -> Iterator[tuple[st
             continue
         name = line.split(None, 1)[1].strip("'\" ") if len(line.split(None, 1)) > 1 else ""
         other = path.parent / name
-        if not name or not other.is_file() or other.resolve() in [p.resolve() for p in (*parents, path)]:
-            raise InputError(f"mesh file {place}: INCLUDE {name!r} does not exist or includes itself; correct the path")
-        yield from _bulk_lines(other, (*parents, path))
+        if not name or not exists(other) or other.resolve() in [p.resolve() for p in (*parents, path)]:
+            raise InputError(
+                f"mesh file {place}: INCLUDE {name[:200]!r} does not exist or includes itself; correct the path"
+            )
+        yield from _bulk_lines(other, budget, (*parents, path))

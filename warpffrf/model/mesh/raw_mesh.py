@@ -2,28 +2,33 @@
 
 Facets are matched with the faces of the cells by their corners and take the faces' node order, so that normals point
 outwards whatever the file's order was. A wedge whose triangles run the other way (VTK's documentation and meshio
-disagree with VTK and everyone else about its first triangle) is turned over.
+disagree with VTK and everyone else about its first triangle) is turned over, other cells where the format leaves their
+hand open. Cells with repeated nodes become what is left of them.
 """
 
 from __future__ import annotations
 
 import logging
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.checks import part_labels
+from warpffrf.model.mesh.checks import (
+    check_connected,
+    check_distinct,
+    check_orientation,
+    corner_notes,
+    part_labels,
+)
+from warpffrf.model.mesh.collapsed import left_over, repeated
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, row_numbers
 
 logger = logging.getLogger(__name__)
-
-# nodes of a wedge seen from its other side: corners 1 and 2, 4 and 5 change places, and the middle nodes with them
-_TURNED_OVER = {"wedge6": [0, 2, 1, 3, 5, 4], "wedge15": [0, 2, 1, 3, 5, 4, 8, 7, 6, 11, 10, 9, 12, 14, 13]}
 
 Array = np.ndarray
 
@@ -34,7 +39,8 @@ class RawMesh:
     as numbers of points; `groups`: {name: member numbers in each block}; `materials` in SI units.
 
     `stray_facets`: facets that are no faces of a cell are left out with a note (shells of a larger model) instead of
-    refused.
+    refused. `either_hand`: the format does not say how the nodes of a cell turn round. `labels`: the numbers that the
+    file gives the members of each block, None where it gives none.
     """
 
     points: Array
@@ -43,29 +49,35 @@ class RawMesh:
     materials: Mapping[str, Material] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     stray_facets: bool = False
+    either_hand: bool = False
+    labels: Sequence[Array] | None = None
 
 
 def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, label: str) -> Mesh:
     """The checked mesh of one part of `raw`, coordinates times `scale`; `label` names the file in errors."""
+    for kind, nodes in raw.blocks:
+        if nodes.size and (nodes.min() < 0 or nodes.max() >= len(raw.points)):
+            what = "cell" if kind in CELL_KINDS else "facet"
+            raise InputError(f"{label}: a {what} refers to a node that the file does not hold")
+    notes: list[str] = []
+    raw = _uncollapsed(raw, notes, label)
     volumes = [b for b, (kind, _) in enumerate(raw.blocks) if kind in CELL_KINDS]
-    count = len(raw.points)
-    for b in volumes:
-        nodes = raw.blocks[b][1]
-        if nodes.size and (nodes.min() < 0 or nodes.max() >= count):
-            raise InputError(f"{label}: a cell refers to a node that the file does not hold")
     kept = _one_part(raw, volumes, part, label)
     if not any(mask.any() for mask in kept.values()):
         raise InputError(f"{label}: there are no volume cells; export the 3-D mesh")
 
     by_kind: dict[str, list[Array]] = {}
+    named: dict[str, list[Array]] = {}
     for b in volumes:
         kind, nodes = raw.blocks[b]
         if kept[b].any():
-            by_kind.setdefault(kind, []).append(_upright(kind, raw.points, nodes[kept[b]]))
+            by_kind.setdefault(kind, []).append(_upright(kind, raw, nodes[kept[b]], notes))
+            named.setdefault(kind, []).append(np.zeros(0) if raw.labels is None else raw.labels[b][kept[b]])
     cells = {kind: np.concatenate(parts) for kind, parts in by_kind.items()}
+    labels = None if raw.labels is None else np.concatenate([a for parts in named.values() for a in parts])
     number = _cell_numbers(raw, volumes, kept, list(cells))
     used = np.unique(np.concatenate([nodes.ravel() for nodes in cells.values()]))
-    new_number = np.full(count, -1, dtype=np.int64)
+    new_number = np.full(len(raw.points), -1, dtype=np.int64)
     new_number[used] = np.arange(len(used))
     cells = {kind: new_number[nodes] for kind, nodes in cells.items()}
 
@@ -74,20 +86,59 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
         members = np.concatenate([number[b][parts[b]] for b in volumes])
         if np.any(members >= 0):
             cell_sets[group] = members[members >= 0]
-    facet_sets, notes = _facet_sets(raw, cells, new_number, label)
+    facet_sets, left_out = _facet_sets(raw, cells, new_number, label)
+    points, what = raw.points[used] * scale, "number" if labels is None else "element"
     try:
-        mesh = Mesh(
-            raw.points[used] * scale,
+        # what mesh.check() does, with the file's numbers; nodes without cells are left out already
+        check_orientation(points, cells, labels, what)
+        check_distinct(cells, labels, what)
+        check_connected(len(points), cells)
+        return Mesh(
+            points,
             cells,
             facet_sets,
             name=name,
             cell_sets=cell_sets,
             materials={group: material for group, material in raw.materials.items() if group in cell_sets},
-            notes=(*raw.notes, *notes),
+            notes=(*raw.notes, *notes, *left_out, *corner_notes(points, cells, labels, what)),
         )
-        return mesh.check()
     except InputError as error:
         raise InputError(f"{label}: {error}") from None
+
+
+def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
+    """`raw` with cells that have a node twice as what is left of them, in blocks of their own."""
+    blocks, groups = [*raw.blocks], {name: [*parts] for name, parts in raw.groups.items()}
+    labels = None if raw.labels is None else [*raw.labels]
+    for b, (kind, nodes) in enumerate(raw.blocks):
+        bad = repeated(nodes) if kind in CELL_KINDS else np.zeros(0, dtype=bool)
+        if not bad.any():
+            continue
+        left: dict[str, list[tuple[int, list[int]]]] = {}
+        for row in np.flatnonzero(bad):
+            found = left_over(kind, nodes[row])
+            if found is None:
+                name = f"number {row} of its kind" if raw.labels is None else f"element {raw.labels[b][row]}"
+                raise InputError(
+                    f"{label}: {kind} {name} has nodes repeated, and what is left is no wedge or "
+                    "tetrahedron; mesh it so"
+                )
+            left.setdefault(found[0], []).append((int(row), found[1]))
+        for new_kind, rows in left.items():
+            old = np.array([row for row, _ in rows])
+            blocks.append((new_kind, np.array([new for _, new in rows], dtype=np.int64)))
+            for parts in groups.values():
+                parts.append(np.flatnonzero(np.isin(old, parts[b])))
+            if labels is not None and raw.labels is not None:
+                labels.append(raw.labels[b][old])
+            notes.append(f"{len(rows)} {kind} cells with nodes repeated are read as {new_kind}")
+        number = np.cumsum(~bad) - 1
+        blocks[b] = (kind, nodes[~bad])
+        for parts in groups.values():
+            parts[b] = number[parts[b][~bad[parts[b]]]]
+        if labels is not None:
+            labels[b] = labels[b][~bad]
+    return replace(raw, blocks=blocks, groups=groups, labels=labels)
 
 
 def _one_part(raw: RawMesh, volumes: list[int], part: int | str | None, label: str) -> dict[int, Array]:
@@ -111,14 +162,18 @@ def _one_part(raw: RawMesh, volumes: list[int], part: int | str | None, label: s
     return dict(zip(volumes, np.split(labels == order[part], stops), strict=True))
 
 
-def _upright(kind: str, points: Array, nodes: Array) -> Array:
-    """The cells, with wedges that are inside out turned over."""
-    if kind not in _TURNED_OVER:
-        return nodes
+def _upright(kind: str, raw: RawMesh, nodes: Array, notes: list[str]) -> Array:
+    """The cells, with wedges that are inside out turned over, and all that are where the format leaves that open."""
     cell = cell_kind(kind)
+    if not (raw.either_hand or cell.domain == "wedge"):
+        return nodes
     middle = cell.nodes[: cell.corner_count].mean(axis=0, keepdims=True)
-    over = cell.jacobians(points[nodes], middle)[:, 0] < 0.0
-    return np.where(over[:, None], nodes[:, _TURNED_OVER[kind]], nodes)
+    over = cell.jacobians(raw.points[nodes], middle)[:, 0] < 0.0
+    if raw.either_hand and over.any():
+        notes.append(f"{np.sum(over)} {kind} cells whose nodes turn round the other way are turned over")
+    # every reference cell is its own mirror image in the plane between its first two axes
+    mirror = np.array([int(np.argmin(np.abs(cell.nodes - x).sum(axis=1))) for x in cell.nodes[:, [1, 0, 2]]])
+    return np.where(over[:, None], nodes[:, mirror], nodes)
 
 
 def _cell_numbers(raw: RawMesh, volumes: list[int], kept: dict[int, Array], kinds: list[str]) -> dict[int, Array]:
@@ -149,8 +204,6 @@ def _facet_sets(
     queries = []
     for b in surfaces:
         nodes = raw.blocks[b][1]
-        if nodes.min() < 0 or nodes.max() >= len(new_number):
-            raise InputError(f"{label}: a facet refers to a node that the file does not hold")
         queries.append((raw.blocks[b][0], new_number[nodes]))
     keys = [_key(*item) for item in [*faces, *queries]]
     same = row_numbers(np.concatenate(keys))

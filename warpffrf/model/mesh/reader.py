@@ -1,7 +1,8 @@
 """Meshes from files: Gmsh .msh, VTK .vtu and .vtk, Nastran bulk data, Abaqus and CalculiX .inp.
 
-One file a format reads it (`meshio_files`, `nastran_bulk`, `inp`); `raw_mesh` makes one part of it a mesh. Named
-surfaces become facet sets, named groups of cells become cell sets.
+One file a format reads it (`gmsh_file`, `vtu_file`, `vtk_file`, `nastran_bulk`, `inp`); `raw_mesh` makes one part of it
+a mesh. Named surfaces become facet sets, named groups of cells become cell sets. What a file has (cells by kind,
+pieces, entities, groups, arrays) and a mesh cannot hold is refused or said in `Mesh.notes`.
 """
 
 from __future__ import annotations
@@ -11,16 +12,20 @@ from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.mesh.data import Mesh
-from warpffrf.model.mesh.meshio_files import FORMATS, read_meshio
+from warpffrf.model.mesh.gmsh_file import read_gmsh
 from warpffrf.model.mesh.nastran_bulk import SUFFIXES as NASTRAN
 from warpffrf.model.mesh.nastran_bulk import read_bulk
 from warpffrf.model.mesh.raw_mesh import built
 from warpffrf.model.mesh.units import LENGTH_UNITS
+from warpffrf.model.mesh.vtk_file import read_vtk
+from warpffrf.model.mesh.vtu_file import read_vtu
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.regular_file import exists
 
 logger = logging.getLogger(__name__)
 
-SUFFIXES = (*FORMATS, *NASTRAN, ".inp")
+READERS = {".msh": read_gmsh, ".vtu": read_vtu, ".vtk": read_vtk}
+SUFFIXES = (*READERS, *NASTRAN, ".inp")
 
 
 @named_arguments
@@ -45,7 +50,7 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
         raise unknown_name("length unit", length_unit, LENGTH_UNITS)
     if part is not None and (isinstance(part, bool) or not isinstance(part, int | str)):
         raise InputError(f"part must be a name or the number of a connected part, got {part!r}")
-    if not path.is_file():
+    if not exists(path):
         raise InputError(f"mesh file {str(path)!r} does not exist; check the path")
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
@@ -55,7 +60,7 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
 
         mesh = read_inp(path, length_unit=length_unit, part=part)
     else:
-        raw = read_meshio(path) if suffix in FORMATS else read_bulk(path, length_unit)
+        raw = READERS[suffix](path) if suffix in READERS else read_bulk(path, length_unit)
         mesh = built(raw, scale=LENGTH_UNITS[length_unit], part=part, name=path.stem, label=f"mesh file {path.name}")
     for warning in mesh.report().warnings:
         logger.warning("mesh file %s: %s", path.name, warning)

@@ -163,14 +163,17 @@ def _doubts(surfaces: Mapping[str, LapSurface], C: Array, softness: Array) -> li
         if held.any():
             found.append(
                 f"lap {name!r}: {int(held.sum())} of {s.cells} cells hardly give way, a rigid interface holds their "
-                "nodes; keep it off the faces of the lap, or make it 'average'"
+                "nodes; end the lap a row of facets before it, or make it 'average', which holds them in the mean alone"
             )
             own, normal = own[np.ix_(~held, ~held)], normal[~held]
         own = own + softness[:, normal].T @ softness[:, normal]
         if len(own) and (rank := _rank(own)) < len(own):
+            cure = "end the lap a row of facets before a rigid interface, which takes what its nodes get"
+            if s.by == "facets":
+                cure += "; where there is none, make larger cells by LapCells(size=), or take by='nodes'"
             found.append(
                 f"lap {name!r}: {len(own) - rank} of {s.cells} cells depend on the others: some pressures that change "
-                "from cell to cell load no node; make larger cells by LapCells(size=), or take by='nodes'"
+                f"from cell to cell load no node; {cure}"
             )
     return found
 

@@ -107,7 +107,7 @@ class FlatCells:
         bears[used] = chart.before(points[used]) & (y < DEEPEST * chart.smallest_radius)
         kept = {}
         for kind, found in numbers.items():
-            upright, cube = jacobian_range(places, kind, cells[kind][found])
+            upright, cube = jacobian_range(places, kind, cells[kind][found], cell_kind(kind).nodes)
             good = found[bears[cells[kind][found]].all(axis=1) & (upright > FLAT_CELL * cube)]
             if len(good):
                 kept[kind] = good

@@ -126,9 +126,7 @@ class Outer(Arrays):
     projection_rhs: DeviceArray = reals("world", "projected_outer", run=True)
     change: DeviceArray = reals("world", "outer", note="of velocities by their projection", run=True)
     modal_step: DeviceArray = reals("world", "mode", unit="m kg^1/2", run=True)
-    hold: DeviceArray = reals(
-        "world", "6*contact_body", "6*body", note="motions that a static state keeps", carried=True
-    )
+    hold: DeviceArray = reals("world", "6*held_body", "6*body", note="motions that a static state keeps", carried=True)
     hold_count: DeviceArray = integers("world", carried=True)
     hold_firm: DeviceArray = integers(
         "world", note="those of them that do not weaken from round to round", carried=True

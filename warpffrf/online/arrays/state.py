@@ -27,6 +27,7 @@ class MotionState(Arrays, carried=True):
     omega: DeviceArray = vectors("world", "body", unit="rad/s", note="body axes")
     omega_rate: DeviceArray = vectors("world", "body", unit="rad/s2")
     omega_alg: DeviceArray = vectors("world", "body", unit="rad/s2")
+    turned: DeviceArray = reals("world", "body", unit="rad/s", note="fastest turning of a run, see `inertia_plan`")
     q: DeviceArray = reals("world", "mode", unit="m kg^1/2")
     qd: DeviceArray = reals("world", "mode", unit="m kg^1/2/s")
     qd_rate: DeviceArray = reals("world", "mode", unit="m kg^1/2/s2")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -94,6 +94,7 @@ class Collector:
         local: LocalDynamics,
         patches: Mapping[int, PatchPlan] | None = None,
         shared: Shared | None = None,
+        turned: Sequence[float] | np.ndarray = (),
     ) -> None:
         self.scene, self.settings, self.device = scene, settings, device
         self.constants = Constants(device, shared)
@@ -112,7 +113,7 @@ class Collector:
         self.sides: list[int] = []  # which of them each side of each pair is on
         self.lumped_sides: list[int] = []  # the same of lumped contacts
         self.film_sides: list[int] = []  # the same of films
-        self.inertia = InertiaPlan.of(scene)
+        self.inertia = InertiaPlan.of(scene, turned)
         self.local = LocalPlan.of(scene, local)
         dynamic = {body.index for body in scene.bodies if self.local.count(body.index)}
         if patches is None:

@@ -188,8 +188,8 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
         )
     elif len(free) > MANY:
         collector.notes.append(
-            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; fewer "
-            "rows cost little accuracy, evaluation='hyper' takes a profile along in their place"
+            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; "
+            "evaluation='hyper' takes a profile along in place of rows, whose number the load errs by as its square"
         )
     if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
         collector.notes.append(f"{film.label}: local modes move without inertia under its pressure")

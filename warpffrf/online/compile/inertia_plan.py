@@ -9,7 +9,7 @@ A level says which parts of J(q) = J0 + sum q_i J1_i + sum q_i q_j J2_ij and h =
 
 Each is the Lagrangian of its own kinetic energy, so each conserves energy and angular momentum. `auto` takes the least
 level that keeps every term whose estimate is above its bound (BOUNDS), with omega the fastest turning that the scene
-states (initial angular velocities, velocity drives), frequencies omega_i and |J0| = tr J0/2 = int |X|^2 dm:
+states (initial angular velocities, drives), frequencies omega_i and |J0| = tr J0/2 = int |X|^2 dm:
 
     centrifugal   omega^2/2 root(sum_i |J1_i|^2/omega_i^4) / root(|J0|)   what the centrifugal load deforms, of the size
     deformed      omega^2 norm(|J2_ij|/(omega_i omega_j))                 centrifugal against elastic force
@@ -18,6 +18,11 @@ states (initial angular velocities, velocity drives), frequencies omega_i and |J
 The last two are ratios of forces that both grow with the deformation. The first is a load; what else loads the body is
 not known before the run, so that it is judged by itself: modes have the mass norm, hence |q|/root(|J0|) is the root
 mean square of the displacement over the radius of gyration.
+
+What torques, contacts and springs set turning is not stated. With the estimates the speed is known up to which a level
+holds; a run in which a body turns faster begins anew, with all terms of that body (`online.run`): a level that changes
+in the middle of a run would change its energy and momentum. The fastest turning of each body is part of the state, so
+that a run that goes on from a checkpoint has the level that was chosen.
 """
 
 from __future__ import annotations
@@ -40,11 +45,12 @@ BOUNDS = {"centrifugal": NOTICEABLE, "deformed inertia": AUTO, "gyroscopic": AUT
 @dataclass(frozen=True)
 class BodyInertia:
     """What one body carries: the level in use, the terms (None: constant), and what of them loads stiffen (None:
-    nothing)."""
+    nothing); `limit`: the fastest turning [rad/s] for which `auto` would choose the level."""
 
     level: str
     terms: InertiaTerms | None
     stiffening: GeometricStiffness | None
+    limit: float = np.inf
 
     @property
     def count(self) -> int:
@@ -60,15 +66,17 @@ class InertiaPlan:
     notes: list[str]
 
     @classmethod
-    def of(cls, scene: Scene) -> InertiaPlan:
-        """Levels as the scene asks for them; raises InputError for a body that was reduced without inertia terms."""
+    def of(cls, scene: Scene, turned: Sequence[float] | np.ndarray = ()) -> InertiaPlan:
+        """Levels as the scene asks for them; `turned`: the fastest turning of each body [rad/s] in a run so far. Raises
+        InputError for a body that was reduced without inertia terms."""
         plans, notes = [], []
+        found = turned if len(turned) else [0.0] * len(scene.bodies)
         speed = fastest_turning(scene)
-        for body in scene.bodies:
+        for body, fastest in zip(scene.bodies, found, strict=True):
             if not body.mode_count:
                 plans.append(BodyInertia("constant", None, None))
                 continue
-            plan = _plan(body, speed, notes)
+            plan = _plan(body, speed, float(fastest), notes)
             plans.append(plan)
             if 0 < plan.count < body.mode_count:
                 notes.append(
@@ -76,10 +84,15 @@ class InertiaPlan:
                 )
         return cls(plans, notes)
 
+    @property
+    def limits(self) -> np.ndarray:
+        """(bodies,) rad/s: a body that turns faster needs another level; inf where none is chosen."""
+        return np.array([plan.limit for plan in self.bodies])
 
-def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
+
+def _plan(body: Body, speed: float, fastest: float, notes: list[str]) -> BodyInertia:
     terms = body.flexible.inertia_terms
-    level = body.level
+    level, limit = body.level, np.inf
     stiffening = terms.stiffening if terms is not None and body.stiffening else None
     if body.stiffening and stiffening is None:
         raise InputError(
@@ -99,14 +112,19 @@ def _plan(body: Body, speed: float, notes: list[str]) -> BodyInertia:
         found = estimate(terms, body.inertia, 2.0 * np.pi * body.flexible.frequencies, speed)
         level = least_level([found[name] > BOUNDS[name] for name in TERM_NAMES])
         sizes = ", ".join(f"{name} {value:.1e}" for name, value in found.items())
-        notes.append(f"body {body.name!r}: inertia 'auto' chose {level!r} (estimates at {speed:.3g} rad/s: {sizes})")
+        said = f"body {body.name!r}: inertia 'auto' chose {level!r} (estimates at {speed:.3g} rad/s: {sizes})"
+        limit = fastest_for(terms, body.inertia, 2.0 * np.pi * body.flexible.frequencies, level)
+        if fastest > limit:
+            said += f", then 'full', as it turns faster than {limit:.3g} rad/s, up to which {level!r} holds"
+            level, limit = "full", np.inf
+        notes.append(said)
     if level != "constant" and (terms is None or not len(terms.first)):
         raise InputError(
             f"body {body.name!r}: inertia {level!r} needs inertia terms, which this reduced body lacks; reduce it again"
         )
     if level == "constant" and not body.stiffening:
         terms = None
-    return BodyInertia(level, terms, stiffening)
+    return BodyInertia(level, terms, stiffening, limit)
 
 
 def fastest_turning(scene: Scene) -> float:
@@ -131,6 +149,17 @@ def estimate(terms: InertiaTerms, J0: np.ndarray, omega: np.ndarray, speed: floa
         "deformed inertia": float(speed**2 * np.linalg.norm(J2 / np.outer(w, w), ord=2)),
         "gyroscopic": float(2.0 * speed * np.max(G / np.maximum.outer(w, w))),
     }
+
+
+def fastest_for(terms: InertiaTerms, J0: np.ndarray, omega: np.ndarray, level: str) -> float:
+    """The fastest turning [rad/s] at which every term that `level` leaves out is within its bound; as `estimate`."""
+    at_one = estimate(terms, J0, omega, 1.0)
+    limits = [
+        (BOUNDS[name] / at_one[name]) ** (1.0 if name == "gyroscopic" else 0.5)
+        for name, kept in zip(TERM_NAMES, LEVELS[level], strict=True)
+        if not kept and at_one[name] > 0.0
+    ]
+    return min(limits, default=np.inf)
 
 
 def least_level(wanted: Sequence[bool]) -> str:

@@ -30,6 +30,7 @@ from warpffrf.online.compile.windows import (
 )
 
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
+SOFT, SOFT_STRAIN = 2e8, 0.3  # Pa, of elastomers: half of their default window over the effective radius
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
@@ -170,13 +171,24 @@ def _half_window(collector: Collector, pair: Pair, turned: float) -> int:
     contact, _, a, _, b = pair
     if contact.capacity is not None:
         return max(int(np.ceil(contact.capacity / a.grid.rows / 2.0)) + int(GUARD), 2 * int(GUARD) + 1)
-    half, wanted = half_window(a, Extent.of(a), Extent.of(b), turned, collector.settings.window_strain)
+    strain = max(collector.settings.window_strain, SOFT_STRAIN if _soft(contact) else 0.0)
+    half, wanted = half_window(a, Extent.of(a), Extent.of(b), turned, strain)
     if half < wanted and half == MAX_HALF_WINDOW:
         collector.notes.append(
             f"contact {contact.name!r}: window capped at {2 * MAX_HALF_WINDOW + 1} columns of {2 * wanted + 1}; "
             "a coarser contact grid (traction_spacing) would do, or give capacity="
         )
     return half
+
+
+def _soft(contact: Contact) -> bool:
+    """Whether a body of the pair is of a material that is pressed far beyond what metals bear."""
+    found = [
+        port.body.reduced.provenance.get("contact_materials", {}).get(port.name)
+        for port in contact.ports
+        if not port.rigid
+    ]
+    return any(material and material["youngs_modulus"] < SOFT for material in found)
 
 
 def _reach_on_second(a: ContactSurface, b: ContactSurface, half_window: int) -> tuple[int, int, int]:

@@ -162,7 +162,10 @@ def _at_rest(
     """Force and pressures of the contact with that number, at those saved `rows` where the bodies held still let them
     be found."""
     try:
-        held = Engine(engine.scene, device=str(engine.compiled.device), settings=engine.settings, patches=patches)
+        held = Engine(
+            engine.scene, device=str(engine.compiled.device), settings=engine.settings, patches=patches,
+            turned=engine.state.turned.numpy()[0],
+        )  # fmt: skip
     except (InputError, MemoryError, RuntimeError):  # no room for them
         return {}
     held.rates_to_zero()

@@ -3,7 +3,9 @@ r"""How far bodies deflected in a run, and what of that their equations leave ou
 Of bodies that loads stiffen a line says, as far as they have it:
 
 * the membrane energy V4 over the energy V2 = |z|^2/2 of the modes, z_i = omega_i q_i, the largest of the run: of zero
-  the body bends without stretching, at a third a plate deflects by its thickness, about;
+  the body bends without stretching, at a third a plate deflects by its thickness, about. Modes that have none are
+  named, with their part of V2; where V4 exceeds `STRETCHED` times V2, too, an equilibrium may be on another branch
+  than the one that a load leads to which grows slowly;
 * the largest angle by which an interface turns from the mean axes. Theta is the second term of a series in such angles,
   the next is a sixth of their cube beside them: above `TURNED` that is 1.5 %, and several bodies in a row are better;
 * the kinetic energy of second-order motion, which is neglected: the largest of the run over the largest of |qd|^2/2
@@ -38,6 +40,7 @@ from warpffrf.online.history.history import BodyHistory
 
 TURNED = 0.3  # rad, see the module docstring
 THICK = 0.5  # of the smallest extent
+STRETCHED = 1.0  # V4/V2, about where a plate deflects by 1.7 of its thickness: most of its stiffness is of stretching
 STILL = 1e-3  # rad: interfaces that turn by less do not turn
 STRAINED = 0.01  # what follows of forces and stresses is wanted to 1 %
 LEADING = 4  # modes
@@ -47,14 +50,15 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Deflection:
-    """How far one `body` deflected: `membrane` largest V4/V2, `turned` [rad] largest angle of an interface, its name
-    `interface`, `inertia` kinetic energy of second-order motion over that of the modes, each None where there is none
-    of it; `extents` largest deflection of the skin over the smallest extent, `strain` largest of the skin, `place` (3,)
-    [m, user frame] of it, `second` largest second-order motion of the skin, or of interfaces where the body has none of
-    the skin, over the deflection."""
+    """How far one `body` deflected: `membrane` largest V4/V2, `bare` largest part of V2 in modes without membrane
+    energy, `turned` [rad] largest angle of an interface, its name `interface`, `inertia` kinetic energy of second-order
+    motion over that of the modes, each None or zero where there is none of it; `extents` largest deflection of the skin
+    over the smallest extent, `strain` largest of the skin, `place` (3,) [m, user frame] of it, `second` largest
+    second-order motion of the skin, or of interfaces where the body has none of the skin, over the deflection."""
 
     body: str
     membrane: float | None
+    bare: float
     turned: float | None
     interface: str
     inertia: float | None
@@ -80,8 +84,10 @@ def _deflection(body: Body, q: Array, qd: Array) -> Deflection:
     share = 0.5 * (2.0 * np.pi * reduced.frequencies * q) ** 2
     V2 = share.sum(axis=1)
     forms, motion = membrane_forms(body), motion_of(body)
-    membrane = None
+    membrane, bare = None, 0.0
     if forms is not None and len(forms):
+        rest = share[:, _stretching(forms) :].sum(axis=1)
+        bare = float(np.max(rest / np.where(V2 > 0.0, V2, np.inf)))
         membrane = float(np.max(membrane_energies(forms, q) / np.where(V2 > 0.0, V2, np.inf)))
     moving = 0.5 * np.max(np.sum(qd**2, axis=1))
     inertia = None
@@ -103,9 +109,14 @@ def _deflection(body: Body, q: Array, qd: Array) -> Deflection:
     if motion is None and body.stiffening:
         second = max((_longest(0.5 * second_order(body, n, q, q)[:, :3]) for n in reduced.interfaces), default=0.0)
     return Deflection(
-        body.name, membrane, turned.get(furthest), furthest, inertia, largest / _smallest_extent(body), extreme, place,
-        second / largest if largest > 0.0 else 0.0,
+        body.name, membrane, bare, turned.get(furthest), furthest, inertia, largest / _smallest_extent(body), extreme,
+        place, second / largest if largest > 0.0 else 0.0,
     )  # fmt: skip
+
+
+def _stretching(forms: Array) -> int:
+    """How many modes, the lowest, have membrane energy."""
+    return int(np.flatnonzero(np.any(forms != 0.0, axis=(0, 2))).max(initial=-1)) + 1
 
 
 def _longest(u: Array) -> float:
@@ -120,13 +131,13 @@ def _smallest_extent(body: Body) -> float:
     return float(np.sqrt(6.0 * max(J[0] + J[1] - J[2], np.finfo(float).eps * J[2]) / body.mass))
 
 
-def deflection_lines(scene: Scene, found: list[Deflection]) -> list[str]:
-    """What the report says of them, and the cures."""
+def deflection_lines(scene: Scene, found: list[Deflection], *, at_rest: bool = False) -> list[str]:
+    """What the report says of them, and the cures; `at_rest`: of an equilibrium."""
     touched = {port.body.name for item in (*scene.contacts, *scene.films, *scene.laps) for port in item.ports}
-    return [line for one in found for line in _lines(scene.body(one.body), one, one.body in touched)]
+    return [line for one in found for line in _lines(scene.body(one.body), one, one.body in touched, at_rest)]
 
 
-def _lines(body: Body, one: Deflection, touched: bool) -> list[str]:
+def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[str]:
     name, facts, lines = f"body {one.body!r}", [], []
     far = one.turned is not None and one.turned > TURNED
     if one.membrane is not None:
@@ -141,6 +152,17 @@ def _lines(body: Body, one: Deflection, touched: bool) -> list[str]:
     if facts:
         cure = f"; above {TURNED:g} rad: split it into several bodies" if far else ""
         lines.append(f"{name}: {', '.join(facts)}{cure}")
+    forms = membrane_forms(body)
+    if one.membrane is not None and one.membrane > FLAG and forms is not None:
+        first, count = _stretching(forms), body.mode_count
+        if first < count:
+            line = (
+                f"{name}: of its {count} modes those after the first {first} have no membrane energy, and up to "
+                f"{percent(one.bare)} of the energy of all; where it deflects by several thicknesses they are too soft"
+            )
+            if at_rest and one.membrane > STRETCHED:
+                line += ", and the equilibrium may be on another branch than the one that a growing load leads to"
+            lines.append(f"{line}; reduce it with membrane_modes={count}, to see")
     if not body.stiffening and one.extents > THICK:
         lines.append(
             f"{name}: it deflects by up to {one.extents:.2g} of its smallest extent, and what that stretches is left "

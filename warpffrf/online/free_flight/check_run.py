@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from warpffrf_kernels.core.control import Clock
 
-from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.keeping import Keeper, Plan, Rows, Source, Unfinished
@@ -148,7 +148,7 @@ def run_check(
     if kind not in ADVANCE:
         raise InputError(f"simulate: a check runs with RungeKutta4() or EnergyMomentum(), got {integrator!r}")
     steps, notes = step_count(duration, step)
-    save_every = require_count(save_every, "simulate: save_every", 1)
+    save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
     check_free(scene, kind.__name__, loads=WITH_LOADS[kind])
     continued = isinstance(start, History | Unfinished)
     if not isinstance(start, Unfinished) and start != "initial" and not (continued and is_dynamic(start.checkpoint)):

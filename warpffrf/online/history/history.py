@@ -283,6 +283,7 @@ class History(looks.Shown):
     marks: Any = None  # states on the way, `online.marks.Marks`, of a run in this process; a file has none
     cell_checks: dict[int, Any] = field(default_factory=dict)  # by contact, `online.diagnosis.cell_check`, as marks
     film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_check`, likewise
+    film_grids: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_grid`, likewise
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once they have been looked at
     stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin
 

@@ -2,7 +2,8 @@ r"""Rigid motions of the bodies that neither joints, springs nor closed contacts
 state.
 
 With C the gradients of all rows that hold (joints, drives, springs), L those of the weak gaps of the hats under
-pressure and of the gaps of lumped contacts that are closed, by the rigid coordinates z, a motion is free where C z = 0
+pressure, of the gaps of lumped contacts that are closed and of cells of laps under pressure, with the slips of these
+where they rub, by the rigid coordinates z, a motion is free where C z = 0
 and L z = 0: a roller about its axle, whatever it is pressed on, a ball about any line, a body that slides along a
 plane. They are the right singular vectors of (C, L), lines of length one in coordinates weighed by mass, with singular
 values below FREE. Of lumped contacts alone, L has a second order as well (`bent_gaps`): a ball that climbs its groove
@@ -57,6 +58,7 @@ from warpffrf.model.scene_check import connecting
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.bent_gaps import without_stiff
+from warpffrf.online.start.lap_motions import held_by_laps
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5
@@ -103,9 +105,11 @@ class FreeMotions:
 
     @property
     def possible(self) -> bool:
-        """Scenes without contact grids have none that drive what is free, and their outer matrix no room for holding
-        it."""
-        return self.engine.compiled.model.pairs.count > 0 and len(self.engine.scene.bodies) > 0
+        """Scenes without contact grids have none that drive what is free, nor do laps in load steps, each of which is
+        near the one before."""
+        compiled = self.engine.compiled
+        laps = compiled.laps.count > 0 and not self.rubs
+        return (compiled.model.pairs.count > 0 or laps) and len(self.engine.scene.bodies) > 0
 
     @property
     def told(self) -> bool:
@@ -408,7 +412,8 @@ def _lines(engine: Engine, world: int, size: int, holds: np.ndarray) -> tuple[np
     closed = _closed_places(engine, world)
     touches = _lumped_gradients(engine, world, size)
     pushes = np.asarray(engine.state.lumped_force.numpy()[world, 1])[closed]
-    return np.vstack([rows, gaps, touches]), np.concatenate([pulls, pressures, pushes])
+    laps, pressed = held_by_laps(engine, world, size)
+    return np.vstack([rows, gaps, touches, laps]), np.concatenate([pulls, pressures, pushes, pressed])
 
 
 def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -27,7 +27,7 @@ MOTION = Participant(
     ],
     move=[
         blocks(motion.move_bodies, **START),
-        threads(motion.hold_motions, when="pair"),
+        threads(motion.hold_motions, when="held_body"),
         blocks(motion.move_modes, when="mode", **START_MODES),
         blocks(inertia.uncondense, when="dense"),
         blocks(inertia.sum_modes, when="inertia_mode", **SUMS),

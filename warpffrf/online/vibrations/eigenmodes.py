@@ -20,6 +20,7 @@ are. Motions without stiffness have lambda = 0, one for each direction.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -31,7 +32,8 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.friction import friction_notes, rolling_notes, rubbing
 from warpffrf.model.scene import Scene
-from warpffrf.online.checkpoint import is_dynamic, restore
+from warpffrf.online.checkpoint import is_dynamic, restore, turned_of
+from warpffrf.online.compile.inertia_plan import NOTICEABLE
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.run import coarser, describe
@@ -41,6 +43,7 @@ from warpffrf.online.start.settle import settle
 from warpffrf.online.turn import TURN
 from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
+from warpffrf.online.vibrations.quadratic import quadratic_modes
 from warpffrf.online.vibrations.stuck_laps import stuck_notes
 
 Array = np.ndarray
@@ -51,7 +54,15 @@ MORE_SHIFT = 10.0  # factor, where an unstable state needs a larger one
 MOST_SHIFTS = 30
 SAME_SHAPE = 1e-6  # singular value, below which the shapes of two zero eigenvalues are one motion
 REAL = 1e-7  # of |lambda|: a smaller imaginary part is round-off of a double real eigenvalue
+LOST = (
+    "oil films: the search for {} heavily damped motions came to nothing, as voids travel no faster than they would "
+    "die out; the slowest of them was looked for at {:.4g} 1/s"
+)
+Solve = Callable[[Array, Array, Array, Array], tuple[Array, Array]]
 STEADY = 1e-3  # of weight and centripetal acceleration: more makes the state one that passes
+SHAKES = (
+    1e-2  # of the centripetal acceleration within a body, where flexible ones begin to stretch in their stiff modes
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,23 +117,31 @@ def find_modes(
     be found.
     """
     count = require_count(count, "eigenmodes: count", 1)
-    engine = Engine(scene, device=device, settings=settings, progress=progress)
+    turned = turned_of(about.checkpoint, scene) if isinstance(about, History) else ()
+    engine = Engine(scene, device=device, settings=settings, turned=turned, progress=progress)
     notes: list[str] = []
     name = _prepare(engine, about, notes)
     linear = linearise(engine)
     notes.extend(_notes(engine, linear, name))
+
+    def with_films(m: Array, d: Array, k: Array, basis: Array) -> tuple[Array, Array]:
+        lam, phi, lost = film_modes(m, d, k, linear.T @ basis, linear.U @ basis, linear.films, count)
+        if lost:
+            notes.append(LOST.format(len(lost), max(value.real for value in lost)))
+        return lam, phi
+
     values, vectors = complex_modes(
-        linear.M, linear.D, linear.K, linear.C, max(ZERO, linear.resolution), linear if linear.films else None
+        linear.M, linear.D, linear.K, linear.C, max(ZERO, linear.resolution), with_films if linear.films else None
     )
     values, vectors = values[:count], vectors[:, :count]
     return _wrapped(engine, name, values, vectors, linear, notes)
 
 
 def complex_modes(
-    M: Array, D: Array, K: Array, C: Array, zero: float = ZERO, oiled: Linearisation | None = None
+    M: Array, D: Array, K: Array, C: Array, zero: float = ZERO, solve: Solve | None = None
 ) -> tuple[Array, Array]:
-    """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0, and
-    with the films of `oiled`.
+    """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0;
+    solve: of (m, d, k, basis) in place of m z'' + d z' + k z, y = basis z, those of a scene with films.
 
     Those below `zero` [1/s] are motions without stiffness, one for each direction. Raises InputError where a free
     coordinate has no mass.
@@ -132,15 +151,8 @@ def complex_modes(
     if not basis.shape[1]:
         return np.zeros(0, complex), np.zeros((len(M), 0), complex)
     m, d, k = (basis.T @ X @ basis for X in (M, D, K))
-    if oiled is not None:
-        lam, phi = film_modes(m, d, k, oiled.T @ basis, oiled.U @ basis, oiled.films)
-        Y = basis @ phi
-    else:
-        n = len(m)
-        A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(m, k), -np.linalg.solve(m, d)]])
-        balanced, (scale, _) = scipy.linalg.matrix_balance(A, permute=False, separate=True)
-        lam, phi = np.linalg.eig(balanced)
-        Y = basis @ (scale[:, None] * phi)[:n]
+    lam, phi = solve(m, d, k, basis) if solve is not None else quadratic_modes(m, d, k)
+    Y = basis @ phi
     still = np.abs(lam) < zero
     Y_still = (
         _independent(np.concatenate([np.real(Y[:, still]), np.imag(Y[:, still])], axis=1) / S[:, None]) * S[:, None]
@@ -285,7 +297,7 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         else:
             notes.append(f"bodies that turn: {names}; frequencies are those in world axes")
     if name != "equilibrium" and _passing(engine):
-        notes.append("the state is not steady (bodies accelerate): the modes are those of this instant")
+        notes.append("the state is not steady (bodies accelerate, or stretch): the modes are those of this instant")
     return notes
 
 
@@ -310,19 +322,28 @@ def _rubbing_notes(engine: Engine) -> list[str]:
 
 
 def _passing(engine: Engine) -> bool:
-    """Whether velocities change otherwise than by turning with the body."""
+    """Whether velocities change otherwise than by turning with the body, or bodies deform."""
     state = engine.state
     gravity = float(np.linalg.norm(engine.scene.gravity))
+    flexible = any(b.reduced is not None for b in engine.scene.bodies)
     for b in engine.scene.bodies:
         v, w = state.v.numpy()[0, b.index], state.omega.numpy()[0, b.index]
         a, wdot = state.v_rate.numpy()[0, b.index], state.omega_rate.numpy()[0, b.index]
         turned = rot.matrix(state.p.numpy()[0, b.index]) @ w
         circling = np.cross(turned, v)
         change = min(np.linalg.norm(a), np.linalg.norm(a - circling))
-        if change > STEADY * max(gravity, float(np.linalg.norm(circling)), 1.0):
+        within = float(w @ w) * np.sqrt(0.5 * np.trace(b.inertia) / b.mass) if flexible else 0.0
+        if change > max(STEADY * max(gravity, float(np.linalg.norm(circling)), 1.0), SHAKES * within):
             return True
         if np.linalg.norm(wdot) > STEADY * max(float(w @ w), 1.0):
             return True
+        if b.reduced is not None:  # what it deforms until its modes are at rest, of its size
+            own = slice(int(engine.compiled.modal_start[b.index]), int(engine.compiled.modal_start[b.index + 1]))
+            rates = state.qd_rate.numpy()[0, own][: b.mode_count]
+            ahead = np.linalg.norm(rates / (2.0 * np.pi * b.reduced.frequencies) ** 2)
+            bound = NOTICEABLE if b.stiffening else STEADY  # small strains change the stiffness of slender bodies
+            if ahead > bound * np.sqrt(0.5 * np.trace(b.inertia)):
+                return True
     return False
 
 

@@ -5,48 +5,64 @@ asperities, and the columns c that it is coupled to, motions of both bodies and 
 
     J_0 x + J_1 x' + B_0 c + B_1 c' = 0,       force on c:  P^T x.
 
+The set moves by itself in this: the void of the last function before a film that forms again stands for how far that
+function is filled, and lets as much less of voids into the film; so boundaries travel within cells.
+
 J and B of a step are J_0 + a_0 J_1 and B_0 + a_0 B_1, with the coefficient a_0 of its rates, so that two of them, from
 the kernels of a step, give all four. With y of `linearise`, c = T y and c' = T y' + U y, and y = N z of rigid rows that
-stay satisfied,
+stay satisfied, a motion z exp(lambda t) has the film follow,
 
-    m z'' + d z' + k z = N^T T^T P^T x,
-    J_1 x' + B_1 T N z' = -J_0 x - (B_0 T + B_1 U) N z,
+    T(lambda) z = 0,
+    T = lambda^2 m + lambda d + k + N^T T^T P^T (J_0 + lambda J_1)^-1 (B_0 T + B_1 U + lambda B_1 T) N.
 
-whose eigenvalues are those of the pencil of both in (z, z', x). J_1 is singular, as far as neither walls nor voids
-take oil: as many eigenvalues are infinite, and left out. So are motions of the oil alone, whose bodies hardly move:
-voids that travel. What counts is the oil that the motion of bodies takes, beside what voids and walls take: MOVES of
-both.
+**Voids are never part of an eigenproblem.** What travels from function to function is a chain, in a matrix a Jordan
+block as long as the row of voids: among the eigenvalues of a pencil of (z, z', x) the round-off eps of such a block of
+length n stands as eps^(1/n), some half of how fast voids leave a function, on circles that reach far into the unstable
+half. Solving with J_0 + lambda J_1 is free of that: voids come first, in a triangle, and leave the dense lines of full
+functions.
+
+**Each motion by itself.** About a place mu, T is a quadratic T(mu) + (lambda - mu) T'(mu), but for lambda^2 m, which is
+kept whole; its eigenvalue next to mu is the next place. That is Newton's method for an eigenvalue, and double ones do
+it no harm. It begins at mu = 0, and goes up: next is the slowest eigenvalue about the last place that none of those
+known takes for its own. Searches that come to nothing, or to one that is known, are given up, and said: they are for
+motions that die out as fast as voids leave, where the film has poles without end.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy.linalg
+from scipy import sparse
+from scipy.sparse.linalg import splu
 from warpffrf_kernels.films import unknowns
 from warpffrf_kernels.films.sampling import GAP
 
 from warpffrf.online.engine import Engine
+from warpffrf.online.vibrations.quadratic import quadratic_modes
 
 Array = np.ndarray
 RATES = 100.0, 200.0  # 1/s: two coefficients of rates, of which J and B are linear functions
-MOVES = 0.02  # see the module
-INFINITE = 1e12  # 1/s
-SLOWEST = 1e-6  # of the highest frequency: coordinates without stiffness are scaled as if they had some
+MOST_PLACES = 20  # of Newton's method, for a motion
+CLOSE = 1e-5  # of |lambda|, a step of it: the next would be the square of that
+ROUND_OFF = 1e-13  # of the highest frequency: no motion is known better
+MARGIN = 0.3  # of |lambda|, by which a motion may differ from where its search begins
+SAME = 1e-6  # of |lambda|, and of a shape: one motion found twice
 GAP_STEP = 1e-3  # of the smallest gap, for differences
 
 
 @dataclass(frozen=True)
 class FilmSystem:
-    """J_0, J_1 (x, x), B_0, B_1 (x, n), P (x, n) over displacements, turns and modes of all bodies (n)."""
+    """J_0, J_1 (x, x), B_0, B_1 (x, n), P (x, n) over displacements, turns and modes of all bodies (n); thin (x,): the
+    unknowns that have next to nothing but their own lines, voids and asperities that do not touch."""
 
     J_0: Array
     J_1: Array
     B_0: Array
     B_1: Array
     P: Array
+    thin: Array
 
 
 def smallest_gap(engine: Engine) -> float:
@@ -71,8 +87,18 @@ def film_systems(engine: Engine, coordinates: int) -> list[FilmSystem]:
     systems = []
     for (J, B, P), (J_2, B_2, _) in zip(*found, strict=True):
         J_1, B_1 = ((two - one) / (second - first) for one, two in ((J, J_2), (B, B_2)))
-        systems.append(FilmSystem(J - first * J_1, J_1, B - first * B_1, B_1, P))
+        systems.append(FilmSystem(J - first * J_1, J_1, B - first * B_1, B_1, P, _thin(engine, len(systems))))
     return systems
+
+
+def _thin(engine: Engine, film: int) -> Array:
+    """Of a film, as `FilmSystem`."""
+    films = engine.compiled.films
+    start, end = films.unknown_start.numpy()[film : film + 2]
+    functions = films.function_start.numpy()[film] + films.function_of.numpy()[start:end]
+    hats = films.hat_start.numpy()[film] + np.arange(films.rough.numpy()[film])
+    full, rough = engine.state.film_full.numpy()[0, 1, functions], engine.scratch.film_rough.numpy()[0, hats]
+    return np.concatenate([full, rough]) == 0
 
 
 def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, Array]:
@@ -97,34 +123,96 @@ def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, 
     return J.copy(), (J @ X) @ place, P @ place
 
 
-def film_modes(m: Array, d: Array, k: Array, Q: Array, QU: Array, systems: list[FilmSystem]) -> tuple[Array, Array]:
-    """Eigenvalues [1/s] and shapes z (n, modes) of m z'' + d z' + k z and the films, whose columns move by Q z at rates
-    Q z' + QU z."""
-    J_0 = np.asarray(scipy.linalg.block_diag(*(s.J_0 for s in systems)))
-    J_1 = np.asarray(scipy.linalg.block_diag(*(s.J_1 for s in systems)))
-    B_0, B_1, P = (np.concatenate([getattr(s, name) for s in systems]) for name in ("B_0", "B_1", "P"))
-    n, x = len(m), len(J_0)
-    line = 1.0 / np.maximum(np.abs(J_0).max(axis=1), np.abs(J_1).max(axis=1))
-    column = 1.0 / np.maximum(np.abs(line[:, None] * J_0).max(axis=0), np.finfo(float).tiny)
-    J_0, J_1 = (line[:, None] * J * column for J in (J_0, J_1))
-    by_place, by_rate = line[:, None] * (B_0 @ Q + B_1 @ QU), line[:, None] * (B_1 @ Q)
-    push = (Q.T @ P.T) * column
-    # (w z, z', x/u) in place of (z, z', x): of coordinates that differ as 1 and 1e7 rad/s no square is left
-    w = np.sqrt(np.abs(np.diag(k) + np.diag(push @ np.linalg.solve(J_0, by_place))))
-    w = np.maximum(w, SLOWEST * w.max())
-    u = np.sqrt(np.abs(by_place / w).max() / np.abs(push).max())
-    one, none = np.eye(n), np.zeros
-    E = np.block([
-        [one, none((n, n)), none((n, x))], [none((n, n)), m, none((n, x))], [none((x, n)), none((x, n)), J_1]
-    ])  # fmt: skip
-    A = np.block([
-        [none((n, n)), np.diag(w), none((n, x))], [-k / w, -d, push * u], [-by_place / w / u, -by_rate / u, -J_0]
-    ])  # fmt: skip
-    found: Any = scipy.linalg.eig(A, E)
-    values, vectors = found
-    z, inside = vectors[:n] / w[:, None], u * vectors[2 * n :]
-    by_bodies, by_film = (np.linalg.norm(X, axis=0) for X in (by_rate @ z, J_1 @ inside))
-    free = np.linalg.norm(by_rate, axis=0).max() * np.linalg.norm(z, axis=0)  # what such a motion could take
-    moves = (by_bodies > MOVES * (by_bodies + by_film)) | (by_film <= MOVES * free)
-    kept = np.isfinite(values) & (np.abs(values) < INFINITE) & moves & (np.linalg.norm(z, axis=0) > 0.0)
-    return values[kept], z[:, kept]
+class _Response:
+    """What films do to motions z exp(lambda t), columns Q z at rates Q z' + QU z."""
+
+    def __init__(self, system: FilmSystem, Q: Array, QU: Array) -> None:
+        order = np.argsort(~system.thin, kind="stable")
+        self.thin = int(np.count_nonzero(system.thin))
+        line = 1.0 / np.maximum(np.abs(system.J_0).max(axis=1), np.abs(system.J_1).max(axis=1))[order]
+        self.J = [line[:, None] * J[np.ix_(order, order)] for J in (system.J_0, system.J_1)]
+        self.to_thin = [sparse.csc_array(J[:, : self.thin]) for J in self.J]
+        self.by_place = line[:, None] * (system.B_0 @ Q + system.B_1 @ QU)[order]
+        self.by_rate = line[:, None] * (system.B_1 @ Q)[order]
+        self.push = (system.P @ Q).T[:, order]
+
+    def at(self, value: complex) -> tuple[Array, Array]:
+        """(n, n) of T, and its derivative by lambda [N/m, N s/m]."""
+        t = self.thin
+        J = self.J[0][:, t:] + value * self.J[1][:, t:]
+        to_thin = self.to_thin[0] + value * self.to_thin[1]
+        voids = splu(sparse.csc_array(to_thin[:t])) if t else None
+        over = to_thin[t:]
+
+        def answer(right: Array) -> Array:
+            return voids.solve(np.asarray(right, J.dtype)) if voids is not None else right
+
+        within = answer(J[:t])
+        full = scipy.linalg.lu_factor(J[t:] - over @ within)
+
+        def solve(right: Array) -> Array:
+            first = answer(right[:t])
+            last = scipy.linalg.lu_solve(full, right[t:] - over @ first)
+            return np.concatenate([first - within @ last, last])
+
+        x = solve(self.by_place + value * self.by_rate)
+        return self.push @ x, self.push @ solve(self.by_rate - self.J[1] @ x)
+
+
+def film_modes(
+    m: Array, d: Array, k: Array, Q: Array, QU: Array, systems: list[FilmSystem], count: int
+) -> tuple[Array, Array, list[complex]]:
+    """The `count` slowest eigenvalues [1/s] of Im >= 0 and shapes z (n, modes) of m z'' + d z' + k z and the films,
+    whose columns move by Q z at rates Q z' + QU z; and where searches began that were given up, see the module."""
+    films = [_Response(system, Q, QU) for system in systems]
+
+    def about(place: complex) -> tuple[Array, Array]:
+        """Eigenvalues and shapes of the quadratic about a place."""
+        stiffness, damping = (sum(parts) for parts in zip(*(film.at(place) for film in films), strict=True))
+        return quadratic_modes(m, d + damping, k + stiffness - place * damping)
+
+    there, shapes = about(0.0)
+    least = ROUND_OFF * float(np.abs(there).max(initial=0.0))
+    found: list[tuple[complex, Array]] = []
+    lost: list[complex] = []
+    while True:
+        known = [value for value, _ in found]
+        starts = [i for i in _free(there, known + lost, least) if there[i].imag >= -least]
+        slowest = sorted(abs(value) for value in known)
+        start = min(starts, key=lambda i: abs(there[i]), default=None)
+        if start is None or len(slowest) >= count and slowest[count - 1] < (1.0 - MARGIN) * abs(there[start]):
+            break
+        begun = place = there[start]
+        shape, near = shapes[:, start], abs(place) <= least
+        for _ in range(MOST_PLACES):
+            if near:
+                break
+            place = place.real if abs(place.imag) <= least else place
+            there, shapes = about(place)
+            i = min(_free(there, known, least), key=lambda i: abs(there[i] - place))
+            near = bool(abs(there[i] - place) <= CLOSE * abs(place) + least)
+            place, shape = there[i], shapes[:, i]
+        again = any(abs(value - place) <= SAME * abs(place) + least and _alike(other, shape) for value, other in found)
+        if near and place.imag >= -least and not (again and abs(place) > least):
+            found.append((place, shape))
+        else:
+            lost.append(begun)
+    if not found:
+        return np.zeros(0, complex), np.zeros((len(m), 0), complex), lost
+    return np.array([value for value, _ in found]), np.stack([shape for _, shape in found], axis=1), lost
+
+
+def _free(there: Array, done: list[complex], least: float) -> list[int]:
+    """Which eigenvalues of a quadratic are none of those `done`, nor their conjugates: each takes the nearest."""
+    free = list(range(len(there)))
+    for value in done:
+        for one in (value, np.conj(value)) if abs(value.imag) > least else (value,):
+            if len(free) > 1:
+                free.remove(min(free, key=lambda i: abs(there[i] - one)))
+    return free
+
+
+def _alike(one: Array, other: Array) -> bool:
+    """Whether two shapes are one."""
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    return bool(abs(np.vdot(one, other)) > (1.0 - SAME) * size)

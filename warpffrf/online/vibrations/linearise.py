@@ -53,6 +53,7 @@ from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.compile.inertia import mode_reach
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.engine import Engine
+from warpffrf.online.start.lap_motions import gradients
 from warpffrf.online.vibrations import stuck_laps
 from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_systems, smallest_gap
 
@@ -273,7 +274,7 @@ def _linearise(probe: _Probe) -> Linearisation:
     x, B, Q, rows = probe.scratch, probe.bodies, probe.modes, probe.rows
     C = np.concatenate([x.C.numpy()[0, :rows, : 6 * B], x.C_modal.numpy()[0, :rows, :Q]], axis=1)
     contact, closed = _closed_contacts(probe)
-    laps, seen = stuck_laps.stuck_stiffness(probe.engine, n), stuck_laps.gradients(probe.engine, n)
+    laps, seen = stuck_laps.stuck_stiffness(probe.engine, n), gradients(probe.engine, n)
     kinked = probe.find_tangents()
     lumped = probe.measure_lumped()
     probe.measure_films()

@@ -149,8 +149,9 @@ class Company:
         self._engine: SharedEngine | None = None
         self._seconds = 0.0
 
-    def engine_of(self, world: int) -> Callable[..., Place]:
-        """What makes the engine of a run in place of `Engine`, with the same options in all worlds."""
+    def engine_of(self, world: int) -> Callable[..., Engine]:
+        """What makes the engine of a run in place of `Engine`, with the same options in all worlds; of a run that
+        begins anew an engine of its own."""
 
         def place(
             scene: Scene,
@@ -160,9 +161,16 @@ class Company:
             integrator: Integrator | None = None,
             step_error: float | None = None,
             local: LocalDynamics | None = None,
+            turned: Sequence[float] | np.ndarray = (),
             progress: bool = False,
-        ) -> Place:
+        ) -> Engine:
             used = settings or Settings()
+            if self._tables is None:  # the run begins anew with other inertia terms: it is of another kind now
+                self.meeting.leave(world)
+                return Engine(
+                    scene, device=device, settings=used, integrator=integrator, step_error=step_error, local=local,
+                    turned=turned,
+                )  # fmt: skip
             compiled = compile_scene(scene, used, ready_device(device), local, shared=self._tables)
 
             def build(scenes: dict[int, CompiledScene]) -> None:

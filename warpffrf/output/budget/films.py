@@ -1,7 +1,9 @@
-"""Errors of oil films of evaluation "hyper": a few profiles along beside all hats, in states of the run.
+"""Errors of oil films: of evaluation "hyper" a few profiles along beside all hats, in states of the run; of hats their
+grid beside finer ones, in the last state.
 
 The smallest gap and the largest pressure are those under the same force, the force that at the same places
-(`online.diagnosis.film_check`).
+(`online.diagnosis.film_check`); load, flow and torque of finer grids are those at the same gap
+(`online.diagnosis.film_grid`).
 """
 
 from __future__ import annotations
@@ -12,13 +14,19 @@ from warpffrf.online.diagnosis.film_check import cure_of
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History
 
-PROFILES = "film profiles"
+PROFILES, GRID = "film profiles", "film grid"
 
 
 def film_lines(history: History) -> list[BudgetLine]:
-    """Three lines for each film of evaluation "hyper"."""
+    """Three lines for each film."""
     lines = []
     for film in history.scene.films:
+        grid = history.film_grids.get(str(film.name))
+        if grid is not None:
+            told = f"twice {film.grid.columns} columns and {film.grid.rows} rows at the gap of the last state"
+            for of in ("load", "flow", "torque"):
+                about, cure = f"{of} of film {film.name!r}", f"reduce with a finer mesh {grid.finer}"
+                lines.append(BudgetLine(GRID, about, float(getattr(grid, of)), told, cure))
         check = history.film_checks.get(str(film.name))
         if check is None:
             continue

@@ -396,7 +396,7 @@ def _get_scene(file: Any, older: Older) -> SceneView:
     group = member(file, "scene")
     reduced: dict[str | None, Any] = {None: None}
     for digest in hdf5_parts.names(file, "reduced"):
-        reduced[digest] = _from_bytes(read(file, f"reduced/{digest}"), file.filename)
+        reduced[digest] = _from_bytes(read(file, f"reduced/{digest}"), digest, file.filename)
     bodies = {
         b["name"]: BodyView(
             b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
@@ -437,8 +437,8 @@ def _as_bytes(reduced: Any) -> np.ndarray:
         return np.frombuffer(reduced.save(Path(folder) / "body.h5").read_bytes(), dtype=np.uint8)
 
 
-def _from_bytes(data: np.ndarray, source: str) -> ReducedBody:
+def _from_bytes(data: np.ndarray, digest: str | None, source: str) -> ReducedBody:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "body.h5"
         file.write_bytes(data.tobytes())
-        return read_reduced_body(ReducedBody, file, f"the reduced body in results file '{source}'")
+        return read_reduced_body(ReducedBody, file, f"the reduced body in results file '{source}'", digest)

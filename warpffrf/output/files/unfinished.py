@@ -112,7 +112,8 @@ class UnfinishedRun:
         return (self.folder / CHECKPOINT).is_file()
 
     def clear(self) -> None:
-        """Forget an earlier run."""
+        """Forget an earlier run, or what this one has done."""
+        self.settle()
         for file in (self.folder / CHECKPOINT, *self._files()):
             file.unlink(missing_ok=True)
         self.parts = self.taken = 0

@@ -27,7 +27,6 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.meshio_files import meshio_package
 from warpffrf.model.output_paths import checked_output_path
 from warpffrf.model.progress import Progress
 from warpffrf.model.stress_field import rotated, von_mises
@@ -37,6 +36,18 @@ from warpffrf.output.laps.lap_result import LapResult
 from warpffrf.output.laps.on_skin import LapOnSkin
 
 log = logging.getLogger("warpffrf")
+
+
+def meshio_package() -> Any:
+    """The package. Raises InputError where it cannot be imported, as its versions before 5.3.5 beside NumPy 2."""
+    try:
+        import meshio
+    except (ImportError, AttributeError) as error:
+        raise InputError(
+            f"files of meshes need the package meshio, which cannot be imported ({type(error).__name__}: {error}); "
+            'pip install "meshio>=5.3.5"'
+        ) from error
+    return meshio
 
 
 def write_time_series(

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.output_paths import check_ending, checked_output_path, written_whole
 from warpffrf.model.progress import Progress
 from warpffrf.output.geometry.shown import frame_rows, rows_every
@@ -56,7 +56,7 @@ def write_animation(
     check_ending(path, "animate", ENDINGS)
     rate = require_number(fps, "animate: fps", positive=True)
     if every is not None:
-        require_count(every, "animate: every", 1)
+        require_count(every, "animate: every", 1, most=MOST_COUNTED)
     row_at(result, None, "animate")
     target = checked_output_path(path, "animate", overwrite=overwrite)
     encoder = _gif if target.suffix.lower() == ".gif" else _mp4

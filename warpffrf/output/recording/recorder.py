@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.output_paths import checked_output_path, written_whole
 from warpffrf.model.progress import Progress
@@ -121,7 +121,7 @@ def record(
             f"record: max_frames is {max_frames} and max_points {max_points}; they must be at least 1 and 4"
         )
     if every is not None:
-        require_count(every, "record: every", 1)
+        require_count(every, "record: every", 1, most=MOST_COUNTED)
     if len(result.time) == 0:
         raise InputError("record: the run has no saved row to draw")
     target = checked_output_path(path, "record", overwrite=overwrite)

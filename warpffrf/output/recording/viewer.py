@@ -28,7 +28,7 @@ DRIVER_VARIABLES = ("VK_DRIVER_FILES", "VK_ICD_FILENAMES", "VK_ADD_DRIVER_FILES"
 LAST_WORDS = 30  # of what the viewer says where it fails
 ENDING = ".rrd"
 LOOPBACK = "127.0.0.1"
-WEB_PORT, DATA_PORT = 9090, 9876  # those that rerun takes
+WEB_PORT, DATA_PORT = 9090, 9876  # rerun's own, of the page and of what the page reads
 
 
 def has_screen() -> bool:
@@ -37,20 +37,19 @@ def has_screen() -> bool:
     return not linux or bool(os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"))
 
 
-def viewer_command(recording: Path, *, serve: bool = False, address: str = LOOPBACK) -> list[str]:
-    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens, which listens at the IP
-    `address`: to this machine alone unless another one is given. Raises `InputError` where there is no screen for a
-    viewer, for no recording, for an address that is none, and where rerun is missing."""
+def viewer_command(recording: Path, *, serve: bool = False, bind: str = LOOPBACK) -> list[str]:
+    """What opens `recording`: the viewer, or with `serve` a server of it that a browser opens, which listens on the
+    address `bind` alone. Raises `InputError` where there is no screen for a viewer, for no recording, for what is no
+    address, and where rerun is missing."""
     _require_recording(recording)
     if serve:
         try:
-            ipaddress.ip_address(address)
+            ipaddress.ip_address(bind)
         except ValueError:
             raise InputError(
-                f"view: address must be an IP address of this machine such as {LOOPBACK}, got {address!r}"
+                f"view: bind={bind!r} is no address of a machine; give {LOOPBACK}, or 0.0.0.0 for the whole network"
             ) from None
-        origin = f"http://{_host(address)}:{WEB_PORT}"
-        return [_rerun(), str(recording), "--serve-web", "--bind", address, "--cors-allow-origin", origin]
+        return [_rerun(), str(recording), "--serve-web", "--bind", bind]
     if not has_screen():
         raise InputError(
             f"view: there is no screen for the viewer; serve=True (--serve) lets a browser open '{recording}', "
@@ -59,19 +58,18 @@ def viewer_command(recording: Path, *, serve: bool = False, address: str = LOOPB
     return [_rerun(), str(recording)]
 
 
-def served_at(address: str) -> str:
-    """The address that a browser opens of what is served at the IP `address` by `viewer_command`."""
-    host = _host(address)
-    data = quote(f"rerun+http://{host}:{DATA_PORT}/proxy", safe="")
-    return f"http://{host}:{WEB_PORT}?url={data}"
-
-
-def _host(address: str) -> str:
-    """What a browser calls the machine that listens at `address`: all addresses have the machine's name."""
-    ip = ipaddress.ip_address(address)
-    if ip.is_unspecified:
-        return socket.gethostname()
-    return f"[{ip}]" if ip.version == 6 else str(ip)
+def served_at(bind: str) -> str:
+    """What a browser opens of a server on the address `bind`, and who can. Of a server on all addresses: by the name
+    of this machine."""
+    address = ipaddress.ip_address(bind)
+    host = socket.gethostname() if address.is_unspecified else f"[{bind}]" if address.version == 6 else bind
+    page = f"http://{host}:{WEB_PORT}?url=rerun%2Bhttp%3A%2F%2F{quote(host, safe='')}%3A{DATA_PORT}%2Fproxy"
+    if address.is_loopback:
+        return (
+            f"open {page} on this machine; from another one by a tunnel, "
+            f"ssh -L {WEB_PORT}:{host}:{WEB_PORT} -L {DATA_PORT}:{host}:{DATA_PORT} {socket.gethostname()}"
+        )
+    return f"open {page}; everybody who reaches this machine can"
 
 
 def picture_command(recording: Path, picture: Path) -> list[str]:

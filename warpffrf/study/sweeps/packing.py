@@ -3,12 +3,11 @@
 A reduced body may have a hundred megabytes, and a function that builds scenes mostly holds one or two of them. So a
 body is written once into the folder `bodies` of the sweep, and the job says its hash; a worker reads it once. So is
 whatever else makes a job large. The folder must be one that workers see under the same path, as a scene file and what
-it names.
+it names. A pickle runs code when it is opened. So a worker opens what has the hash that the sweep has sent it, and
+nothing that lies in the folder under that name: whoever can write there can make a sweep fail, and no more.
 
 Workers hold their versions against those of the parcel before they open it: numbers would be others, or the pickle
-could not be read. A pickle runs what it says: a file is opened only if its hash is the one that came with the parcel,
-so that who can write to the folder alone runs nothing in workers. Who sends parcels, the process that began the sweep
-or a scheduler, is trusted.
+could not be read.
 """
 
 from __future__ import annotations
@@ -23,6 +22,7 @@ from typing import Any
 from warpffrf.model.errors import InputError
 from warpffrf.model.output_paths import written_whole
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced_body_file import read_reduced_body
 from warpffrf.study.sweeps.job import OTHER_VERSIONS, Answer, Job, Numbered, versions
 from warpffrf.study.sweeps.parcel import Parcel
 
@@ -42,8 +42,11 @@ def opened(parcel: Parcel) -> Job:
         content, folder = parcel.content, Path(parcel.folder)
         if not content:
             content = _there(folder / JOB.format(parcel.digest)).read_bytes()
-        if hashlib.sha256(content).hexdigest() != parcel.digest:  # before it is unpickled, which runs what it says
-            raise _changed(folder / JOB.format(parcel.digest))
+        if hashlib.sha256(content).hexdigest() != parcel.digest:
+            raise InputError(
+                f"sweep: the job '{parcel.digest}' in '{folder}' is not the one that was sent (its hash differs), and "
+                "is not opened; see who can write to that folder, and begin anew with overwrite=True (--overwrite)"
+            )
         try:
             _opened[parcel.digest] = _Unpickler(io.BytesIO(content), folder).load()
         except (ImportError, AttributeError) as error:
@@ -61,14 +64,6 @@ def _there(file: Path) -> Path:
             f"sweep: a worker finds no '{file}'; put the store where all workers see it under the same path"
         )
     return file
-
-
-def _changed(file: Path) -> InputError:
-    """The error of a file whose content is not what its name says."""
-    return InputError(
-        f"sweep: '{file}' is not what the sweep has written: its content has another hash than its name; remove it and "
-        "begin the sweep again, in a folder that nobody else writes to"
-    )
 
 
 def packed(job: Job, folder: Path) -> Parcel:
@@ -146,8 +141,5 @@ class _Unpickler(pickle.Unpickler):
             raise pickle.UnpicklingError(f"unknown thing {kind!r}")
         if digest not in self.bodies:
             file = _there(self.folder / f"{digest}.h5")
-            body = ReducedBody.load(file)
-            if body.content_hash() != digest:
-                raise _changed(file)
-            self.bodies[digest] = body
+            self.bodies[digest] = read_reduced_body(ReducedBody, file, f"sweep: '{file}'", content=digest)
         return self.bodies[digest]

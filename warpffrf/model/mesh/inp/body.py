@@ -98,8 +98,9 @@ class Body:
         return found
 
     def surfaces(self, level: str) -> list[SurfaceDefinition]:
-        """The surfaces of a level."""
-        return [surface for scope in self.scopes(level) for surface in scope.surfaces.values()]
+        """The surfaces of a level, those of element faces first."""
+        found = [surface for scope in self.scopes(level) for surface in scope.surfaces.values()]
+        return sorted(found, key=lambda surface: surface.nodal)
 
     def _one(self, level: str, family: str, owner: SetDefinition, m, chain: tuple[str, ...]) -> np.ndarray:
         """What one definition adds to the set of `owner`."""

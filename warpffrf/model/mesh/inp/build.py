@@ -6,7 +6,7 @@ from collections import Counter
 from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation
+from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, corner_notes
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.inp.parse import parse
 from warpffrf.model.mesh.inp.sections import materials_of, sections_of
@@ -33,12 +33,7 @@ def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = Non
         raise unknown_name("length unit", length_unit, LENGTH_UNITS)
     if part is not None and (isinstance(part, bool) or not isinstance(part, int | str)):
         raise InputError(f"part must be a name or the number of a connected part, got {part!r}")
-    try:
-        if not path.is_file():
-            raise InputError(f"mesh file {str(path)!r} does not exist; check the path")
-        deck = parse(path)
-    except OSError as error:
-        raise InputError(f"mesh file {path.name}: cannot be read ({error}); check the path") from None
+    deck = parse(path)
     body = choose(deck, part if isinstance(part, str) else None)
     of_deck = not deck.parts and not deck.instances
     solid = solid_of(body, part if of_deck or isinstance(part, int) else None, path.name)
@@ -55,6 +50,7 @@ def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = Non
         notes.append(f"members of sets that the body does not have are left out: {listed(absent)}")
     if deck.ignored:
         notes.append(f"keywords that are not used: {_counts(deck.ignored)}")
+    notes += corner_notes(solid.points, solid.cells, solid.cell_labels, "element")
     mesh = Mesh(
         solid.points * LENGTH_UNITS[length_unit],
         solid.cells,

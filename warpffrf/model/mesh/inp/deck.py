@@ -16,6 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.regular_file import Budget, read_named, reason
 
 
 @dataclass(frozen=True)
@@ -94,24 +95,48 @@ def read_blocks(path: Path) -> list[Block]:
     Raises `InputError` when a file is missing or includes itself, and when text stands before the first keyword.
     """
     blocks: list[Block] = []
-    _read_lines(_lines(path), path, blocks, [], path)
+    _Reader(path, blocks).read(_lines(read_named(path, "mesh file")), path, [])
     return blocks
 
 
-def _read_lines(lines: list[str], path: Path, blocks: list[Block], chain: list[Path], main: Path) -> None:
-    starts = [i for i, line in enumerate(lines) if line.lstrip()[:1] == "*" and line.lstrip()[:2] != "**"]
-    _append(lines[: starts[0] if starts else len(lines)], 0, path, blocks)
-    for start, stop in pairwise([*starts, len(lines)]):
-        place = Place(path.name, start + 1)
-        text, data = _header(lines, start, stop)
-        block = _parse_header(text, place)
-        if block.keyword == "INCLUDE":
-            _include(block.required("INPUT"), place, path, blocks, chain, main)
-        else:
-            blocks.append(block)
-            if block.keyword in ("NODE", "ELEMENT") and block.value("INPUT"):  # its data lines lie in another file
-                _include(block.required("INPUT"), place, path, blocks, chain, main)
-        _append(lines[data:stop], data, path, blocks)
+class _Reader:
+    """Makes `blocks` of the lines of the deck `main` and of all that it includes."""
+
+    def __init__(self, main: Path, blocks: list[Block]) -> None:
+        self.main, self.blocks, self.budget = main, blocks, Budget()
+
+    def read(self, lines: list[str], path: Path, chain: list[Path]) -> None:
+        """The lines of `path`, which the files of `chain` include."""
+        starts = [i for i, line in enumerate(lines) if line.lstrip()[:1] == "*" and line.lstrip()[:2] != "**"]
+        _append(lines[: starts[0] if starts else len(lines)], 0, path, self.blocks)
+        for start, stop in pairwise([*starts, len(lines)]):
+            place = Place(path.name, start + 1)
+            text, data = _header(lines, start, stop)
+            block = _parse_header(text, place)
+            if block.keyword == "INCLUDE":
+                self._include(block.required("INPUT"), place, path, chain)
+            else:
+                self.blocks.append(block)
+                if block.keyword in ("NODE", "ELEMENT") and block.value("INPUT"):  # its data lines lie in another file
+                    self._include(block.required("INPUT"), place, path, chain)
+            _append(lines[data:stop], data, path, self.blocks)
+
+    def _include(self, name: str, place: Place, path: Path, chain: list[Path]) -> None:
+        """Read the file `name`, looked for beside the including file, then beside the deck itself."""
+        here = [*chain, path.resolve()]
+        for folder in (path.parent, self.main.parent):
+            candidate = folder / name.replace("\\", "/")
+            try:
+                if not candidate.exists():
+                    continue
+                content, resolved = self.budget.read(candidate, len(here)), candidate.resolve()
+            except (OSError, ValueError) as error:  # a name that no file can have, or a file that may not be read
+                raise place.fault(f"the included file {name[:200]!r} cannot be read ({reason(error)})") from None
+            if resolved in here:
+                raise place.fault(f"{name!r} includes itself; remove one of the *Include lines")
+            self.read(_lines(content), candidate, here)
+            return
+        raise place.fault(f"the included file {name[:200]!r} does not exist; put it beside the deck")
 
 
 def _append(lines: list[str], index: int, path: Path, blocks: list[Block]) -> None:
@@ -125,31 +150,12 @@ def _append(lines: list[str], index: int, path: Path, blocks: list[Block]) -> No
             raise place.fault("text before the first keyword: is this an Abaqus or CalculiX deck?")
 
 
-def _lines(path: Path) -> list[str]:
-    raw = path.read_bytes()
+def _lines(raw: bytes) -> list[str]:
     try:
         text = raw.decode("utf-8-sig")
     except UnicodeDecodeError:
         text = raw.decode("latin-1")  # never fails; matters for names and comments only
     return text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
-
-
-def _include(name: str, place: Place, path: Path, blocks: list[Block], chain: list[Path], main: Path) -> None:
-    """Read the file `name`, looked for beside the including file, then beside the deck itself."""
-    here = [*chain, path.resolve()]
-    for folder in (path.parent, main.parent):
-        candidate = folder / name.replace("\\", "/")
-        try:
-            if not candidate.is_file():
-                continue
-            lines, resolved = _lines(candidate), candidate.resolve()
-        except OSError as error:  # a name that no file can have, or a file that may not be read
-            raise place.fault(f"the included file {name!r} cannot be read ({error})") from None
-        if resolved in here:
-            raise place.fault(f"{name!r} includes itself; remove one of the *Include lines")
-        _read_lines(lines, candidate, blocks, here, main)
-        return
-    raise place.fault(f"the included file {name!r} does not exist; put it beside the deck")
 
 
 def _header(lines: list[str], start: int, stop: int) -> tuple[str, int]:

@@ -92,14 +92,17 @@ class Section:
 
 @dataclass(eq=False)
 class Scope:
-    """The nodes, elements, sets, surfaces and sections of a part, of an instance, or of the top of the deck."""
+    """The nodes, elements, sets, surfaces and sections of a part, of an instance, or of the top of the deck.
+
+    A surface of nodes may have the name of one of element faces: the keys of `surfaces` say which it is.
+    """
 
     name: str
     place: Place
     nodes: list[Table] = field(default_factory=list)
     elements: list[Elements] = field(default_factory=list)
     sets: dict[str, dict[str, SetDefinition]] = field(default_factory=lambda: {family: {} for family in FAMILIES})
-    surfaces: dict[str, SurfaceDefinition] = field(default_factory=dict)
+    surfaces: dict[tuple[str, bool], SurfaceDefinition] = field(default_factory=dict)
     sections: list[Section] = field(default_factory=list)
 
     def add_members(self, family: str, name: str, members: Members, internal: bool = False) -> None:

@@ -30,7 +30,7 @@ from warpffrf.model.mesh.inp.model import (
 )
 
 GENERATORS = {
-    "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SYMMETRICMODELGENERATION", "SUBSTRUCTUREGENERATE"
+    "NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "SYMMETRICMODELGENERATION"
 }  # fmt: skip
 OTHER_FACES = {"SPOS", "SNEG", "SP", "SN", "EDGE", "E1", "E2", "E3", "E4", "END1", "END2"}
 
@@ -196,7 +196,7 @@ def _surface(parser: Parser, block: Block) -> None:
     if kind not in ("ELEMENT", "NODE") or block.has("COMBINE") or block.has("CROP"):
         parser.deck.ignored["SURFACE of another kind than elements or nodes"] += 1
         return
-    known = parser.scope.surfaces.get(fold(name))
+    known = parser.scope.surfaces.get((fold(name), kind == "NODE"))
     if known is not None:
         raise block.place.fault(f"there is a surface {name!r} already, in {known.place}")
     items = []
@@ -211,7 +211,7 @@ def _surface(parser: Parser, block: Block) -> None:
             raise place.fault(f"surface {name!r}: {face!r} is no face of a solid element; S1 to S6 are")
         items.append(SurfaceItem(fields[0], int(face[1]) if face else None, place))
     definition = SurfaceDefinition(name, block.place, kind == "NODE", block.has("INTERNAL"), items)
-    parser.scope.surfaces[fold(name)] = definition
+    parser.scope.surfaces[fold(name), kind == "NODE"] = definition
 
 
 def _solid_section(parser: Parser, block: Block) -> None:

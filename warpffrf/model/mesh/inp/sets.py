@@ -53,6 +53,10 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
             facets, inside = _surface(body, level, surface, solid, faces)
             if inside:
                 notes.append(f"surface {surface.name!r}: {inside} faces inside the body are left out")
+            own = body.scopes(level)
+            if surface.nodal and any((fold(surface.name), False) in scope.surfaces for scope in own):
+                notes.append(f"surface {surface.name!r} of nodes is not taken over, one of element faces has that name")
+                continue
             _add(found, surface.name, facets, "surface", notes)
     for name, facets in shell_sets(body, solid, faces, notes):
         if fold(name) not in {fold(k) for k in found}:
@@ -141,10 +145,11 @@ def _surface(body: Body, level: str, surface: SurfaceDefinition, solid: Solid, f
         if item.face is None:
             wanted |= faces.free_of(numbers)
             continue
-        has = faces.exists[numbers, item.face]
+        number = solid.face_numbers(numbers, item.face)
+        has = faces.exists[numbers, number]
         if not has.any():
             raise item.place.fault(f"surface {surface.name!r}: the cells of {item.target!r} have no face S{item.face}")
-        wanted[numbers[has], item.face] = True
+        wanted[numbers[has], number[has]] = True
     return faces.selected(wanted)
 
 

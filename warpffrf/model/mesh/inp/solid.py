@@ -15,8 +15,9 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.checks import part_labels
+from warpffrf.model.mesh.collapsed import face_numbers, left_over, repeated
 from warpffrf.model.mesh.inp.body import OWN, Body, present
-from warpffrf.model.mesh.inp.cells import formulation, is_volume
+from warpffrf.model.mesh.inp.cells import faces_of, formulation, is_volume
 from warpffrf.model.mesh.inp.deck import Place
 from warpffrf.model.mesh.inp.model import Elements
 from warpffrf.model.mesh.inp.numbers import Table
@@ -26,6 +27,7 @@ from warpffrf.model.mesh.inp.numbers import Table
 class Solid:
     """`points` (n, 3) [file's unit] of the used nodes with their numbers `node_labels` (n,), ascending;
     `cells` {kind: (m, k) indices}; `cell_labels` (N,) in the order of the blocks; `notes` what was taken differently.
+    `became` {element: {face: face}}: of elements that are read as what is left of them, their S numbers (`collapsed`).
     """
 
     points: np.ndarray
@@ -33,6 +35,14 @@ class Solid:
     cells: Mapping[str, np.ndarray]
     cell_labels: np.ndarray
     notes: tuple[str, ...]
+    became: Mapping[int, Mapping[int, int]]
+
+    def face_numbers(self, numbers: np.ndarray, face: int) -> np.ndarray:
+        """Of cells with these numbers, the S number that `face` of the deck has here; 0 where it is gone."""
+        found = np.full(len(numbers), face)
+        for i in np.flatnonzero(np.isin(self.cell_labels[numbers], list(self.became))) if self.became else ():
+            found[i] = self.became[int(self.cell_labels[numbers[i]])].get(face, 0)
+        return found
 
     def node_mask(self, labels: np.ndarray) -> np.ndarray:
         """Which nodes (n,) have one of the numbers."""
@@ -68,6 +78,8 @@ def solid_of(body: Body, part: int | str | None, file: str) -> Solid:
     _unique_numbers([table for tables in by_kind.values() for table in tables])
     cells = {kind: np.concatenate([_indices(table, labels) for table in tables]) for kind, tables in by_kind.items()}
     numbers = np.concatenate([table.labels for tables in by_kind.values() for table in tables])
+    cells, numbers, became, collapsed_notes = _uncollapsed(cells, numbers, file)
+    notes += collapsed_notes
     if part is not None:
         cells, numbers = _kept(cells, numbers, _wanted(body, part, file, cells, numbers, len(labels)))
 
@@ -78,7 +90,44 @@ def solid_of(body: Body, part: int | str | None, file: str) -> Solid:
         notes.append(f"{len(labels) - len(used)} nodes belong to no solid cell and are left out")
     notes += _element_notes(blocks)
     points = _placed(body, coordinates[used], file)
-    return Solid(points, labels[used], {kind: new_number[n] for kind, n in cells.items()}, numbers, tuple(notes))
+    return Solid(
+        points, labels[used], {kind: new_number[n] for kind, n in cells.items()}, numbers, tuple(notes), became
+    )
+
+
+def _uncollapsed(
+    cells: Mapping[str, np.ndarray], numbers: np.ndarray, file: str
+) -> tuple[dict[str, np.ndarray], np.ndarray, dict[int, Mapping[int, int]], list[str]]:
+    """Cells and their numbers in the deck, those with a node twice as what is left of them at the end of its kind."""
+    kept: dict[str, list[np.ndarray]] = {}
+    labels: dict[str, list[np.ndarray]] = {}
+    moved: dict[str, list[tuple[int, list[int]]]] = {}
+    became: dict[int, Mapping[int, int]] = {}
+    notes: list[str] = []
+    start = 0
+    for kind, nodes in cells.items():
+        own = numbers[start : start + len(nodes)]
+        start += len(nodes)
+        bad = repeated(nodes)
+        kept.setdefault(kind, []).append(nodes[~bad])
+        labels.setdefault(kind, []).append(own[~bad])
+        for row in np.flatnonzero(bad):
+            left = left_over(kind, nodes[row])
+            if left is None:
+                raise InputError(
+                    f"mesh file {file}: element {own[row]} ({kind}) has nodes repeated, and what is left is no "
+                    "wedge or tetrahedron; mesh it so"
+                )
+            moved.setdefault(left[0], []).append((int(own[row]), left[1]))
+            became[int(own[row])] = face_numbers(faces_of(kind), nodes[row], faces_of(left[0]), np.array(left[1]))
+        if bad.any():
+            notes.append(f"{np.sum(bad)} {kind} cells with nodes repeated are read as wedges or tetrahedra")
+    for kind, rows in moved.items():
+        kept.setdefault(kind, []).append(np.array([nodes for _, nodes in rows], dtype=np.int64))
+        labels.setdefault(kind, []).append(np.array([label for label, _ in rows], dtype=np.int64))
+    made = {kind: np.concatenate(parts) for kind, parts in kept.items()}
+    made = {kind: nodes for kind, nodes in made.items() if len(nodes)}
+    return made, np.concatenate([a for kind in made for a in labels[kind]]), became, notes
 
 
 def _nodes(body: Body) -> tuple[np.ndarray, np.ndarray, list[str]]:

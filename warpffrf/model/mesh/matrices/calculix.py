@@ -14,6 +14,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.matrices.file_matrix import FileMatrix, from_triplets
 from warpffrf.model.mesh.matrices.text_table import SHOWN, read_table, whole_numbers
+from warpffrf.model.regular_file import MOST_DIGITS, exists, read_named
 
 
 def read(file: Path, name: str | None, role: str) -> FileMatrix:
@@ -31,13 +32,15 @@ def read(file: Path, name: str | None, role: str) -> FileMatrix:
 
 
 def _dofs(file: Path) -> np.ndarray:
-    if not file.is_file():
+    if not exists(file):
         raise InputError(f"matrix file {file.name} does not exist; keep .sti, .mas and .dof of a CalculiX run together")
     dofs = []
     # as text: read as numbers, directions 1 and 10 of a node would be one
-    for number, line in enumerate(file.read_text(encoding="ascii", errors="replace").splitlines(), start=1):
+    text = read_named(file, "matrix file").decode("ascii", errors="replace")
+    for number, line in enumerate(text.splitlines(), start=1):
         node, dot, direction = line.strip().partition(".")
-        if not (dot and node.isdigit() and direction.isdigit() and int(direction) >= 1):
+        known = all(word.isdigit() and len(word) <= MOST_DIGITS for word in (node, direction))
+        if not (dot and known and int(direction) >= 1):
             raise InputError(
                 f"matrix file {file.name}, line {number}: {line.strip()[:SHOWN]!r} is not node.direction; export again"
             )

@@ -21,6 +21,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.matrices import abaqus, calculix, matrix_market, nastran
 from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
 from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.regular_file import exists, read_named
 
 ROLES = ("stiffness", "mass")
 
@@ -36,7 +37,7 @@ def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiff
     if role not in ROLES:
         raise InputError(f"read_matrix: role must be one of {', '.join(ROLES)}, got {role!r}")
     file = Path(path)
-    if not file.is_file():
+    if not exists(file):
         raise InputError(f"matrix file {str(path)!r} does not exist; check the path")
     suffix = file.suffix.lower()
     readers = _readers()
@@ -46,6 +47,8 @@ def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiff
             "or SciPy sparse matrix"
         )
     found = readers[suffix](file, name, role)
+    if not np.isfinite(found.matrix.data).all():
+        raise InputError(f"matrix file {found.source}: the matrix holds NaN or infinite numbers; export it again")
     if found.matrix.shape[0] != found.matrix.shape[1]:
         raise InputError(
             f"matrix file {found.source}: the matrix is {found.matrix.shape}, not square; name another one"
@@ -66,8 +69,7 @@ def _readers() -> dict[str, Callable[[Path, str | None, str], FileMatrix]]:
 
 def _mtx(file: Path, name: str | None, role: str) -> FileMatrix:
     """Matrix Market and Abaqus share a suffix: the banner decides."""
-    with file.open("rb") as stream:
-        banner = stream.read(len(matrix_market.BANNER))
+    banner = read_named(file, "matrix file")[: len(matrix_market.BANNER)]
     reader = matrix_market if banner.lower() == matrix_market.BANNER else abaqus
     return reader.read(file, name, role)
 

@@ -17,6 +17,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
+from warpffrf.model.regular_file import read_named
 
 BANNER = b"%%matrixmarket"  # in small letters, as it is compared
 LAYOUTS = ("coordinate", "array")
@@ -51,10 +52,7 @@ class _Head:
 def read(file: Path, name: str | None, role: str) -> FileMatrix:
     """The matrix of a Matrix Market file; it does not say what its rows are. Raises `InputError` for anything that is
     not of the format, with the number of the line."""
-    try:
-        text = file.read_bytes()
-    except OSError as error:
-        raise InputError(f"matrix file {file.name}: cannot be read ({error.strerror or error}); check it") from None
+    text = read_named(file, "matrix file")
     head = _head(file, text)
     numbers = _numbers(file, text, head)
     rows, columns, values = (_coordinates if head.layout == "coordinate" else _array)(file, text, head, numbers)

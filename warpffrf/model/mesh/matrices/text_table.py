@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.regular_file import read_named
 
 COMMENT = "*"  # Abaqus: a keyword or, doubled, a comment
 _TO_PLAIN = str.maketrans({",": " ", "D": "E", "d": "e"})
@@ -22,10 +23,7 @@ def read_table(file: Path, columns: tuple[int, ...], meaning: str) -> np.ndarray
     exponents are understood. Raises `InputError` naming the first line that has another number of columns, a word, or
     a value that is not finite, and `meaning`, what a line should hold.
     """
-    try:
-        text = file.read_text(encoding="latin-1")  # any byte is a character: comments may hold what they like
-    except OSError as error:
-        raise InputError(f"matrix file {file.name}: cannot be read as text ({error}); export it again") from None
+    text = read_named(file, "matrix file").decode("latin-1")  # any byte is a character: comments may hold anything
     plain = text.translate(_TO_PLAIN)
     try:
         with warnings.catch_warnings():
@@ -61,7 +59,8 @@ def _is_number(word: str) -> bool:
 
 def whole_numbers(values: np.ndarray, file: Path, what: str) -> np.ndarray:
     """`values` as int64; raises `InputError` where they are not whole."""
-    numbers = values.astype(np.int64)
+    with np.errstate(invalid="ignore"):  # of numbers beyond 63 bits, which are refused
+        numbers = values.astype(np.int64)
     if np.any(numbers != values):
         bad = values[numbers != values][0]
         raise InputError(f"matrix file {file.name}: {what} must be whole numbers, got {bad:g}; export it again")
