@@ -17,9 +17,10 @@ next one's, at most 0.75,
     d_e = -0.175 + 0.95 r + 0.6 r^2,      d = cells up to the last one + d_e + 0.35 - 0.15 min(c, 1).
 
 A patch that advances by more than its length has none of its material of before: the step is refused, but for a pair
-that carries less than IDLE of the largest load of the scene. The patch of a roller that only its weight presses is a
-hundredth as long as those that are loaded, and would set the step of the whole bearing; its tractions, at most mu times
-its load, are those of full slip or of the history read at its end.
+that carries less than IDLE of the largest load of the scene. Patches are as long as the root of their load, and rollers
+that enter or leave the load zone, or that only their weight presses, would set the step of a whole bearing. As k grows
+in proportion to c, the traction -s/k of such a step is that of steady rolling at its creep, within mu p; what is lost
+is the transient of a passage, of a tenth of the traction at most.
 
 Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a
 half-width on, 0.1 to 4 cells a step, at every phase; charged with the whole step it is 3 to 10 % high.
@@ -48,7 +49,7 @@ STEEPEST = wp.constant(wp.float64(0.75))
 ALONE = wp.constant(wp.float64(0.5))  # the same of a row with one cell under pressure
 OFFSET = wp.constant(wp.vec2d(0.35, -0.15))  # cells, measured with Carter's force
 LEAST = wp.constant(wp.float64(0.02))  # cells: d is not below
-IDLE = wp.constant(wp.float64(0.01))  # of the largest load of a pair
+IDLE = wp.constant(wp.float64(0.1))  # of the largest load of a pair
 BOTH = wp.constant(wp.float64(2.0))  # what a cell gains its neighbour loses
 
 
