@@ -54,14 +54,20 @@ BOTH = wp.constant(wp.float64(2.0))  # what a cell gains its neighbour loses
 
 
 @wp.func
-def carries(model: Model, w: int, pair: int, last_normal: wp.array2d(dtype=vec3)) -> bool:
+def load_before(w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> real:
+    """Normal force [N] of a pair at the end of the last step."""
+    return wp.length(vec3(pair_force[w, pair, 0, 0], pair_force[w, pair, 0, 1], pair_force[w, pair, 0, 2]))
+
+
+@wp.func
+def carries(model: Model, w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> bool:
     """Whether the load of a pair at the end of the last step was not next to nothing of the largest."""
     largest = real(0.0)
     p = int(0)
     while p < model.pairs.count:
-        largest = wp.max(largest, wp.length(last_normal[w, p]))
+        largest = wp.max(largest, load_before(w, p, pair_force))
         p += 1
-    return wp.length(last_normal[w, pair]) > IDLE * largest
+    return load_before(w, pair, pair_force) > IDLE * largest
 
 
 @wp.func
@@ -135,6 +141,7 @@ def soften_entering(
     patch_place: wp.array3d(dtype=real),
     ring_place: wp.array3d(dtype=real),
     last_normal: wp.array2d(dtype=vec3),
+    pair_force: wp.array4d(dtype=real),
     shear_near: wp.array3d(dtype=real),
     cell_area: wp.array3d(dtype=real),
     of_state: int,
@@ -174,7 +181,7 @@ def soften_entering(
     if across != 0:
         long = real(rows)
     passed = of_state != 0 and lane == 0 and is_whole(ctl, w) and c * elements.patches.span[pair] > long
-    if passed and carries(model, w, pair, last_normal):
+    if passed and carries(model, w, pair, pair_force):
         ctl[w].failure = ctl[w].failure | k.PASSED  # none of its material was there before
     part = wp.min(c, real(1.0))
     m = lane
