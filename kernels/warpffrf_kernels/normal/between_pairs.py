@@ -8,6 +8,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import lags_between
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
 from warpffrf_kernels.linear.sparse_factor import Pattern
@@ -112,6 +113,8 @@ def solve_between(
     model = models[w]
     count = block[w, 0, LEFT_START]
     if ctl[w].run == 0 or count == 0:
+        return
+    if lags_between(model, ctl, w):
         return
     cap = model.capacity.slots
     N = model.outer.count

@@ -15,6 +15,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import lags_between
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.normal.pair_forces import surface_of
@@ -242,6 +243,8 @@ def assemble_between(
     w, lane = wp.tid()
     model = models[w]
     if ctl[w].run == 0:
+        return
+    if lags_between(model, ctl, w):
         return
     start = w * wp.max(model.window.hats, model.window.nodes)
     slot = ctl[w].fresh

@@ -12,6 +12,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import lags_between
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.line_of_centres import wrap
@@ -134,6 +135,8 @@ def add_between(
     w, pair, lane = wp.tid()
     model = models[w]
     if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+        return
+    if lags_between(model, ctl, w):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]

@@ -13,6 +13,7 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.integration import lags_between
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.normal.lasting import OLDER
@@ -354,6 +355,8 @@ def assemble_patches_beside(
     w, lane = wp.tid()
     model = models[w]
     if ctl[w].run == 0:
+        return
+    if lags_between(model, ctl, w):
         return
     elements = model.elements[0]
     base = w * elements.patches.far_nodes
