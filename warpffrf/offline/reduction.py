@@ -33,7 +33,7 @@ from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.offline.contact.expected_contact import expected_grids, promised, spacings
 from warpffrf.offline.contact.grid_rule import GridChoice
 from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
-from warpffrf.offline.contact.mesh_error import line_mesh_error, mesh_error_warning
+from warpffrf.offline.contact.mesh_error import axial_error, axial_warning, line_mesh_error, mesh_error_warning
 from warpffrf.offline.contact.slopes import may_slope
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall
@@ -299,6 +299,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         report["contact"][cross.target]["coupling"][cross.source] = share
         report["contact"][cross.source]["coupling"][cross.target] = share
     materials = {name: facet_material(mesh, mesh.facets(name), assignment) for name in settings.contact}
+    axial = {name: axial_error(s.shape, s.grid, materials[name]) for name, s in surfaces.items()}
+    report["warnings"] += [said for name, error in axial.items() if (said := axial_warning(name, error))]
     report["notes"] += [
         f"contact {name!r}: {100.0 * share:.3g} % of the facets are of another material than the one that stands for "
         "the surface in comparisons with Hertz"

@@ -21,6 +21,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.offline.contact.contact_grid import largest_radius
@@ -30,6 +31,9 @@ FACTORS = {1: (0.2, 1.5), 2: (0.014, 2.0)}  # c_p, n_p by degree of the cells
 EXPECTED = 4.0  # half-width, in spacings of the grid, where none is expected
 MOST = 0.03  # of the force: beyond it `reduce` warns
 PLACES = 3  # of the load around the surface
+# of the line load at mid-width of a nearly incompressible cover, over the cube of the spacings along the axis, and what
+# it does not exceed: covers of 5 and 10 mm, 100 mm wide, nu 0.47 to 0.4999, beside 24 cells (tests/offline)
+AXIAL, MOST_AXIAL, WORTH_A_WORD = 10.0, 0.05, 0.01
 CHUNK = 100_000  # cells looked at together
 
 
@@ -61,6 +65,26 @@ def mesh_error_warning(name: str, error: float | None) -> str | None:
     return (
         f"contact {name!r}: the cells behind the surface are coarse: under a line load the force at a given approach "
         f"is about {error:.0%} too high; {FINER_BEHIND}"
+    )
+
+
+def axial_error(shape: Any, grid: ContactGrid, material: Material | None) -> float:
+    """About what few cells along the axis add to the line load at mid-width, of it: between two free ends, pressures of
+    a nearly incompressible cover on few nodes are not smooth. 0 of other surfaces and materials."""
+    if material is None or not material.mixed or not touched_in_lines(shape) or len(grid.z) < 2:
+        return 0.0
+    spacings = float(np.ptp(grid.z) / np.diff(grid.z).max())
+    return min(AXIAL / spacings**3, MOST_AXIAL)
+
+
+def axial_warning(name: str, error: float) -> str | None:
+    """What to tell the user where that is worth a word, else None."""
+    if error <= WORTH_A_WORD:
+        return None
+    return (
+        f"contact {name!r}: there are few cells along the axis for a nearly incompressible material: the line load in "
+        f"the middle may err by about {error:.0%}; give the mesh more of them (mesh.roller: axial=, six quadratic "
+        "cells or twelve linear ones)"
     )
 
 

@@ -9,7 +9,8 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patch_plan import end_places, rows_follow, widest
+from warpffrf.online.compile.patch_plan import end_places, relative_curvatures, rows_follow, widest
+from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 
@@ -56,7 +57,9 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     notes += _unsymmetric(contact)
     half_width = strips * float(cells.half_width[last]) / found.pressure.shape[1]
     notes += normal_notes(contact, half_width, {})
-    return notes + (_near_end(contact, found) if rows_follow(contact) else _travelled(contact, found, history))
+    if rows_follow(contact):
+        return notes + _near_end(contact, found)
+    return notes + _over_end(contact, found) + _travelled(contact, found, history)
 
 
 def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
@@ -106,6 +109,26 @@ def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
         f"contact {contact.name!r}: the patch comes within {closest:.2g} m of a free end, {CLEAR:g} of its "
         "half-lengths or less; what the end adds to its displacement is taken in the middle of the patch only: use "
         'grid="material" where the pressure at the end matters'
+    ]
+
+
+def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
+    """A crowned line contact that runs off an end, where its rows, which are fine about the crown, are long."""
+    cells, by_row = found.cells, found.pressure.max(axis=1)
+    if cells is None or not relative_curvatures(contact)[1] > 0.0:
+        return []
+    peak = np.maximum(by_row.max(axis=1), np.finfo(float).tiny)
+    shares = by_row[:, [0, -1]] / peak[:, None]
+    t, end = np.unravel_index(int(np.argmax(shares)), shares.shape)
+    if shares[t, end] <= BORDER:
+        return []
+    length, strips = float(cells.length[t, -int(end)]), np.count_nonzero(found.pressure[t].max(axis=1) > 0.0)
+    half_width = strips * float(cells.half_width[t]) / found.pressure.shape[1]
+    return [
+        f"contact {contact.name!r}: the patch reaches an end, whose last row had {shares[t, end]:.0%} of the largest "
+        f"pressure and is {length:.2g} m long, {length / half_width:.2g} of the half-width: rows are fine about the "
+        "crown, a peak at the end is a mean over the row and may be far too low there, and what other cells change is "
+        "no measure of it; use more rows in cells=, or grid='material' with a mesh that is fine at the end"
     ]
 
 

@@ -2,7 +2,8 @@
 
 Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.step.balance.balance`: forces
 of the largest force in play, modal forces of the largest modal force, joints of 1 m or 1 rad, spring forces of their
-laws, gaps of the penetration, tractions of the largest bound of all contacts (`add_friction`). A singular system has no residual to speak of: there the direction that it does not
+laws, gaps of the penetration, tractions of the largest bound of all contacts (`add_friction`).
+A singular system has no residual to speak of: there the direction that it does not
 determine is told, the singular vector of the equilibrated matrix."""
 
 from __future__ import annotations
@@ -168,7 +169,7 @@ def _tractions(engine: Engine, world: int) -> list[Residual]:
     return [
         Residual(
             defect[i] / largest,
-            f"tractions of contact {engine.scene.contacts[i].name!r} that are {defect[i]:.3g} Pa off those of their slip",
+            f"tractions of contact {engine.scene.contacts[i].name!r}, {defect[i]:.3g} Pa off those of their slip",
         )
         for i in rubbing
     ]

@@ -131,7 +131,8 @@ class FrictionResult:
     @cached_property
     def creepage(self) -> np.ndarray:
         """(T, 2) [-] longitudinal and lateral creepage, creep along (e_theta, t_z) at the centre of the patch over the
-        rolling speed; NaN where the pair does not roll or not touch."""
+        rolling speed; NaN where the pair does not roll or not touch. All rows of a line contact have the same: closed
+        forms in the plane give it at the mean line load, which is below that at mid-width where ends are free."""
         creep = center_creep(self.contact, self.creep_velocity, self.spin_velocity)
         return creep / self._rolling_speed[:, None]
 
