@@ -4,7 +4,7 @@ import warp as wp
 
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.control import Clock, Coefficients, Control
-from warpffrf_kernels.core.model import PATCH, Model
+from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -121,15 +121,3 @@ def rule_of(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Cloc
     if model.modes.kind[m] == 2 and model.modes.stiffness[m] * h * h >= UNRESOLVED:
         return EXACT
     return LOCAL
-
-
-@wp.func
-def lags_between(model: Model, ctl: wp.array(dtype=Control), w: int) -> bool:
-    """Whether a step takes what patches displace under each other, on one surface, from its last evaluation, see
-    `patch.fields.beside_cells`: a step in time, where all pairs of the scene are patches."""
-    if ctl[w].mode != k.DYNAMIC or model.elements[0].patches.touching == 0:
-        return False
-    pair = int(0)
-    while pair < model.pairs.count and model.pairs.family[pair] == PATCH:
-        pair += 1
-    return pair == model.pairs.count

@@ -9,10 +9,10 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.integration import lags_between
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
 from warpffrf_kernels.kinematics.closest_point import least_place, view_of
+from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.place import extent_of
@@ -26,11 +26,6 @@ wp.set_module_options(MODULE_OPTIONS)
 def half_of(model: Model, elements: Elements, w: int, pair: int, side: int) -> int:
     """Where the spline numbers of a side begin."""
     return ((w * model.pairs.count + pair) * 2 + side) * elements.patches.far_nodes
-
-
-@wp.func
-def strip_width_of(elements: Elements, w: int, pair: int, patch_place: wp.array3d(dtype=real)) -> real:
-    return real(2.0) * patch_place[w, pair, 2] / real(elements.patches.columns[pair])
 
 
 @wp.func
@@ -257,6 +252,40 @@ def near_field(
 ): ...
 
 
+@wp.func
+def beside_field(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    side: int,
+    rows: int,
+    n: int,
+    far_window: wp.array4d(dtype=int),
+    far_load: wp.array(dtype=real),
+) -> real:
+    """Displacement of spline n [m] of a side by the far field of the patches beside it."""
+    target = turned_column(model, real_side(elements, pair, side), far_window[w, pair, side, 0] + n / rows)
+    value = real(0.0)
+    e = elements.patches.beside_start[2 * pair + side]
+    while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
+        other = elements.patches.beside_side[e] / 2
+        there = elements.patches.beside_side[e] % 2
+        lines = model.surfaces.rows[real_side(elements, other, there)]
+        table = elements.patches.beside_table[e]
+        stride = elements.patches.table_source[table] * lines
+        loads = half_of(model, elements, w, other, there)
+        c = int(0)
+        while c < far_window[w, other, there, 1]:
+            source = turned_column(model, real_side(elements, other, there), far_window[w, other, there, 0] + c)
+            if source >= 0:
+                at = beside_block(model, elements, table, rows, lines, target, source) + (n % rows) * stride
+                value += dot(lines, elements.patches.beside, at, far_load, loads + c * lines)
+            c += 1
+        e += 1
+    return value
+
+
 @wp.kernel
 def local_cells(
     models: wp.array(dtype=Model),
@@ -290,28 +319,8 @@ def local_cells(
                 elements.patches.far_nodes, far_field, start,
             )  # fmt: skip
             n = lane
-            while n < count and elements.patches.touching > 0 and not lags_between(model, ctl, w):
-                target = turned_column(model, s, far_window[w, pair, side, 0] + n / rows)
-                value = real(0.0)
-                e = elements.patches.beside_start[2 * pair + side]
-                while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
-                    other = elements.patches.beside_side[e] / 2
-                    there = elements.patches.beside_side[e] % 2
-                    lines = model.surfaces.rows[real_side(elements, other, there)]
-                    table = elements.patches.beside_table[e]
-                    stride = elements.patches.table_source[table] * lines
-                    loads = half_of(model, elements, w, other, there)
-                    c = int(0)
-                    while c < far_window[w, other, there, 1]:
-                        column = far_window[w, other, there, 0] + c
-                        source = turned_column(model, real_side(elements, other, there), column)
-                        if source >= 0:
-                            at = beside_block(model, elements, table, rows, lines, target, source)
-                            value += dot(
-                                lines, elements.patches.beside, at + (n % rows) * stride, far_load, loads + c * lines
-                            )
-                        c += 1
-                    e += 1
+            while n < count and elements.patches.touching > 0 and not lags(model, ctl, w):
+                value = beside_field(model, elements, w, pair, side, rows, n, far_window, far_load)
                 far_field[start + n] = far_field[start + n] + value
                 n += wp.block_dim()
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -321,135 +330,6 @@ def local_cells(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
         far_strip, far_share, far_field, first_local,
     )  # fmt: skip
-
-
-@wp.kernel
-def beside_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    far_load: wp.array(dtype=real),
-    patch_place: wp.array3d(dtype=real),
-    patch_between: wp.array3d(dtype=real),
-    patch_pressure: wp.array3d(dtype=real),
-    beside_far: inout(wp.array(dtype=real)),
-    beside_local: inout(wp.array(dtype=real)),
-    first_local: changed(wp.array(dtype=real)),
-):
-    r"""Per (world, pair of family 2), lanes over cells: displacement under the pressures of the other patches on its
-    surfaces at the last evaluation, of steps that lag it (`lags_between`).
-
-    Patch i opens under the pressures of j by H_ij, which is not symmetric in rows weighed by w_i, as a step weighs each
-    pair: w_i H_ij and w_j H_ij^T differ where one is impulsive, or idle, and the other not. A matrix made symmetric by
-    the smaller weight contradicts the gaps, which the active set is corrected by, and cells at the edge enter and leave
-    for ever. Taken from the evaluation, matrix and gaps agree. What an iteration leaves of it is the ratio of H_ij to
-    the compliance of a patch, a hundredth on steel rings.
-    """
-    w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
-        return
-    if not lags_between(model, ctl, w):
-        return
-    elements = model.elements[0]
-    for side in range(2):
-        s = real_side(elements, pair, side)
-        if s >= 0:
-            rows = model.surfaces.rows[s]
-            start = half_of(model, elements, w, pair, side)
-            count = far_window[w, pair, side, 1] * rows
-            n = lane
-            while n < count and elements.patches.touching > 0:
-                target = turned_column(model, s, far_window[w, pair, side, 0] + n / rows)
-                value = real(0.0)
-                e = elements.patches.beside_start[2 * pair + side]
-                while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
-                    other = elements.patches.beside_side[e] / 2
-                    there = elements.patches.beside_side[e] % 2
-                    lines = model.surfaces.rows[real_side(elements, other, there)]
-                    table = elements.patches.beside_table[e]
-                    stride = elements.patches.table_source[table] * lines
-                    loads = half_of(model, elements, w, other, there)
-                    c = int(0)
-                    while c < far_window[w, other, there, 1]:
-                        column = far_window[w, other, there, 0] + c
-                        source = turned_column(model, real_side(elements, other, there), column)
-                        if source >= 0:
-                            at = beside_block(model, elements, table, rows, lines, target, source)
-                            value += dot(
-                                lines, elements.patches.beside, at + (n % rows) * stride, far_load, loads + c * lines
-                            )
-                        c += 1
-                    e += 1
-                beside_far[start + n] = value
-                n += wp.block_dim()
-    rows = model.surfaces.rows[model.pairs.first[pair]]
-    first = (w * model.pairs.count + pair) * model.window.hats
-    n = lane
-    while n < model.window.hats:
-        beside_local[first + n] = real(0.0)
-        n += wp.block_dim()
-    sync()
-    add_splines(
-        model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-        far_strip, far_share, beside_far, beside_local,
-    )  # fmt: skip
-    sync()
-    row = lane
-    while row < rows:
-        total = real(0.0)
-        e = elements.patches.beside_start[2 * pair]
-        while e < elements.patches.beside_start[2 * pair + 2]:
-            if elements.patches.beside_between[e] >= 0:
-                other = elements.patches.beside_side[e] / 2
-                lines = model.surfaces.rows[model.pairs.first[other]]
-                strip = strip_width_of(elements, w, other, patch_place)
-                line = int(0)
-                while line < lines:
-                    load = real(0.0)
-                    column = int(0)
-                    while column < elements.patches.columns[other]:
-                        load += patch_pressure[w, other, column * line_of(lines) + line]
-                        column += 1
-                    total += patch_between[w, e, row * lines + line] * strip * load
-                    line += 1
-            e += 1
-        total *= strip_width_of(elements, w, pair, patch_place)
-        column = int(0)
-        while column < elements.patches.columns[pair]:
-            m = first + column * rows + row
-            beside_local[m] = beside_local[m] + total
-            column += 1
-        row += wp.block_dim()
-    sync()
-    n = lane
-    while n < model.window.hats:
-        first_local[first + n] = first_local[first + n] + beside_local[first + n]
-        n += wp.block_dim()
-
-
-@wp.kernel
-def again_beside(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    beside_local: wp.array(dtype=real),
-    first_local: changed(wp.array(dtype=real)),
-):
-    """Per (world, pair of family 2), lanes over cells: what the other patches displaced in the last evaluation, added
-    to the displacement under the new pressures, by which the active set is corrected."""
-    w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
-        return
-    if not lags_between(model, ctl, w):
-        return
-    first = (w * model.pairs.count + pair) * model.window.hats
-    n = lane
-    while n < model.window.hats:
-        first_local[first + n] = first_local[first + n] + beside_local[first + n]
-        n += wp.block_dim()
 
 
 @wp.kernel

@@ -13,9 +13,9 @@ import warp as wp
 
 from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.integration import lags_between
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.lasting import OLDER
 from warpffrf_kernels.patch.between import strip_width
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
@@ -354,9 +354,7 @@ def assemble_patches_beside(
     same body, by its local modes and, on one surface, the half-space."""
     w, lane = wp.tid()
     model = models[w]
-    if ctl[w].run == 0:
-        return
-    if lags_between(model, ctl, w):
+    if ctl[w].run == 0 or lags(model, ctl, w):
         return
     elements = model.elements[0]
     base = w * elements.patches.far_nodes

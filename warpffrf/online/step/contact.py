@@ -76,7 +76,7 @@ CONTACT = Participant(
         blocks(between.add_between, "pair", when=TOUCHING),
     ],
     close=[
-        blocks(fields.beside_cells, "pair", when=TOUCHING),
+        blocks(between.keep_beside, "pair", when=TOUCHING),
         blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
         blocks(contact_fields.load_modes, "pair", when=HATS),
         blocks(fields.load_modes, "pair", when=PATCH),
@@ -109,7 +109,7 @@ CONTACT = Participant(
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="modal_step", of_state=0, first_field="first_step"),
     ],
     correct=[
-        blocks(fields.again_beside, "pair", when=TOUCHING),
+        blocks(between.add_kept, "pair", when=TOUCHING),
         blocks(contact_solve.correct_set, "pair"),
         threads(contact_solve.accept_set),
     ],
