@@ -70,6 +70,7 @@ SWING = wp.constant(wp.float64(0.5))
 # of a pair's own energy: what the mean force of an impulsive step is to lose, and may miss that by: it makes none
 LOST = wp.constant(wp.float64(1.0e-4))
 MISSED = wp.constant(wp.float64(1.0001e-4))  # round-off apart
+IDLE = wp.constant(wp.float64(2.5e-4))  # of the energy at hand: pairs below share at most so much, whatever may be lost
 MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket that loses
 
 
@@ -192,7 +193,8 @@ def balance_means(
         return
     kappa = outer_kappa(model, clk, w)
     changed = int(0)
-    idle = model.limits.energy_tolerance * energy_at_hand(model, w, pair_energy, v, omega) / real(model.pairs.count)
+    idle = wp.min(model.limits.energy_tolerance, IDLE) * energy_at_hand(model, w, pair_energy, v, omega)
+    idle = idle / real(model.pairs.count)
     pair = int(0)
     while pair < model.pairs.count:
         if impulsive[w, pair] != 0 and swings(pair_energy, w, pair):
