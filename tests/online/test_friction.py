@@ -181,6 +181,30 @@ def test_the_regularised_law_tends_to_coulomb(body) -> None:
     assert errors[0] > errors[1] > errors[2] and errors[2] < 1e-2
 
 
+@pytest.mark.parametrize("law", [MU, wf.laws.RegularisedCoulomb(MU, 1e-3)], ids=["Coulomb", "regularised"])
+def test_a_pair_that_hardly_carries_does_not_hold_up_one_that_does(body, law) -> None:
+    """Beside a loaded pair one with a millionth of its load: slips have round-off, which is a part of its bound that
+    no iteration takes away. The loaded pair is the one alone, and no step is halved."""
+    alone, both = rollers(body, law, 0.002), rollers(body, law, 0.002)
+    for name, source in (("lower 2", "lower"), ("upper 2", "upper")):
+        of = both.body(source)
+        both.add_body(body, name=name, position=of.position + [0, 1, 0], angular_velocity=of.angular_velocity)
+    slide = both.add_rigid_body(1.0, (1e-3, 1e-3, 1e-3), name="slide", position=(0, 1, 0.1))
+    for axle, (a, b) in {
+        "third": (both.ground, both.body("lower 2")["bore"]),
+        "fourth": (slide.at((0, 0, 0)), both.body("upper 2")["bore"]),
+    }.items():
+        joint = both.add(wf.joints.Revolute(a, b, axis=(0, 1, 0), name=axle))
+        both.add(wf.joints.Drive(joint, OMEGA if axle == "third" else -OMEGA * 0.998, quantity="velocity"))
+    both.add(wf.joints.Prismatic(both.ground, slide.at((0, 0, 0)), axis=(0, 0, 1), name="guide 2"))
+    both.add(wf.forces.PointForce(slide.at((0, 0, 0)), (0.0, 0.0, -1e-6 * LOAD)))
+    both.add(wf.Contact(both.body("lower 2")["rim"], both.body("upper 2")["rim"], friction=law, name="idle"))
+    expected, found = run(alone, 6), run(both, 6)
+    assert found.history.counters["rejected_steps"] == 0
+    forces = [r.contact("pair").friction.tangential_force for r in (expected, found)]
+    np.testing.assert_allclose(forces[1], forces[0], atol=1e-4 * MU * LOAD)
+
+
 def test_action_equals_reaction_with_friction(body) -> None:
     contact = run(rollers(body, MU, 0.02), 20).history.contacts["pair"]
     size = np.linalg.norm(contact.force, axis=1).max()

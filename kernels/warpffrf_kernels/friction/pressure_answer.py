@@ -112,6 +112,8 @@ def open_answer(
     n = block[w, 0, LEFT_START]  # the places before are those of active slots
     # in every attempt the pressures' G is another one, and with it Y, and gradients by the motion of the bodies
     renewed = ctl[w].iteration == 0 or is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
+    # and so is the outer matrix that the receptance of tractions is condensed with, where it is inverted anew
+    renewed = renewed or ctl[w].refresh != 0
     answer_state[w, ACTIVE] = n
     answer_state[w, RENEWED] = 0
     answer_state[w, OPEN] = 1

@@ -11,6 +11,7 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
 from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_elimination import LEFT_START, eliminated, put_pressures
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -111,7 +112,7 @@ def solve_between(
     w, lane = wp.tid()
     model = models[w]
     count = block[w, 0, LEFT_START]
-    if ctl[w].run == 0 or count == 0:
+    if ctl[w].run == 0 or count == 0 or lags(model, ctl, w):
         return
     cap = model.capacity.slots
     N = model.outer.count

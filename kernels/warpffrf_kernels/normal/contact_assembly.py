@@ -17,6 +17,7 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_forces import surface_of
 from warpffrf_kernels.surfaces.responses import first_column, load_of, place_of_load
 
@@ -241,7 +242,7 @@ def assemble_between(
     """Per world: rows of G of the fresh slots, between pairs, by condensed modes and by local modes."""
     w, lane = wp.tid()
     model = models[w]
-    if ctl[w].run == 0:
+    if ctl[w].run == 0 or lags(model, ctl, w):
         return
     start = w * wp.max(model.window.hats, model.window.nodes)
     slot = ctl[w].fresh

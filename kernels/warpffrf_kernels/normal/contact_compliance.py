@@ -18,6 +18,7 @@ from warpffrf_kernels.core.access import inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, sync, vec3
+from warpffrf_kernels.normal.lagged import ends_lag
 from warpffrf_kernels.normal.lasting import AGE, BEGUN, COUNT, OLDER, PATIENCE, REST, RESTS, ROWS
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
@@ -97,7 +98,7 @@ def take_slots(
         ctl[w].recenter = 0
     count = ctl[w].slots
     ctl[w].fresh = count
-    if ctl[w].reweighed != 0:
+    if ctl[w].reweighed != 0 or ends_lag(model, ctl, w):
         ctl[w].fresh = 0
         ctl[w].reweighed = 0
     number = int(0)

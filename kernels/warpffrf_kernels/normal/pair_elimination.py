@@ -18,6 +18,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, weighted
 from warpffrf_kernels.linear import block_elimination
 from warpffrf_kernels.linear.outer_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
+from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.lasting import WIDTH
 from warpffrf_kernels.normal.pair_forces import surface_of
 
@@ -288,7 +289,7 @@ def pose_pressures(
         while e < lefts:
             slot = order[w, first_left + e]
             other = slot_hat[w, slot, 0]
-            if other == pair or model.pairs.beside != 0:
+            if other == pair or (model.pairs.beside != 0 and not lags(model, ctl, w)):
                 s = real(1.0) / (row_scale[w, pair] * row_scale[w, other])
                 total += s * G[w, a, slot] * weight[w, other] * base[w, other, slot_hat[w, slot, 1]]
             e += 1

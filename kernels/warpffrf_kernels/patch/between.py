@@ -10,15 +10,18 @@ w, w' the widths of strips of both. u stands in a table of the surface, over ln 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, out
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.kinematics.line_of_centres import wrap
+from warpffrf_kernels.normal.lagged import PATCHES_ALONE, lags
 from warpffrf_kernels.patch.cells import row_place
-from warpffrf_kernels.patch.fields import real_side
+from warpffrf_kernels.patch.fields import add_splines, beside_field, half_of, real_side, rows_of
 from warpffrf_kernels.patch.near import cubic_shares
 from warpffrf_kernels.patch.spline_tables import line_of
+from warpffrf_kernels.surfaces.fields import clear_field
 from warpffrf_kernels.surfaces.surface import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -120,22 +123,19 @@ def lay_between(
             e += 1
 
 
-@wp.kernel
-def add_between(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
+@wp.func
+def add_half_space(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    lane: int,
     patch_place: wp.array3d(dtype=real),
     patch_between: wp.array3d(dtype=real),
     patch_pressure: wp.array3d(dtype=real),
-    first_local: changed(wp.array(dtype=real)),
+    value: wp.array(dtype=real),
 ):
-    """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space under the pressures of the
-    patches beside it."""
-    w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
-        return
-    elements = model.elements[0]
+    """Adds the weak displacement of the cells by the half-space under the patches beside them. Lanes over rows."""
     rows = model.surfaces.rows[model.pairs.first[pair]]
     row = lane
     while row < rows:
@@ -160,6 +160,92 @@ def add_between(
         column = int(0)
         while column < elements.patches.columns[pair]:
             m = (w * model.pairs.count + pair) * model.window.hats + column * rows + row
-            first_local[m] = first_local[m] + total
+            value[m] = value[m] + total
             column += 1
         row += wp.block_dim()
+
+
+@wp.kernel
+def add_between(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    patch_place: wp.array3d(dtype=real),
+    patch_between: wp.array3d(dtype=real),
+    patch_pressure: wp.array3d(dtype=real),
+    first_local: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space under the pressures of the
+    patches beside it."""
+    w, pair, lane = wp.tid()
+    model = models[w]
+    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH or lags(model, ctl, w):
+        return
+    add_half_space(
+        model, model.elements[0], w, pair, lane, patch_place, patch_between, patch_pressure, first_local
+    )  # fmt: skip
+
+
+@wp.kernel
+def keep_beside(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    far_window: wp.array4d(dtype=int),
+    far_strip: wp.array4d(dtype=int),
+    far_share: wp.array(dtype=real),
+    far_load: wp.array(dtype=real),
+    patch_place: wp.array3d(dtype=real),
+    patch_between: wp.array3d(dtype=real),
+    patch_pressure: wp.array3d(dtype=real),
+    far_others: inout(wp.array(dtype=real)),
+    beside_local: inout(wp.array(dtype=real)),
+    far_field: changed(wp.array(dtype=real)),
+    first_local: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair of family 2), lanes over splines, then cells: weak displacement under the pressures of the
+    patches beside it, of the evaluation, kept for the correction of the set (`normal.lagged`)."""
+    w, pair, lane = wp.tid()
+    model = models[w]
+    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+        return
+    if model.pairs.beside != PATCHES_ALONE or ctl[w].mode != k.DYNAMIC:
+        return
+    elements = model.elements[0]
+    for side in range(2):
+        s = real_side(elements, pair, side)
+        if s >= 0:
+            rows = model.surfaces.rows[s]
+            start = half_of(model, elements, w, pair, side)
+            n = lane
+            while n < far_window[w, pair, side, 1] * rows:
+                far_others[start + n] = beside_field(model, elements, w, pair, side, rows, n, far_window, far_load)
+                if lags(model, ctl, w):
+                    far_field[start + n] = far_field[start + n] + far_others[start + n]
+                n += wp.block_dim()
+    first = (w * model.pairs.count + pair) * model.window.hats
+    clear_field(lane, model.window.hats, first, beside_local)
+    sync()
+    add_splines(
+        model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
+        rows_of(model, elements, pair, 1), far_strip, far_share, far_others, beside_local,
+    )  # fmt: skip
+    sync()
+    add_half_space(model, elements, w, pair, lane, patch_place, patch_between, patch_pressure, beside_local)
+    sync()
+    if lags(model, ctl, w):
+        axpy(model.window.hats, real(1.0), beside_local, first, first_local, first)
+
+
+@wp.kernel
+def add_kept(
+    models: wp.array(dtype=Model),
+    ctl: wp.array(dtype=Control),
+    beside_local: wp.array(dtype=real),
+    first_local: changed(wp.array(dtype=real)),
+):
+    """Per (world, pair of family 2): adds what the patches beside it displaced in the evaluation."""
+    w, pair, _lane = wp.tid()
+    model = models[w]
+    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH or not lags(model, ctl, w):
+        return
+    first = (w * model.pairs.count + pair) * model.window.hats
+    axpy(model.window.hats, real(1.0), beside_local, first, first_local, first)

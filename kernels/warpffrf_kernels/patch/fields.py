@@ -12,6 +12,7 @@ from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
 from warpffrf_kernels.kinematics.closest_point import least_place, view_of
+from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_forces import modal_line
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
 from warpffrf_kernels.patch.place import extent_of
@@ -251,6 +252,40 @@ def near_field(
 ): ...
 
 
+@wp.func
+def beside_field(
+    model: Model,
+    elements: Elements,
+    w: int,
+    pair: int,
+    side: int,
+    rows: int,
+    n: int,
+    far_window: wp.array4d(dtype=int),
+    far_load: wp.array(dtype=real),
+) -> real:
+    """Displacement of spline n [m] of a side by the far field of the patches beside it."""
+    target = turned_column(model, real_side(elements, pair, side), far_window[w, pair, side, 0] + n / rows)
+    value = real(0.0)
+    e = elements.patches.beside_start[2 * pair + side]
+    while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
+        other = elements.patches.beside_side[e] / 2
+        there = elements.patches.beside_side[e] % 2
+        lines = model.surfaces.rows[real_side(elements, other, there)]
+        table = elements.patches.beside_table[e]
+        stride = elements.patches.table_source[table] * lines
+        loads = half_of(model, elements, w, other, there)
+        c = int(0)
+        while c < far_window[w, other, there, 1]:
+            source = turned_column(model, real_side(elements, other, there), far_window[w, other, there, 0] + c)
+            if source >= 0:
+                at = beside_block(model, elements, table, rows, lines, target, source) + (n % rows) * stride
+                value += dot(lines, elements.patches.beside, at, far_load, loads + c * lines)
+            c += 1
+        e += 1
+    return value
+
+
 @wp.kernel
 def local_cells(
     models: wp.array(dtype=Model),
@@ -284,28 +319,8 @@ def local_cells(
                 elements.patches.far_nodes, far_field, start,
             )  # fmt: skip
             n = lane
-            while n < count and elements.patches.touching > 0:
-                target = turned_column(model, s, far_window[w, pair, side, 0] + n / rows)
-                value = real(0.0)
-                e = elements.patches.beside_start[2 * pair + side]
-                while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
-                    other = elements.patches.beside_side[e] / 2
-                    there = elements.patches.beside_side[e] % 2
-                    lines = model.surfaces.rows[real_side(elements, other, there)]
-                    table = elements.patches.beside_table[e]
-                    stride = elements.patches.table_source[table] * lines
-                    loads = half_of(model, elements, w, other, there)
-                    c = int(0)
-                    while c < far_window[w, other, there, 1]:
-                        column = far_window[w, other, there, 0] + c
-                        source = turned_column(model, real_side(elements, other, there), column)
-                        if source >= 0:
-                            at = beside_block(model, elements, table, rows, lines, target, source)
-                            value += dot(
-                                lines, elements.patches.beside, at + (n % rows) * stride, far_load, loads + c * lines
-                            )
-                        c += 1
-                    e += 1
+            while n < count and elements.patches.touching > 0 and not lags(model, ctl, w):
+                value = beside_field(model, elements, w, pair, side, rows, n, far_window, far_load)
                 far_field[start + n] = far_field[start + n] + value
                 n += wp.block_dim()
     rows = model.surfaces.rows[model.pairs.first[pair]]

@@ -15,6 +15,7 @@ from warpffrf_kernels.core.access import changed, inout, out
 from warpffrf_kernels.core.control import Control
 from warpffrf_kernels.core.model import PATCH, Elements, Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.lasting import OLDER
 from warpffrf_kernels.patch.between import strip_width
 from warpffrf_kernels.patch.far_splines import beside_block, turned_column
@@ -353,7 +354,7 @@ def assemble_patches_beside(
     same body, by its local modes and, on one surface, the half-space."""
     w, lane = wp.tid()
     model = models[w]
-    if ctl[w].run == 0:
+    if ctl[w].run == 0 or lags(model, ctl, w):
         return
     elements = model.elements[0]
     base = w * elements.patches.far_nodes

@@ -226,6 +226,8 @@ class Patches(Arrays):
     slot_place: DeviceArray = integers("world", "patch_slot")
     patch_between: DeviceArray = reals("world", "beside_patch", "between_place", unit="m3/Pa", note="over both strips")
     slot_reach: DeviceArray = integers("world", "patch_slot", note="last place of its pair, of the slots so far")
+    far_others: DeviceArray = reals("world", "patch_pair", "2*far_node", unit="m", note="by the patches beside")
+    beside_local: DeviceArray = reals("world", "pair", "hat", unit="m", note="by the patches beside")
     far_beside: DeviceArray = reals("world", "far_node", unit="m/Pa", note="of a cell on the splines of another patch")
 
 

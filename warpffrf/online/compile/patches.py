@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.normal.lagged import PATCHES_ALONE
 from warpffrf_kernels.patch.spline_tables import LINE
 
 from warpffrf.model.bodies import Body, Ground
@@ -179,7 +180,8 @@ def fill_patches(collector: Any, m: Model) -> None:
     places = max((plan.columns * filled(len(plan.z)) for plan in plans.values()), default=0)
     beside = fill_beside(collector)
     if beside["beside_side"]:
-        m.pairs.beside = 1
+        apart = m.pairs.beside or collector.elements.layers.count or m.modes.dynamic_count
+        m.pairs.beside = 1 if apart else int(PATCHES_ALONE)
     collector.fill(
         collector.elements.patches, **beside, count=len(plans), touching=len(beside["beside_side"]),
         lasting=int(_rows_stand(collector, m)), far_nodes=nodes, places=places, **per_pair, **far, far_of=far_of,

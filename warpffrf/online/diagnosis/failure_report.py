@@ -2,7 +2,8 @@
 
 Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.step.balance.balance`: forces
 of the largest force in play, modal forces of the largest modal force, joints of 1 m or 1 rad, spring forces of their
-laws, gaps of the penetration. A singular system has no residual to speak of: there the direction that it does not
+laws, gaps of the penetration, tractions of the largest bound of all contacts (`add_friction`).
+A singular system has no residual to speak of: there the direction that it does not
 determine is told, the singular vector of the equilibrated matrix."""
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.friction.cell_forces import TRACTION_SLACK
 
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.engine import Engine
@@ -34,7 +36,7 @@ def failure_owner(engine: Engine, bits: int, world: int = 0) -> str:
     """A clause that names the body, the joint or force, and the pair with the largest residual of `world` after the
     failure `bits`, the worst of them first; "" if none is left."""
     with np.errstate(all="ignore"):  # what diverged may overflow
-        kinds = [_bodies(engine, world), _rows(engine, world), _pairs(engine, world)]
+        kinds = [_bodies(engine, world), _rows(engine, world), _pairs(engine, world), _tractions(engine, world)]
     lost = [residual.text for kind in kinds for residual in kind if not np.isfinite(residual.share)]
     if lost:
         return ", ".join(lost[:MOST_LOST])
@@ -145,6 +147,34 @@ def _pairs(engine: Engine, world: int) -> list[Residual]:
     return found
 
 
+def _tractions(engine: Engine, world: int) -> list[Residual]:
+    """By how much the tractions of each contact with friction are not those of their slip, as in `add_friction`."""
+    pairs, rows = engine.compiled.model.pairs, engine.compiled.model.surfaces.rows.numpy()
+    rubbing = np.flatnonzero(pairs.friction.numpy()[: pairs.count] > 0.0)
+    if not len(rubbing):
+        return []
+    bound, own, late, slip = (_array(engine.scratch, name, world) for name in ("bound", "cell_own", "late", "slip"))
+    traction, h = _array(engine.state, "traction", world), float(engine.state.clk.numpy()[world]["h"])
+    defect = {}
+    for i in rubbing:
+        lines = int(rows[pairs.first.numpy()[i]])
+        cells = np.flatnonzero(bound[i] > 0.0)
+        at = (cells // lines) * 2 * lines + cells % lines + np.array([[0], [lines]])
+        b, t = bound[i][cells], traction[i][at]
+        soft = h * pairs.slip_velocity.numpy()[i] / b + late[i][cells]
+        aim = t - (slip[i][at] + soft * t) / (own[i][cells] + soft)
+        aim *= np.minimum(1.0, b / np.maximum(np.linalg.norm(aim, axis=0), b))
+        defect[i] = float(np.abs(aim - t).max(initial=0.0))
+    largest = max(float(bound[i].max(initial=0.0)) for i in rubbing) * float(TRACTION_SLACK) + NO_FORCE
+    return [
+        Residual(
+            defect[i] / largest,
+            f"tractions of contact {engine.scene.contacts[i].name!r}, {defect[i]:.3g} Pa off those of their slip",
+        )
+        for i in rubbing
+    ]
+
+
 def _at_pair(engine: Engine, bits: int, world: int) -> str:
     """The pair that failed by itself: the fullest, where room was short, or else with the largest residual."""
     contacts = engine.scene.contacts
@@ -152,7 +182,8 @@ def _at_pair(engine: Engine, bits: int, world: int) -> str:
         return f"at contact {contacts[0].name!r}"
     if bits & int(k.CAPACITY):
         return _fullest(engine, world)
-    worst = max(_pairs(engine, world), key=lambda residual: residual.share, default=Residual(0.0, ""))
+    residuals = [*_pairs(engine, world), *_tractions(engine, world)]
+    worst = max(residuals, key=lambda residual: residual.share, default=Residual(0.0, ""))
     return f"the largest residual: {worst.text}" if worst.share > 0.0 else ""
 
 

@@ -76,6 +76,7 @@ CONTACT = Participant(
         blocks(between.add_between, "pair", when=TOUCHING),
     ],
     close=[
+        blocks(between.keep_beside, "pair", when=TOUCHING),
         blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
         blocks(contact_fields.load_modes, "pair", when=HATS),
         blocks(fields.load_modes, "pair", when=PATCH),
@@ -107,7 +108,11 @@ CONTACT = Participant(
         blocks(contact_fields.modal_fields, "pair", when=HATS, **STEP),
         blocks(fields.modal_cells, "pair", when=PATCH, amplitude="modal_step", of_state=0, first_field="first_step"),
     ],
-    correct=[blocks(contact_solve.correct_set, "pair"), threads(contact_solve.accept_set)],
+    correct=[
+        blocks(between.add_kept, "pair", when=TOUCHING),
+        blocks(contact_solve.correct_set, "pair"),
+        threads(contact_solve.accept_set),
+    ],
     finish=[blocks(impulsive_memory.finish_rates)],
     judge=[
         threads(leaps.refuse_leaps_of_pairs),

@@ -120,7 +120,8 @@ class _Probe:
                             ("acc", RIGID_TANGENT), ("vel", 1.0), ("forget", 0.0)):  # fmt: skip
             clk["outer"][word] = value  # dampers show their law where vel > 0
         for word, value in (("run", 1), ("moved", 1), ("reassemble", 1), ("refresh", 1), ("recenter", 0),
-                            ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0)):  # fmt: skip
+                            ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0),
+                            ("round", -1)):  # fmt: skip
             ctl[word] = value
         ctl["mode"][ctl["mode"] == int(k.LOADING)] = int(k.STATIC)  # load steps have no accelerations of the motion
         self.rates = (

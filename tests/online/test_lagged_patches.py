@@ -1,0 +1,55 @@
+"""Patches on one body, one of them hardly loaded: what they do to each other lags, and all comes out the same."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import warpffrf as wf
+from warpffrf.online import History, run
+from warpffrf.online.compile import patches
+
+STEEL = wf.Material(210e9, 0.3, 7850.0)
+LOAD, IDLE = 2e4, 5.0  # N
+BALANCED = 1e-8  # of the largest force: what both runs leave unbalanced, each to 1e-9 in a step
+
+
+@pytest.fixture(scope="module")
+def ring() -> wf.ReducedBody:
+    mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
+    return wf.reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, patch_grid=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+
+
+def thrown_back(ring: wf.ReducedBody, apart: float) -> History:
+    """Two rigid rollers on a held ring, `apart` [rad]: one pressed on, one lifted off and thrown back."""
+    scene = wf.Scene()
+    held = scene.add_body(ring, name="ring")
+    scene.add(wf.joints.Fixed(scene.ground, held["bore"]))
+    thrown = wf.signals.Table([0.0, 4e-5, 8e-5, 1.2e-4], [IDLE, -30.0 * IDLE, 30.0 * IDLE, IDLE], hold=True)
+    for angle, load in ((0.0, LOAD), (apart, thrown)):
+        out = np.array([np.sin(angle), 0.0, np.cos(angle)])
+        tread = wf.surfaces.Cylinder(radius=0.02, axis_point=(0.0, 0.0, 0.0), axis_direction=(0.0, 1.0, 0.0))
+        roller = scene.add_rigid_body(
+            0.1, (1e-5, 1e-5, 1e-5), name=f"roller_{angle}", position=0.07 * out, surfaces={"tread": tread}
+        )
+        scene.add(wf.joints.Prismatic(scene.ground, roller.at((0.0, 0.0, 0.0)), axis=out))
+        scene.add(wf.Contact(held["rim"], roller["tread"], cells=(9, 5)))
+        scene.add(wf.forces.PointForce(roller.at((0.0, 0.0, 0.0)), (load, tuple(-out))))
+    return run(scene, 4e-4, step=4e-5, start="equilibrium", progress=False)
+
+
+@pytest.mark.parametrize("apart", [0.5, 0.25])
+def test_lagged_blocks_change_no_result(ring: wf.ReducedBody, apart: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Against the same run with the blocks between the patches in its matrix."""
+    lagged = thrown_back(ring, apart)
+    monkeypatch.setattr(patches, "PATCHES_ALONE", 1)
+    assembled = thrown_back(ring, apart)
+    assert lagged.status == assembled.status == "completed", lagged.message
+    assert lagged.counters["impulsive_steps"] > 0  # the weights of the pairs have differed
+    assert lagged.counters["rejected_steps"] == 0
+    for name in lagged.contacts:
+        force = lagged.contacts[name].force - assembled.contacts[name].force
+        assert np.abs(force).max() < BALANCED * LOAD
