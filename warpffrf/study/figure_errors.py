@@ -8,8 +8,8 @@ more; a figure whose line says "not estimated" is told apart.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -20,15 +20,18 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.offline import reduce
+from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.budget import FLOOR
 from warpffrf.output.budget.figures import UNKNOWN, figures, total
 from warpffrf.output.budget.quantities import quantities
+from warpffrf.output.budget.stresses import below
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf.study import film_acceptance as films
 from warpffrf.verification import carter_rollers as carter
 from warpffrf.verification import coarse_points as points
 from warpffrf.verification import coarse_rollers as rollers
+from warpffrf.verification.closed_forms import LineContact, PointContact, contact_modulus
 from warpffrf.verification.scenes.user_meshes import cut_into_tets, serendipity, straight
 
 FACTOR = 3.0
@@ -66,12 +69,17 @@ def compare(scene: str, own: Result, finer: Result) -> list[Stated]:
         if name.startswith(("motion", "deformation")) or name not in others:
             continue
         true = float(np.nanmax(np.linalg.norm(quantity.values - others[name].values, axis=1))) / quantity.size
-        mine = [line for line in lines if line.of == name]
-        known = [line for line in mine if line.found]
-        lacks = any(line.source == UNKNOWN or not line.found for line in mine)
-        source = max(known, key=lambda line: line.size).source if known else ""
-        found.append(Stated(scene, name, true, total(known) if known and not lacks else np.nan, lacks, source))
+        found.append(_stated(scene, name, true, lines))
     return found
+
+
+def _stated(scene: str, name: str, true: float, lines: Sequence[BudgetLine]) -> Stated:
+    """The `true` error of a figure and what `lines` say of it."""
+    mine = [line for line in lines if line.of == name]
+    known = [line for line in mine if line.found]
+    lacks = any(line.source == UNKNOWN or not line.found for line in mine)
+    source = max(known, key=lambda line: line.size).source if known else ""
+    return Stated(scene, name, true, total(known) if known and not lacks else np.nan, lacks, source)
 
 
 def _roller(bore: float, size: float, order: int) -> Mesh:
@@ -130,6 +138,34 @@ def solid_rollers() -> Iterator[Stated]:
         yield from compare(f"solid roller, {elements} elements of order {order}", own, exact)
 
 
+def stresses() -> Iterator[Stated]:
+    """The largest von Mises stress below lines and points, beside Hertz at the load found."""
+
+    def stated(
+        scene: str, result: Result, names: tuple[str, str], exact: LineContact | PointContact, nu: float
+    ) -> Stated:
+        body, pair = names
+        values = result.stress(body, "below").von_mises[-1], exact.von_mises(points.DEPTHS * exact.half_width, nu)
+        found, wanted = (points.largest(points.DEPTHS, v)[0] for v in values)
+        name = f"{below(repr(pair))} of body {body!r}"
+        return _stated(scene, name, abs(found / wanted - 1.0), result.error_budget())
+
+    line = LineContact(points.LINE_LOAD, points.ROLLER_RADIUS, contact_modulus(CYLINDER))
+    for elements, order in ((3, 1), (4, 2)):
+        body = points.roller(CYLINDER, elements, order, points.DEPTHS * line.half_width)
+        result = points.pressed_rollers([body], 2.0 * points.roller_approach(line.load, line.half_width, CYLINDER))
+        exact = replace(line, load=float(result.contact("pair 0").line_load[-1]))
+        yield stated(
+            f"below a roller, {elements} elements of order {order}", result, ("roller 0", "pair 0"), exact, 0.0
+        )
+    point = PointContact(points.LOAD, points.BALL_RADIUS, contact_modulus(points.STEEL))
+    for mesh in points.COARSE_BALLS[1:7:2]:
+        body = points.ball(points.STEEL, mesh, points.DEPTHS * point.half_width)
+        result = points.weighed(body, points.LOAD, points.STEEL)
+        name = f"below a ball of {mesh.kind}, {mesh.elements:g} on the radius"
+        yield stated(name, result, ("ball", "pair"), point, points.STEEL.poisson_ratio)
+
+
 def hats() -> Iterator[Stated]:
     """Rollers on the material grid, a hat and two in a half-width."""
 
@@ -184,6 +220,7 @@ SCENES: dict[str, Callable[[], Iterator[Stated]]] = {
     "crowned rollers": crowned_rollers,
     "balls": balls,
     "solid rollers": solid_rollers,
+    "stresses": stresses,
     "hats": hats,
     "rolling": rolling,
     "film": film,
