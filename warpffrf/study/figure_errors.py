@@ -14,11 +14,13 @@ from functools import partial
 
 import numpy as np
 
-from warpffrf.model import surfaces
+from warpffrf.model import joints, surfaces
+from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.budget import FLOOR
@@ -37,6 +39,7 @@ from warpffrf.verification.scenes.user_meshes import cut_into_tets, serendipity,
 FACTOR = 3.0
 ROLLS = ((11, 16), (15, 32)), (33, 64)  # strips and steps in a crossing; of the reference
 LOOKED_AT = 8  # rows in a crossing
+RUBBER = Material(4e6, 0.49, 1200.0)
 CYLINDER = Material(210e9, 0.0, 7800.0)  # in plane strain at any width
 
 
@@ -108,6 +111,33 @@ def pressed_rollers() -> Iterator[Stated]:
             for kind, body in bodies.items():
                 own = equilibrium(rollers.held(body, body, approach), progress=False)
                 yield from compare(f"{name}s of {kind}, {1e6 * approach:.0f} um", own, exact)
+
+
+def cover(axial: int, order: int = 2) -> ReducedBody:
+    """A rubber cover of 10 mm on a rigid core, 100 mm wide, with so many cells along."""
+    mesh = roller_mesh(0.05, 0.04, 0.1, sectors=96, layers=3, axial=axial, order=order)
+    return reduce(
+        mesh, RUBBER, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2, patch_grid=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+
+
+def nip(body: ReducedBody, cells: tuple[int, int] | None = None) -> Result:
+    """A rigid cylinder that is 0.1 mm too near to a cover."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    placed = scene.add_body(body, name="cover")
+    shape = surfaces.Cylinder(radius=0.06, axis_point=(0.0, 0.0, 0.11 - 1e-4), axis_direction=(0.0, 1.0, 0.0))
+    other = scene.ground.surface(shape, name="cylinder")
+    scene.add(Contact(placed["rim"], other, grid="patch", cells=cells, name=rollers.PAIR))
+    scene.add(joints.Fixed(scene.ground, placed["bore"]))
+    return equilibrium(scene, progress=False)
+
+
+def covers() -> Iterator[Stated]:
+    """Covers with few cells along."""
+    exact = nip(cover(24), (25, 41))
+    for axial, order in ((4, 1), (4, 2), (8, 2)):
+        yield from compare(f"cover with {axial} cells of order {order} along", nip(cover(axial, order)), exact)
 
 
 def crowned_rollers() -> Iterator[Stated]:
@@ -217,6 +247,7 @@ def film() -> Iterator[Stated]:
 
 SCENES: dict[str, Callable[[], Iterator[Stated]]] = {
     "pressed rollers": pressed_rollers,
+    "covers": covers,
     "crowned rollers": crowned_rollers,
     "balls": balls,
     "solid rollers": solid_rollers,
