@@ -14,9 +14,10 @@ from warpffrf.output.budget import budget
 from warpffrf.output.budget.balance import given_by_loads
 from warpffrf.output.budget.figures import UNKNOWN, figure_text, figures, total
 from warpffrf.study import film_acceptance as films
-from warpffrf.study.figure_errors import FACTOR, KINDS, compare
+from warpffrf.study.figure_errors import FACTOR, KINDS, compare, cover, nip
 from warpffrf.verification import coarse_points as points
 from warpffrf.verification import coarse_rollers as rollers
+from warpffrf.verification.closed_forms import PointContact, contact_modulus
 
 PAIR = f"contact {rollers.PAIR!r}"
 APPROACH = 2e-5
@@ -101,6 +102,28 @@ def test_a_ball_on_a_plane_is_right(weighed: wf.Result) -> None:
     ):
         stated = total([line for line in weighed.error_budget() if line.of == f"{kind} of {PAIR}" and line.found])
         assert abs(true) / FACTOR < stated < FACTOR * abs(true), kind
+
+
+def test_the_stress_below_a_contact_is_right() -> None:
+    """Beside Hertz at the load of a ball; what lies deeper than a contact reaches is told apart."""
+    exact = PointContact(points.LOAD, points.BALL_RADIUS, contact_modulus(points.STEEL))
+    depths = exact.half_width * np.append(points.DEPTHS, 20.0)
+    result = points.weighed(points.ball(points.STEEL, points.PLAIN, depths), points.LOAD, points.STEEL)
+    found = points.largest(points.DEPTHS, result.stress("ball", "below").von_mises[-1][:-1])[0]
+    wanted = points.largest(points.DEPTHS, exact.von_mises(depths[:-1], points.STEEL.poisson_ratio))[0]
+    lines = result.error_budget()
+    stated = total([line for line in lines if line.of == "stress below 'pair' of body 'ball'" and line.found])
+    assert abs(found / wanted - 1.0) / FACTOR < stated < FACTOR * abs(found / wanted - 1.0)
+    away = [line.source for line in lines if line.of == "stress away from contacts of body 'ball'"]
+    assert away == [UNKNOWN]
+
+
+@pytest.mark.slow
+def test_covers_know_what_few_cells_along_make_of_their_ends() -> None:
+    exact = nip(cover(16), (25, 41))
+    for axial in (4, 8):
+        (force,) = (s for s in compare("cover", nip(cover(axial)), exact) if s.figure == f"force of {PAIR}")
+        assert force.right, force
 
 
 def test_no_figure_is_silent() -> None:

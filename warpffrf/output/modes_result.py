@@ -15,7 +15,9 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.second_order_motion import skin_displacement, skin_variation
 from warpffrf.model.speech import speaking
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
+from warpffrf.output.budget.budget import FLOOR, SMALL, percent
 from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
+from warpffrf.output.frequency_errors import frequency_errors
 from warpffrf.output.plots.mode_shapes import draw_shape, shapes_figure, skins_of
 from warpffrf.output.result import Result
 
@@ -67,6 +69,12 @@ class Modes(looks.Shown):
         """(n,) -Re(eigenvalue)/|eigenvalue|: 0 undamped, 1 no oscillation, negative unstable; 0 at 0 Hz."""
         size = np.abs(self.eigenvalues)
         return np.divide(-np.real(self.eigenvalues), size, out=np.zeros(len(size)), where=size > 0.0)
+
+    @property
+    def frequency_errors(self) -> np.ndarray:
+        """(n,) by which fraction frequencies err by what the bases of flexible bodies leave out, NaN where that is not
+        known; what meshes make of them is not in it. See `warpffrf.output.frequency_errors`."""
+        return frequency_errors(self.found)
 
     def shape(self, i: int, body: str) -> BodyShape:
         """Mode i on a body: `translation` (3,) [m] of its user origin, `rotation` (3,) [rad], `modal` (m,), complex.
@@ -125,6 +133,8 @@ class Modes(looks.Shown):
             shares = sorted(self.energy_shares(i).items(), key=lambda item: -item[1])
             named = ", ".join(f"{name} {100.0 * share:.0f} %" for name, share in shares if share >= NAMED_SHARE)
             lines.append(f"{i:>4}  {f:>14.6g}  {100.0 * zeta + 0.0:>10.4g}  {named}")
+        if any(body.reduced is not None for body in self.scene.bodies):
+            lines += ["", *_errors_told(self.frequency_errors)]
         if np.any(self.damping_ratios < -UNDAMPED):
             lines += ["", "Damping below zero: the motion grows, the state is unstable."]
         if len(self.notes):
@@ -181,6 +191,21 @@ class Modes(looks.Shown):
         if not isinstance(i, int | np.integer) or not 0 <= i < len(self):
             raise InputError(f"mode {i!r} does not exist; there are {len(self)}, numbered from 0")
         return int(i)
+
+
+def _errors_told(errors: np.ndarray) -> list[str]:
+    """What a report says of the errors of frequencies."""
+    known = np.flatnonzero(np.isfinite(errors))
+    lines = []
+    if len(known):
+        told = ", ".join(f"{number}: {percent(errors[number])}" for number in known if errors[number] >= FLOOR)
+        lines.append(f"errors of frequencies by the bases of bodies: {told + '; others ' if told else ''}{SMALL}")
+    if missing := [str(number) for number in np.flatnonzero(np.isnan(errors))]:
+        lines.append(
+            f"not estimated: those of modes {', '.join(missing)} (bases that do not say which vibrations they hold, or "
+            "hold none so high where a contact is closed)"
+        )
+    return [*lines, "not estimated: what the meshes make of frequencies (it takes the bodies on other ones)"]
 
 
 def _new_axes() -> Any:

@@ -8,32 +8,38 @@ more; a figure whose line says "not estimated" is told apart.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from warpffrf.model import surfaces
+from warpffrf.model import joints, surfaces
+from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
+from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.budget import FLOOR
 from warpffrf.output.budget.figures import UNKNOWN, figures, total
 from warpffrf.output.budget.quantities import quantities
+from warpffrf.output.budget.stresses import below
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium, simulate
 from warpffrf.study import film_acceptance as films
 from warpffrf.verification import carter_rollers as carter
 from warpffrf.verification import coarse_points as points
 from warpffrf.verification import coarse_rollers as rollers
+from warpffrf.verification.closed_forms import LineContact, PointContact, contact_modulus
 from warpffrf.verification.scenes.user_meshes import cut_into_tets, serendipity, straight
 
 FACTOR = 3.0
 ROLLS = ((11, 16), (15, 32)), (33, 64)  # strips and steps in a crossing; of the reference
 LOOKED_AT = 8  # rows in a crossing
+RUBBER = Material(4e6, 0.49, 1200.0)
 CYLINDER = Material(210e9, 0.0, 7800.0)  # in plane strain at any width
 
 
@@ -66,12 +72,17 @@ def compare(scene: str, own: Result, finer: Result) -> list[Stated]:
         if name.startswith(("motion", "deformation")) or name not in others:
             continue
         true = float(np.nanmax(np.linalg.norm(quantity.values - others[name].values, axis=1))) / quantity.size
-        mine = [line for line in lines if line.of == name]
-        known = [line for line in mine if line.found]
-        lacks = any(line.source == UNKNOWN or not line.found for line in mine)
-        source = max(known, key=lambda line: line.size).source if known else ""
-        found.append(Stated(scene, name, true, total(known) if known and not lacks else np.nan, lacks, source))
+        found.append(_stated(scene, name, true, lines))
     return found
+
+
+def _stated(scene: str, name: str, true: float, lines: Sequence[BudgetLine]) -> Stated:
+    """The `true` error of a figure and what `lines` say of it."""
+    mine = [line for line in lines if line.of == name]
+    known = [line for line in mine if line.found]
+    lacks = any(line.source == UNKNOWN or not line.found for line in mine)
+    source = max(known, key=lambda line: line.size).source if known else ""
+    return Stated(scene, name, true, total(known) if known and not lacks else np.nan, lacks, source)
 
 
 def _roller(bore: float, size: float, order: int) -> Mesh:
@@ -102,6 +113,33 @@ def pressed_rollers() -> Iterator[Stated]:
                 yield from compare(f"{name}s of {kind}, {1e6 * approach:.0f} um", own, exact)
 
 
+def cover(axial: int, order: int = 2) -> ReducedBody:
+    """A rubber cover of 10 mm on a rigid core, 100 mm wide, with so many cells along."""
+    mesh = roller_mesh(0.05, 0.04, 0.1, sectors=96, layers=3, axial=axial, order=order)
+    return reduce(
+        mesh, RUBBER, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2, patch_grid=True,
+        cache=False, progress=False,
+    )  # fmt: skip
+
+
+def nip(body: ReducedBody, cells: tuple[int, int] | None = None) -> Result:
+    """A rigid cylinder that is 0.1 mm too near to a cover."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    placed = scene.add_body(body, name="cover")
+    shape = surfaces.Cylinder(radius=0.06, axis_point=(0.0, 0.0, 0.11 - 1e-4), axis_direction=(0.0, 1.0, 0.0))
+    other = scene.ground.surface(shape, name="cylinder")
+    scene.add(Contact(placed["rim"], other, grid="patch", cells=cells, name=rollers.PAIR))
+    scene.add(joints.Fixed(scene.ground, placed["bore"]))
+    return equilibrium(scene, progress=False)
+
+
+def covers() -> Iterator[Stated]:
+    """Covers with few cells along."""
+    exact = nip(cover(24), (25, 41))
+    for axial, order in ((4, 1), (4, 2), (8, 2)):
+        yield from compare(f"cover with {axial} cells of order {order} along", nip(cover(axial, order)), exact)
+
+
 def crowned_rollers() -> Iterator[Stated]:
     """Point contacts at a given approach."""
     for crown in (0.14, 0.5):
@@ -128,6 +166,34 @@ def solid_rollers() -> Iterator[Stated]:
     for elements, order in ((4, 2), (6, 1), (6, 2)):
         own = points.pressed_rollers([points.roller(CYLINDER, elements, order)], 4e-5)
         yield from compare(f"solid roller, {elements} elements of order {order}", own, exact)
+
+
+def stresses() -> Iterator[Stated]:
+    """The largest von Mises stress below lines and points, beside Hertz at the load found."""
+
+    def stated(
+        scene: str, result: Result, names: tuple[str, str], exact: LineContact | PointContact, nu: float
+    ) -> Stated:
+        body, pair = names
+        values = result.stress(body, "below").von_mises[-1], exact.von_mises(points.DEPTHS * exact.half_width, nu)
+        found, wanted = (points.largest(points.DEPTHS, v)[0] for v in values)
+        name = f"{below(repr(pair))} of body {body!r}"
+        return _stated(scene, name, abs(found / wanted - 1.0), result.error_budget())
+
+    line = LineContact(points.LINE_LOAD, points.ROLLER_RADIUS, contact_modulus(CYLINDER))
+    for elements, order in ((3, 1), (4, 2)):
+        body = points.roller(CYLINDER, elements, order, points.DEPTHS * line.half_width)
+        result = points.pressed_rollers([body], 2.0 * points.roller_approach(line.load, line.half_width, CYLINDER))
+        exact = replace(line, load=float(result.contact("pair 0").line_load[-1]))
+        yield stated(
+            f"below a roller, {elements} elements of order {order}", result, ("roller 0", "pair 0"), exact, 0.0
+        )
+    point = PointContact(points.LOAD, points.BALL_RADIUS, contact_modulus(points.STEEL))
+    for mesh in points.COARSE_BALLS[1:7:2]:
+        body = points.ball(points.STEEL, mesh, points.DEPTHS * point.half_width)
+        result = points.weighed(body, points.LOAD, points.STEEL)
+        name = f"below a ball of {mesh.kind}, {mesh.elements:g} on the radius"
+        yield stated(name, result, ("ball", "pair"), point, points.STEEL.poisson_ratio)
 
 
 def hats() -> Iterator[Stated]:
@@ -181,9 +247,11 @@ def film() -> Iterator[Stated]:
 
 SCENES: dict[str, Callable[[], Iterator[Stated]]] = {
     "pressed rollers": pressed_rollers,
+    "covers": covers,
     "crowned rollers": crowned_rollers,
     "balls": balls,
     "solid rollers": solid_rollers,
+    "stresses": stresses,
     "hats": hats,
     "rolling": rolling,
     "film": film,

@@ -15,6 +15,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.tangential import Tangential
+from warpffrf.offline.contact.mesh_error import touched_in_lines
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.fe.materials import Assignment
@@ -36,6 +37,11 @@ NODES_PER_HALF_WIDTH = 4
 # hollow rollers with one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
 # quadratic ones -2.2, -0.6, -0.2, -0.1 %. By degree; walls that would err by more than THIN are named.
 WALL_ERROR = {1: (0.105, 2.3), 2: (0.022, 3.2)}
+# Of lines h is that of the edges across; what facets of the length l along leave of the free ends of a wall, over which
+# it is softer, is END (l/t)^q t/L of the width L: over 10 mm of rubber, 100 mm wide, both together make of linear cells
+# +2.9, +0.2 % at l/t = 2.5, 1.25, of quadratic ones +1.0, +0.06 %; over 5 mm +5.6, -1.0 % at 5, 2.5; of Poisson's ratio
+# 0.3 half as much.
+END_ERROR = {1: (0.0073, 4.0), 2: (0.0024, 4.0)}
 THIN = 0.01
 
 
@@ -166,12 +172,26 @@ def _thin_wall(
     thickness = wall(mesh, name, shape, grid, assignment)
     if thickness is None:
         return 0.0, ""
-    degree = min(facet_kind(kind).degree for kind in mesh.facets(name).blocks)
+    facets = mesh.facets(name)
+    degree = min(facet_kind(kind).degree for kind in facets.blocks)
     c, p = WALL_ERROR[degree]
+    ends = 0.0
+    if shape.kind == "cylinder" and touched_in_lines(shape):
+        chart = ContactFacets.of(mesh.points, facets, shape).chart
+        along, width = float(np.ptp(chart.z, axis=1).max()), float(np.ptp(grid.z))
+        edge = min(edge, float(shape.radius_at(float(np.mean(grid.z)))) * float(np.ptp(chart.theta, axis=1).max()))
+        factor, power = END_ERROR[degree]
+        ends = min(factor * (along / thickness) ** power, 1.0) * thickness / width
     error = c * (edge / thickness) ** p
-    if error <= THIN:
-        return error, ""
-    return error, (
+    if error + ends <= THIN:
+        return error + ends, ""
+    if ends > error:
+        return error + ends, (
+            f"contact {name!r}: facets are {along:.3g} m long along the surface, and the wall behind it is "
+            f"{thickness:.3g} m thick: what such cells make of its free ends is about {ends:.1%} of the force at a "
+            "given approach; use more cells along"
+        )
+    return error + ends, (
         f"contact {name!r}: the wall behind it is {thickness:.3g} m thick, {thickness / edge:.2g} facet edges, and "
         f"{'linear' if degree == 1 else 'quadratic'} cells make it err: forces at a given approach by about "
         f"{min(error, 1.0):.0%} where it is held inside; use shorter facets{' or quadratic cells' * (degree == 1)}"

@@ -26,6 +26,7 @@ from warpffrf.output.budget.contacts import (
 from warpffrf.output.budget.energy import energy_lines
 from warpffrf.output.budget.figures import UNKNOWN, is_main, with_all_figures
 from warpffrf.output.budget.films import film_lines
+from warpffrf.output.budget.stresses import stress_by_pressure, stress_lines
 from warpffrf.output.budget.time_step import SOURCE as TIME_STEP
 from warpffrf.output.budget.time_step import time_step_lines
 
@@ -52,6 +53,7 @@ SOURCES: tuple[Callable[[Run], list[BudgetLine]], ...] = (
     lambda run: point_lines(run.result),
     lambda run: film_lines(run.result.history),
     lambda run: mesh_lines(run.result),
+    lambda run: stress_lines(run.result),
     lambda run: inertia_lines(run.result, run.engine),
     lambda run: [] if run.result.history.marks.static else local_lines(run.result, run.engine),
     lambda run: tolerance_lines(run.result, run.engine),
@@ -61,7 +63,8 @@ SOURCES: tuple[Callable[[Run], list[BudgetLine]], ...] = (
 def error_budget(result: Any, *, progress: bool = False) -> list[BudgetLine]:
     """The lines of `result`, a run of this process that has left its marks. progress: show how far it is."""
     run = Run(result, result.history.marks.engine(), progress)
-    return with_all_figures(result, [line for source in SOURCES for line in source(run)])
+    lines = with_all_figures(result, [line for source in SOURCES for line in source(run)])
+    return [*lines, *stress_by_pressure(lines)]
 
 
 def at_rest(result: Any) -> bool:
@@ -117,7 +120,7 @@ def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
             continue
         worst = max(found, key=lambda line: line.size)
         largest.append(worst)
-        text.append(f"  {source:<27} {percent(worst.size)} of the {worst.of} ({worst.basis})")
+        text.append(f"  {source:<27} {percent(worst.size)} of {_named(worst.of)} ({worst.basis})")
     if largest:
         worst = max(largest, key=lambda line: line.size)
         if worst.size >= FLOOR and worst.cure:
@@ -125,6 +128,11 @@ def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
         elif worst.size < FLOOR:
             text.append(f"  largest                     all that were found are {SMALL}")
     return text
+
+
+def _named(quantity: str) -> str:
+    """It in a sentence."""
+    return quantity if quantity.startswith("all ") else f"the {quantity}"
 
 
 def percent(size: float) -> str:

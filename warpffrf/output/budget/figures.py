@@ -164,7 +164,7 @@ def with_all_figures(result: Any, lines: Sequence[BudgetLine]) -> list[BudgetLin
             continue
         if name not in (of_numbers if deform or on_grid else of_any):
             found.append(BudgetLine(UNKNOWN, name, np.nan, _why(name, result)))
-    return [*found, *_of_stress(result)]
+    return found
 
 
 def _by_loads(line: BudgetLine, given: set[str]) -> list[BudgetLine]:
@@ -229,16 +229,6 @@ def _of_machine(
             of = figure("life", f"bearing {name!r}")
             found.append(BudgetLine(source, of, power * line.size, f"{basis}, to the power {power:.3g}", line.cure))
     return found
-
-
-def _of_stress(result: Any) -> list[BudgetLine]:
-    """That stresses of bodies have no estimate."""
-    return [
-        BudgetLine(UNKNOWN, figure("stress", f"body {body.name!r}"), np.nan,
-                   "what the elements leave of a stress takes the points on a second mesh")
-        for body in result.history.scene.bodies
-        if body.reduced is not None and body.reduced.stress
-    ]  # fmt: skip
 
 
 def _why(name: str, result: Any) -> str:
