@@ -325,6 +325,7 @@ def test_interruptions_while_the_command_loads(number: signal.Signals) -> None:
     """The signal comes as the first library of the command line is imported."""
     code = """
         import signal, sys
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # which background jobs of a shell do not have
         class Interrupting:
             def find_spec(self, name, path=None, target=None):
                 if name == "typer":

@@ -87,7 +87,7 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     wp.launch_tiled(
         outer_solve.solve_outer, dim=(1,), block_dim=BLOCK,
         inputs=[wp.array([m], dtype=Model), patterns, wp.array(A[None], dtype=wp.float64),
-                wp.array(b, dtype=wp.float64), wp.zeros((1, 1, 1), dtype=wp.float64)],
+                wp.array(b, dtype=wp.float64), wp.zeros((1, 1, 1), dtype=wp.float64), wp.zeros(1, dtype=int)],
         outputs=[ctl_w, wp.zeros((1, size), dtype=wp.float64), wp.zeros((1, size), dtype=int), *scratch, fallback,
                  wp.zeros((1, size, size), dtype=wp.float64), wp.zeros(size * size, dtype=wp.float64), z],
     )  # fmt: skip

@@ -131,7 +131,7 @@ def test_a_world_without_memory_leaves_the_others_their_room(little: None, monke
     scenes = [plate_on_balls((0.0,), height=height, speed=speed) for height, speed in falls]
     found = wf.simulate_worlds(scenes, 6 * STEP, step=STEP, progress=False)
     assert [result.status for result in found] == ["memory", "completed", "completed"]
-    assert "no memory for 45 active hats" in found[0].message
+    assert "no memory for 45 active nodes or cells" in found[0].message
     for scene, result in zip(scenes, found, strict=True):
         alone = wf.simulate(scene, 6 * STEP, step=STEP, progress=False)
         assert unlike(alone.history, result.history) == []

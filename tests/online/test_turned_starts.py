@@ -24,7 +24,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.consistent import start_consistently
 
 STEEL = Material(210e9, 0.3, 7850.0)
-FRAMES = [Rotation.random(random_state=seed) for seed in range(4)] + [Rotation.from_euler("y", 30.0, degrees=True)]
+FRAMES = [Rotation.random(rng=np.random.default_rng(seed)) for seed in range(4)] + [Rotation.from_euler("y", 30.0, degrees=True)]
 SHIFT = np.array([1.3, -2.0, 0.7])  # m
 Array = np.ndarray
 
@@ -32,17 +32,16 @@ Array = np.ndarray
 @functools.cache
 def body(kind: str) -> ReducedBody:
     """A sleeve, two blocks with faces that meet, a wheel."""
-    made = {"cache": False, "progress": False}
     if kind == "sleeve":
         mesh = sleeve(0.025, 0.035, 0.02, sectors=16, order=1, axial=4)
         bore = {"bore": surfaces.Bore()}
-        return reduce(mesh, STEEL, interfaces={"outside": "rigid"}, contact=bore, modes=4, **made)
+        return reduce(mesh, STEEL, interfaces={"outside": "rigid"}, contact=bore, modes=4, cache=False, progress=False)
     if kind == "wheel":
         mesh, rim = roller(0.05, 0.015, 0.02, sectors=24, layers=2, axial=2, order=1), {"rim": surfaces.Cylinder()}
-        return reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact=rim, modes=4, **made)
+        return reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact=rim, modes=4, cache=False, progress=False)
     low, high = ("z_min", "z_max") if kind == "lower" else ("z_max", "z_min")
     mesh = box((0.06, 0.02, 0.02), (6, 2, 2), order=1)
-    return reduce(mesh, STEEL, interfaces={low: "rigid"}, laps={"face": high}, modes=6, **made)
+    return reduce(mesh, STEEL, interfaces={low: "rigid"}, laps={"face": high}, modes=6, cache=False, progress=False)
 
 
 def oiled(R: Rotation, t: Array, speed: float = 43.0) -> Scene:

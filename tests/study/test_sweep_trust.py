@@ -83,4 +83,5 @@ def test_a_body_under_the_name_of_another_is_refused(folder: Path) -> None:
     with pytest.raises(InputError, match="another body than its name says"):
         opened(parcel)
     long.save(folder / f"{long.content_hash()}.h5", overwrite=True)
-    assert opened(parcel).mass == long.mass
+    reopened = opened(parcel)
+    assert isinstance(reopened, wf.ReducedBody) and reopened.mass == long.mass

@@ -140,8 +140,8 @@ class _Response:
         """(n, n) of T, and its derivative by lambda [N/m, N s/m]."""
         t = self.thin
         J = self.J[0][:, t:] + value * self.J[1][:, t:]
-        to_thin = self.to_thin[0] + value * self.to_thin[1]
-        voids = splu(sparse.csc_array(to_thin[:t])) if t else None
+        to_thin = sparse.csc_array(self.to_thin[0] + value * self.to_thin[1])
+        voids = splu(to_thin[:t]) if t else None
         over = to_thin[t:]
 
         def answer(right: Array) -> Array:

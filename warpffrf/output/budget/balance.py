@@ -87,8 +87,8 @@ def _held(scene: Any, history: Any) -> list[tuple[Any, Any]]:
     """Bodies that something else than joints and contacts holds to each other."""
     laws = [force for force in scene.forces if history.forces[force.name].deformation.shape[1]]
     ports = [getattr(item, "joint", item).ports for item in laws]
-    ports += [(item.a, item.b) for item in (*scene.films, *scene.laps, *scene.lumped_contacts)]
-    return [(pair[0].body, pair[-1].body) for pair in ports]
+    ports += [item.ports for item in (*scene.films, *scene.laps, *scene.lumped_contacts)]
+    return [(pair[0].body, pair[-1].body) for pair in ports if len(pair) == 2]  # a lap may have one part
 
 
 def _origin(history: Any, body: Any) -> Array:
