@@ -18,9 +18,10 @@ because the patch moves over the grids, which no mean of forces makes good. Such
 and do not resist. Then theta is 1, which gives the motion the least. A step that must end takes the end of its bracket
 on which energy is lost.
 
-A pair whose own energy is below the energy tolerance of the energy at hand, shared by all pairs, gets no search: its
-theta is 1 at once. All such pairs together then lose no more than the tolerance that a step has in any case, and never
-gain; idle rollers of a bearing, which bounce under their own weight, would otherwise cost a round each.
+A pair whose own energy is below IDLE of the contact energy of all pairs on its two bodies gets no search: its theta is
+1 at once, with which it never gains, and loses what is little beside contacts that carry; idle rollers of a bearing,
+which bounce under their own weight, would otherwise cost a round each. It is no matter of what moves: a light body that
+bounces where nothing else is pressed gets its search, however much energy the machine has.
 
 **When.** A pair is impulsive in a step that it begins open: without forces at its beginning there is nothing to forget,
 and where it stays open both kinds of step are the same. A step in which it swings, or in which the memory of its force
@@ -70,7 +71,7 @@ SWING = wp.constant(wp.float64(0.5))
 # of a pair's own energy: what the mean force of an impulsive step is to lose, and may miss that by: it makes none
 LOST = wp.constant(wp.float64(1.0e-4))
 MISSED = wp.constant(wp.float64(1.0001e-4))  # round-off apart
-IDLE = wp.constant(wp.float64(2.5e-4))  # of the energy at hand: pairs below share at most so much, whatever may be lost
+IDLE = wp.constant(wp.float64(2.5e-4))  # of the contact energy on its bodies: a pair below that gets no search
 MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket that loses
 
 
@@ -118,24 +119,26 @@ def own_energy(
 
 
 @wp.func
-def energy_at_hand(
-    model: Model,
-    w: int,
-    pair_energy: wp.array3d(dtype=real),
-    v: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-) -> real:
-    """Kinetic energy of the bodies as the step begins, and the contact energy of all pairs [J]."""
+def joined(model: Model, pair: int, other: int) -> bool:
+    """Whether two pairs touch the same body, or are the same."""
+    found = pair == other
+    for side in range(2):
+        b = model.surfaces.body[surface_of(model, pair, side)]
+        for across in range(2):
+            if b >= 0 and b == model.surfaces.body[surface_of(model, other, across)]:
+                found = True
+    return found
+
+
+@wp.func
+def energy_about(model: Model, w: int, pair: int, pair_energy: wp.array3d(dtype=real)) -> real:
+    """Contact energy [J] of all pairs on the bodies of a pair."""
     energy = real(0.0)
-    b = int(0)
-    while b < model.bodies.count:
-        energy += real(0.5) * model.bodies.mass[b] * wp.dot(v[w, b], v[w, b])
-        energy += real(0.5) * wp.dot(omega[w, b], model.bodies.inertia[b] * omega[w, b])
-        b += 1
-    pair = int(0)
-    while pair < model.pairs.count:
-        energy += wp.max(pair_energy[w, pair, 0], pair_energy[w, pair, 1])
-        pair += 1
+    other = int(0)
+    while other < model.pairs.count:
+        if joined(model, pair, other):
+            energy += wp.max(pair_energy[w, other, 0], pair_energy[w, other, 1])
+        other += 1
     return energy
 
 
@@ -193,8 +196,6 @@ def balance_means(
         return
     kappa = outer_kappa(model, clk, w)
     changed = int(0)
-    idle = wp.min(model.limits.energy_tolerance, IDLE) * energy_at_hand(model, w, pair_energy, v, omega)
-    idle = idle / real(model.pairs.count)
     pair = int(0)
     while pair < model.pairs.count:
         if impulsive[w, pair] != 0 and swings(pair_energy, w, pair):
@@ -205,7 +206,7 @@ def balance_means(
             own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
             excess = mean_of(at, before, after) + stored + LOST * own
             to = at
-            if own < idle:
+            if own < IDLE * energy_about(model, w, pair, pair_energy):
                 to = real(1.0)
             elif wp.abs(excess) > MISSED * own:
                 side = int(0)
