@@ -2,7 +2,7 @@
 grid beside finer ones, in the last state.
 
 The smallest gap and the largest pressure are those under the same force, the force that at the same places
-(`online.diagnosis.film_check`); load, flow and torque of finer grids are those at the same gap
+(`online.diagnosis.film_check`); force, flow and torque of finer grids are those at the same gap
 (`online.diagnosis.film_grid`).
 """
 
@@ -24,9 +24,9 @@ def film_lines(history: History) -> list[BudgetLine]:
         grid = history.film_grids.get(str(film.name))
         if grid is not None:
             told = f"twice {film.grid.columns} columns and {film.grid.rows} rows at the gap of the last state"
-            for of in ("load", "flow", "torque"):
-                about, cure = f"{of} of film {film.name!r}", f"reduce with a finer mesh {grid.finer}"
-                lines.append(BudgetLine(GRID, about, float(getattr(grid, of)), told, cure))
+            cure = f"reduce with a finer mesh {grid.finer}"
+            for of, size in (("force", grid.load), ("end flow", grid.flow), ("torque", grid.torque)):
+                lines.append(BudgetLine(GRID, f"{of} of film {film.name!r}", float(size), told, cure))
         check = history.film_checks.get(str(film.name))
         if check is None:
             continue
