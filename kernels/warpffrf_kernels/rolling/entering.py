@@ -18,9 +18,10 @@ next one's, at most 0.75,
 
 A patch that advances by more than its length has none of its material of before: the step is refused, but for a pair
 that carries less than IDLE of the largest load of the scene. Patches are as long as the root of their load, and rollers
-that enter or leave the load zone, or that only their weight presses, would set the step of a whole bearing. As k grows
-in proportion to c, the traction -s/k of such a step is that of steady rolling at its creep, within mu p; what is lost
-is the transient of a passage, of a tenth of the traction at most.
+that enter or leave the load zone, or that only their weight presses, would set the step of a whole bearing. The
+traction -s/k of a step that is taken all the same has no transient, and is that of steady rolling with an error of 5 to
+25 % of mu p at one length, of up to 47 % at several (on half-planes, 4 to 9 cells in a half-width): of the largest load
+of the scene at most a tenth of that.
 
 Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a
 half-width on, 0.1 to 4 cells a step, at every phase; charged with the whole step it is 3 to 10 % high.
