@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.plots.scales import no_finer
+
 COLUMNS = 2
 PANEL = (5.6, 3.2)  # inches
 FIRST, SECOND = "#1b6ca8", "#d1495b"
@@ -15,13 +17,15 @@ FIRST, SECOND = "#1b6ca8", "#d1495b"
 
 @dataclass(frozen=True, eq=False)
 class Overlaid:
-    """One quantity of both runs, each at its own times [s]: `first` and `second` are (times (T,), values (T,))."""
+    """One quantity of both runs, each at its own times [s]: `first` and `second` are (times (T,), values (T,)); its
+    axis shows a range of at least `least`."""
 
     label: str
     units: str
     title: str
     first: tuple[np.ndarray, np.ndarray]
     second: tuple[np.ndarray, np.ndarray]
+    least: float
 
     def draw(self, ax: Any, names: tuple[str, str]) -> None:
         """Draw on matplotlib axes, the runs called `names`."""
@@ -33,6 +37,7 @@ class Overlaid:
         ax.set(xlabel="time [ms]", ylabel=f"{self.label.partition('[')[0].replace('_', ' ')} [{self.units}]")
         ax.set_title(self.title, fontsize=9, loc="right")  # a power of ten stands on the left
         ax.grid(alpha=0.3)
+        no_finer(ax, self.least)
 
 
 def overlay_figure(panels: Sequence[Overlaid], names: tuple[str, str]) -> Any:

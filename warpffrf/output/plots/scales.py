@@ -11,6 +11,7 @@ HEADROOM = 1.08  # of the largest value of a plot
 SMALL = 0.1  # of the mean: values that vary by less are a flat line on a scale from zero
 ROUND_OFF = 1e-5  # of the mean: values that vary by less are constant, up to round-off and the tolerance of iterations
 ROOM = 0.1  # of the range, above and below it on a cut axis
+LEAST = 1e-6  # of a quantity's size: no axis shows less of it, but of motions, which no iteration finds
 
 
 def from_zero(ax: Any, values: Any, *beside: Any) -> None:
@@ -32,6 +33,14 @@ def from_zero(ax: Any, values: Any, *beside: Any) -> None:
         ax.set_ylabel(f"{label.get_text()}\naxis cut, {vary}", color=label.get_color())
     else:
         ax.set_ylim(0.0, HEADROOM * high if high > 0.0 else 1.0)
+
+
+def no_finer(ax: Any, least: float) -> None:
+    """Widen the y axis of `ax` about its middle to a range of at least `least`."""
+    low, high = ax.get_ylim()
+    if high - low < least:
+        middle = 0.5 * (low + high)
+        ax.set_ylim(middle - 0.5 * least, middle + 0.5 * least)
 
 
 def about_zero(ax: Any, least: float) -> None:
