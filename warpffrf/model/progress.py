@@ -33,8 +33,10 @@ class Progress:
         terminal = sys.stderr is not None and sys.stderr.isatty()  # None: a process without a standard error
         self.bar = None
         if enabled and terminal:
-            look = {} if timed else {"bar_format": UNTIMED}
-            self.bar = tqdm(total=total, initial=done, desc=printable(label), unit=unit, leave=False, **look)
+            self.bar = tqdm(
+                total=total, initial=done, desc=printable(label), unit=unit, leave=False,
+                bar_format=None if timed else UNTIMED,
+            )  # fmt: skip
         self.logs = enabled and not terminal
 
     def update(self, done: int) -> None:
