@@ -19,6 +19,7 @@ from warpffrf.output.plots.bearing import element_loads
 from warpffrf.output.plots.figure import OVER_TIME, drawable, summary_figure
 from warpffrf.output.plots.films import gap as gap_map
 from warpffrf.output.plots.panels import Panel
+from warpffrf.output.recording.layout import _axis
 from warpffrf.output.result import Result
 from warpffrf.output.spectrum import frequency_spectrum
 from warpffrf.output.waterfall import waterfall
@@ -100,6 +101,17 @@ def test_sweeps_do_not_magnify_round_off() -> None:
         values: Any = SimpleNamespace(numbers=numbers, has=np.ones(3, dtype=bool), shown=lambda: (1.0, "x [N]"))
         low, high = _limits(values, np.ones(3, dtype=bool))
         assert np.ptp(numbers) / (high - low) == pytest.approx(share, abs=0.05)
+
+
+def test_scales_of_the_viewer_are_not_finer() -> None:
+    for values, size, middle, reach in (
+        ([5.0, 5.0 + 1e-9], 0.0, 5.0, 2.5e-6), ([1e-12, -1e-12], 2.0, 0.0, 1e-6), ([np.nan, -3.0], 0.0, -3.0, 1.5e-6),
+    ):  # fmt: skip
+        axis = _axis([np.array(values)], size)
+        low, high = (float(v) for v in axis.range.as_arrow_array()[0].as_py())
+        assert 0.5 * (low + high) == pytest.approx(middle, abs=1e-8)
+        assert 0.5 * (high - low) == pytest.approx(reach, rel=1e-3)
+    assert _axis([np.array([1.0, 1.001])]) is None and _axis([np.full(2, np.nan)]) is None and _axis([]) is None
 
 
 def test_loads_of_elements_begin_at_zero() -> None:

@@ -44,9 +44,17 @@ def _coefficient(contact: Any) -> float | None:
     return contact.view.friction or None
 
 
-def _most_friction(contact: Any) -> float:
-    """The largest friction force [N] of the run, were all to slip; of a coefficient that depends on speed 1."""
-    return (_coefficient(contact) or 1.0) * largest([contact.force_magnitude])
+def full_slip(contact: Any) -> dict[str, float]:
+    """What each history of friction would be at most in the run, were all to slip: of it `LEAST` is round-off. A
+    coefficient that depends on speed counts as 1."""
+    friction, size = contact.friction, np.sqrt(largest([contact.patch_area]) / np.pi)
+    force = (_coefficient(contact) or 1.0) * largest([contact.force_magnitude])
+    speed = largest([np.abs(friction.rolling_velocity), np.abs(friction.creep_velocity)])
+    return {
+        "creepage": 1.0, "traction_coefficient": 1.0, "creep_force": force, "t_gamma": force,
+        "spin_creepage": 1.0 / size if size > 0.0 else 0.0, "spin_moment": force * size,
+        "friction_power": force * speed, "wear": largest([contact.peak_pressure]) * speed * 1e-6,  # W/mm2
+    }  # fmt: skip
 
 
 def _seen(values: np.ndarray, *beside: np.ndarray) -> bool:
@@ -200,17 +208,15 @@ def spin(result: Any, ax: Any) -> None:
     """Spin creepage and the moment of the tractions about the normal against time."""
     contact = rubbing(result)
     time, friction = result.time * 1e3, contact.friction
-    right, size = ax.twinx(), np.sqrt(largest([contact.patch_area]) / np.pi)
-    # beside what full slip at the rim of the patch would make of creepage and moment
-    creepage = 1.0 / size if size > 0.0 else 0.0
+    right, most = ax.twinx(), full_slip(contact)
     curves = (
-        (ax, friction.spin_creepage, creepage, TRACTION),
-        (right, friction.spin_moment, _most_friction(contact) * size, SECOND),
+        (ax, friction.spin_creepage, most["spin_creepage"], TRACTION),
+        (right, friction.spin_moment, most["spin_moment"], SECOND),
     )
     for axes, values, beside, color in curves:
         axes.plot(time, values, color=color)
-        most = HEADROOM * max(largest([np.abs(values)]), LEAST * beside) or 1.0
-        axes.set_ylim(-most, most)  # both zeros at one height
+        top = HEADROOM * max(largest([np.abs(values)]), LEAST * beside) or 1.0
+        axes.set_ylim(-top, top)  # both zeros at one height
     ax.axhline(0.0, color="0.7", lw=0.6)
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("spin creepage [rad/m]", color=TRACTION)
@@ -226,8 +232,7 @@ def t_gamma(result: Any, ax: Any) -> None:
     ax.plot(time, per_metre, "--", color=SECOND, label="friction power over rolling speed")
     ax.plot(time, friction.t_gamma, color=TRACTION, label="T-gamma, by forces and creepages")
     low = min(0.0, float(np.nanmin(friction.t_gamma, initial=0.0)))
-    least = LEAST * _most_friction(contact)  # beside the energy per metre of full slip
-    high = max(largest([friction.t_gamma, per_metre]), least)
+    high = max(largest([friction.t_gamma, per_metre]), LEAST * full_slip(contact)["t_gamma"])
     ax.set_ylim(HEADROOM * min(low, -(HEADROOM - 1.0) * high), LEGEND_ROOM * high or 1.0)
     ax.set(xlabel="time [ms]", ylabel="energy per metre rolled [N]")
     ax.set_title("T-gamma", fontsize=10)
@@ -244,9 +249,9 @@ def power(result: Any, ax: Any) -> None:
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("friction power [W]", color=TRACTION)
     right.set_ylabel("largest wear index [W/mm²]", color=SECOND)
-    speed = largest([np.abs(friction.rolling_velocity), np.abs(friction.creep_velocity)])  # that of full slip
-    from_zero(ax, friction.power, least=LEAST * _most_friction(contact) * speed)
-    from_zero(right, friction.wear_peak * 1e-6, least=LEAST * largest([contact.peak_pressure]) * speed * 1e-6)
+    most = full_slip(contact)
+    from_zero(ax, friction.power, least=LEAST * most["friction_power"])
+    from_zero(right, friction.wear_peak * 1e-6, least=LEAST * most["wear"])
     ax.set_title("Friction power, and wear index: pressure times slip speed", fontsize=10)
 
 
