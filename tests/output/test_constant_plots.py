@@ -18,6 +18,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.plots.bearing import element_loads
 from warpffrf.output.plots.figure import OVER_TIME, drawable, summary_figure
 from warpffrf.output.plots.films import gap as gap_map
+from warpffrf.output.plots.overlay import Overlaid
 from warpffrf.output.plots.panels import Panel
 from warpffrf.output.recording.layout import _axis
 from warpffrf.output.result import Result
@@ -135,6 +136,15 @@ def test_a_spectrum_of_round_off_says_so() -> None:
         ax = Figure().add_subplot()
         found.draw(ax)
         assert ax.get_ylim()[1] >= 5e-6 or not doubted
+
+
+def test_two_equilibria_are_bars() -> None:
+    at = np.zeros(1)
+    ax = Figure().add_subplot()
+    Overlaid("joint_force_z[a]", "N", "", (at, np.array([3.0])), (at, np.array([-4.0])), 1e-6).draw(ax, ("A", "B"))
+    assert [bar.get_height() for bar in ax.patches] == [3.0, -4.0]
+    assert {text.get_text() for text in ax.texts} == {"3", "-4"} and "[N]" in ax.get_ylabel()
+    assert ax.get_legend_handles_labels()[1] == ["A", "B"]
 
 
 def test_an_equilibrium_has_numbers_in_place_of_dots(body: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:

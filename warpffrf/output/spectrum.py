@@ -35,8 +35,8 @@ LINE = "#1b6ca8"
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Amplitudes of the history `label` in `units`: `place` (n,) [Hz], of orders [1/turn], and `amplitude` (n,) of a
-    sine there. `of` says which of both; `notes` what was done to the values before; `size`: the largest value."""
+    """Amplitudes of the history `label`, `largest` in size, in `units`: `place` (n,) [Hz], of orders [1/turn], and
+    `amplitude` (n,) of a sine there. `of` says which of both; `notes` what was done to the values before."""
 
     label: str
     units: str
@@ -44,7 +44,7 @@ class Spectrum:
     place: np.ndarray
     amplitude: np.ndarray
     notes: list[str] = field(default_factory=list)
-    size: float = 0.0
+    largest: float = 0.0
 
     @property
     def resolution(self) -> float:
@@ -66,7 +66,7 @@ class Spectrum:
         lines += [f"note: {note}" for note in self.notes]
         peaks = self.peaks(count)
         lines += [f"{place:14.6g}  {size:12.5g} {self.units}" for place, size in peaks] or ["no peak: it is constant"]
-        return "\n".join(lines) + doubt(float(self.amplitude.max()), self.size) * bool(peaks)
+        return "\n".join(lines) + doubt(float(self.amplitude.max()), self.largest) * bool(peaks)
 
     def draw(self, ax: Any, *, logarithmic: bool = True) -> None:
         """Draw on the matplotlib axes `ax`, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear
@@ -76,12 +76,12 @@ class Spectrum:
         most = float(self.amplitude.max())
         if logarithmic and most > 0.0:
             ax.set_yscale("log")
-            ax.set_ylim(FLOOR * most, max(2.0 * most, LEAST * self.size))
-        elif most < LEAST * self.size:
-            ax.set_ylim(0.0, LEAST * self.size)
+            ax.set_ylim(FLOOR * most, max(2.0 * most, LEAST * self.largest))
+        elif most < LEAST * self.largest:
+            ax.set_ylim(0.0, LEAST * self.largest)
         ax.set_xlim(0.0, self.place[-1])
         ax.set(xlabel=self.of, ylabel=f"amplitude [{self.units}]")
-        ax.set_title(self.label + doubt(most, self.size), fontsize=10)
+        ax.set_title(self.label + doubt(most, self.largest), fontsize=10)
         ax.grid(alpha=0.3)
 
 
