@@ -35,7 +35,11 @@ def test_two_runs_are_compared_and_drawn(
     picture = tmp_path / "both.png"
     assert cli.main(["compare", *map(str, files), "--out", str(picture)]) == 0
     said = capsys.readouterr().out
-    assert "settings that differ" in said and "  scene" in said and f"drawn to {picture}" in said
+    assert (
+        "settings that differ" in said
+        and "  gravity  0, 0, -9.81  0, 0, -3.71" in said
+        and f"drawn to {picture}" in said
+    )
     # all of a free fall from rest goes with g
     (line,) = [line for line in said.splitlines() if line.startswith("body_velocity[stone]")]
     assert float(line.split()[2]) == pytest.approx(1.0 - 3.71 / 9.81, abs=1e-4)  # printed with four digits

@@ -1,5 +1,6 @@
 """What a script hears: lines on stderr unless the application has set up logging, and how it becomes quiet."""
 
+import io
 import logging
 import subprocess
 import sys
@@ -118,3 +119,51 @@ def test_progress_tells_the_time_left(capsys: pytest.CaptureFixture, monkeypatch
     # a line every 10 s of the 50 s, the first behind 3 s: at 3.5, 14, 24.5, 35, 45.5 s
     assert said[0] == "simulate: 7 of 100 steps, about 46 s left"
     assert len(said) == 5 and said[-1] == "simulate: 91 of 100 steps, about 4 s left"
+
+
+def test_time_left_is_that_of_steps_alone(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
+    """What comes before the first step, 100 s of kernels that are compiled, is no time of a step: 96 at 0.5 s each."""
+    now = [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    with unheard(), speaking():
+        bar = progress.Progress("simulate", 200, enabled=True)
+        for now[0] in (50.0, 100.0):
+            bar.update(0)
+        for now[0], done in ((101.0, 4), (151.0, 104)):
+            bar.update(done)
+        runs = progress.Progress("sweep", 100, enabled=True, unit="run", done=90)  # that an earlier sweep has run
+        for now[0], done in ((200.0, 91), (260.0, 92), (320.0, 93)):
+            runs.update(done)
+        modules = progress.Progress("compile kernels", 34, enabled=True, unit="module", timed=False)
+        for now[0], done in ((330.0, 1), (345.0, 2)):
+            modules.update(done)
+    assert capsys.readouterr().err.splitlines() == [
+        "simulate: 4 of 200 steps",
+        "simulate: 104 of 200 steps, about 48 s left",
+        "sweep: 91 of 100 runs",
+        "sweep: 92 of 100 runs, about 480 s left",
+        "sweep: 93 of 100 runs, about 420 s left",
+        "compile kernels: 1 of 34 modules",
+        "compile kernels: 2 of 34 modules",
+    ]
+
+
+def test_the_clock_of_a_bar_begins_with_its_first_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Terminal(io.StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    now = [0.0]
+    monkeypatch.setattr(sys, "stderr", Terminal())
+    bar = progress.Progress("simulate", 200, enabled=True)
+    assert bar.bar is not None
+    monkeypatch.setattr(bar.bar, "_time", lambda: now[0])
+    for now[0], done in ((50.0, 0), (100.0, 4), (150.0, 104)):
+        bar.update(done)
+    said = bar.bar.format_dict
+    assert said["elapsed"] == 50.0 and said["n"] == 104 and said["initial"] == 4
+    assert said["rate"] is None or said["rate"] == pytest.approx(2.0)
+    bar.close()
+    untimed = progress.Progress("compile kernels", 34, enabled=True, unit="module", timed=False)
+    assert untimed.bar is not None and "<" not in str(untimed.bar)
+    untimed.close()

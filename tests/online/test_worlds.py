@@ -21,6 +21,7 @@ from warpffrf.online.arrays.views import Views
 from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.settings import Settings
+from warpffrf.online.step import graph
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.online.turn import TURN
 from warpffrf.online.worlds.engines import SharedEngine
@@ -120,6 +121,16 @@ def test_flexible_bodies_in_contact(small_body: ReducedBody) -> None:
     models = [compiled.model for compiled in engines[0].scenes]
     assert len({id(m.responses.number) for m in models}) == len({id(m.surfaces.mode_normal) for m in models}) == 1
     assert len({id(m.pairs.friction) for m in models}) == 2
+
+
+def test_kernels_of_worlds_are_compiled_in_sight(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once for all: by the engine that they share, as far as the call shows its progress."""
+    shown = []
+    load = graph.load
+    monkeypatch.setattr(graph, "load", lambda *args, progress: (shown.append(progress), load(*args, progress=progress)))
+    for progress in (True, False):
+        wf.simulate_worlds([swing(), swing(mass=3.0)], 2.0 * STEP, step=STEP, progress=progress)
+    assert shown == [True, False]
 
 
 def test_a_world_that_fails_stops_alone() -> None:

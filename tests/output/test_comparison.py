@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online.history.history import SensorHistory
+from warpffrf.output.files.unfinished import different
 from warpffrf.output.result import Result
 
 ROUND_OFF = 1e-12
@@ -57,8 +60,9 @@ def test_differences_in_closed_form(body: ReducedBody) -> None:
     assert by_label[f"contact_peak_pressure[{PAIR}]"].relative == pytest.approx(1.0, rel=ROUND_OFF)
     assert by_label["body_rotation[upper]"].largest < ROUND_OFF
     assert found.settings == {"step": ("0.001", "0.002")}
-    relative = [d.relative for d in found.differences]
-    assert relative == sorted(relative, reverse=True)
+    relative = [d.relative for d in found.differences if not d.same]
+    assert relative == sorted(relative, reverse=True) and len(relative) > 3
+    assert all(d.same for d in found.differences[len(relative) :])
     assert not [label for label in by_label if "column" in label or label in ("iterations", "step_size")]
     assert PEAK > 0.0 and "... and" in found.report(3) and len(found.report(None)) > len(found.report(3))
 
@@ -88,7 +92,7 @@ def test_only_common_times_count(body: ReducedBody) -> None:
 
 def test_round_off_and_what_one_lacks_are_told(body: ReducedBody) -> None:
     a, b = run_on(body), run_on(body)
-    b.history.contacts[PAIR].torque[:] = 1e-20  # beside nothing of its quantity: A is zero
+    b.history.contacts[PAIR].torque[:] = 1e-3  # beside nothing of its quantity: A is zero
     del b.history.energy["potential"]
     b.history.energy["kinetic"][3] = np.nan
     found = wf.compare(a, b)
@@ -118,3 +122,110 @@ def test_files_are_compared_and_drawn(body: ReducedBody, tmp_path: Path) -> None
     assert found.save_figure(tmp_path / "both.png").stat().st_size > 10_000
     with pytest.raises(InputError, match="did you mean 'sensor"):
         found.figure(["sensor[tib]"])
+
+
+def test_round_off_is_no_difference(body: ReducedBody) -> None:
+    """What differs by less than 1e-12 of its quantity, or of what the machine has of its unit, is neither listed nor
+    drawn; bodies that stand still have velocities of round-off alone, which go by the size of the machine."""
+    a, b = run_on(body), run_on(body)
+    force = b.history.contacts[PAIR].force
+    force *= 1.0 + 1e-14
+    for run, noise in ((a, 1e-15), (b, -2e-15)):
+        for motion in run.history.bodies.values():
+            motion.velocity[:] = noise  # of 0.1 m in 0.02 s
+    found = wf.compare(a, b)
+    by_label = {d.label: d for d in found.differences}
+    assert by_label["body_velocity[lower]"].relative == pytest.approx(3.0)
+    assert all(d.same for d in found.differences) and "no histories differ" in found.report()
+    assert f"histories that are the same to 1e-12 of their size: {len(by_label)}" in found.notes
+    axes = found.figure(["body_velocity[lower]"]).axes[0]
+    assert "the same to 1e-12 of its size" in axes.get_title("right")
+    low, high = axes.get_ylim()
+    assert high - low > 100.0 * 3e-15 and len(found.figure().axes) == 6
+    b.history.contacts[PAIR].force[3] *= 1.0 + 1e-9
+    found = wf.compare(a, b)
+    assert [d.label for d in found.differences if not d.same] == [f"contact_force[{PAIR}]"]
+    assert len(found.figure().axes) == 1  # the rest is the same
+    low, high = found.figure(["energy[kinetic]"]).axes[0].get_ylim()
+    assert high - low >= 1e-6
+
+
+def test_sensors_of_other_units_are_not_beside_each_other(body: ReducedBody) -> None:
+    """0.5 m is no round-off of 1e9 Pa."""
+    a, b = run_on(body), run_on(body, factor=0.5)
+    for run in (a, b):
+        stress = np.full((len(run.time), 1), 1e9)
+        run.history.sensors["root"] = SensorHistory("von_mises", "Pa", "none", ("",), stress)
+    assert wf.compare(a, b).differences[0].label == "sensor[tip]"
+
+
+def swing(
+    *, mass: float = 1.0, x: float = 0.5, friction: float = 0.1, pull: float = 2.0, spring: bool = False
+) -> wf.Scene:
+    scene = wf.Scene(gravity=(0, 0, -9.81))
+    bob = scene.add_rigid_body(mass, (0.01, 0.01, 0.01), name="bob", position=(x, 0, 0))
+    hinge = scene.add(wf.joints.Revolute(scene.ground, bob.at((-x, 0, 0)), axis=(0, 1, 0), name="hinge"))
+    scene.add(wf.forces.RevoluteFriction(hinge, friction, pin_radius=0.01, name="rub"))
+    scene.add(wf.forces.PointForce(bob.at((0, 0, 0)), (0.0, 0.0, pull), name="pull"))
+    if spring:
+        scene.add(wf.forces.SpringDamper(scene.ground.at((0, 0, 1)), bob.at((0, 0, 0)), 10.0, 1.0, name="spring"))
+    return scene
+
+
+def short(scene: wf.Scene, step: float = 1e-3, **options: Any) -> Result:
+    return wf.simulate(scene, 2e-3, step=step, progress=False, **options)
+
+
+def test_settings_are_shown_by_what_they_are(tmp_path: Path) -> None:
+    """Each change by its own name and values, of results and of their files, and no content hash."""
+    first = short(swing())
+    other = short(swing(mass=2.0, x=0.75, friction=0.2, pull=3.0, spring=True), step=5e-4)
+    for pair in ((first, other), (first.save(tmp_path / "a.h5"), other.save(tmp_path / "b.h5"))):
+        found = wf.compare(*pair)
+        assert found.settings == {
+            "step": ("0.001", "0.0005"),
+            "rows": ("3", "5"),
+            "body bob: mass": ("1", "2"),
+            "body bob: position": ("0.5, 0, 0", "0.75, 0, 0"),
+            "joint hinge: b.point": ("-0.5, 0, 0", "-0.75, 0, 0"),
+            "force rub: friction.coefficient": ("0.1", "0.2"),
+            "force pull: components[2].coefficients": ("2 (number 1 of 8)", "3"),
+            "force spring": ("-", "spring_damper"),
+        }
+        assert not re.search(r"[0-9a-f]{12}", found.report())
+    close = wf.compare(first, short(swing(mass=1.0 + 1e-15)))
+    assert not close.settings and any("round-off: 1, the first body bob: mass" in note for note in close.notes)
+    goes_on = wf.compare(short(swing(), start=first), short(swing(), start=short(swing(), step=5e-4)))
+    assert goes_on.settings == {"start": ("a state at 0.002 s", "another state at 0.002 s")}
+    first.view.description.clear()  # as of an older file
+    older = wf.compare(first, other)
+    assert older.settings["body bob: mass"] == ("1", "2") and any("older version" in note for note in older.notes)
+
+
+def test_a_run_that_cannot_go_on_says_no_hash() -> None:
+    options = {"scene": "ab" * 32, "start": f"a state at 0.002 s, {'12' * 16}", "step": "0.1"}
+    others = {"scene": "cd" * 32, "start": f"a state at 0.001 s, {'34' * 16}", "step": "0.2"}
+    said = "scene is another one, start was a state at 0.001 s, is a state at 0.002 s, step was 0.2, is 0.1"
+    assert different(options, others) == said
+
+
+def test_reductions_that_differ_are_shown_by_their_settings(body: ReducedBody) -> None:
+    """Else by how far their numbers are apart."""
+
+    def run(**changed: Any) -> Result:
+        return run_on(replace(body, **changed))
+
+    settings = {"mesh": "ab" * 32, "modes": 2, "contact": {"rim": {"kind": "cylinder", "radius": 0.05}}}
+    finer = {**settings, "mesh": "cd" * 32, "modes": 4}
+    made = [{**body.provenance, "settings": one, "mesh_name": "roller"} for one in (settings, finer)]
+    found = wf.compare(run(provenance=made[0]), run(provenance=made[1])).settings
+    assert found == {}  # bodies are what their arrays are
+    other = {"inertia": 2.0 * body.inertia}
+    found = wf.compare(run(provenance=made[0]), run(provenance=made[1], **other)).settings
+    nodes = f"a mesh 'roller', {len(body.surface.points)} nodes on its skin"
+    for name in ("lower", "upper"):
+        assert found[f"body {name}: reduce.mesh"] == (nodes, "another mesh" + nodes.removeprefix("a mesh"))
+        assert found[f"body {name}: reduce.modes"] == ("2", "4")
+    found = wf.compare(run(provenance=made[0]), run(provenance=made[0], **other)).settings
+    said = "differ by up to 5.0e-01 of the largest, in inertia"
+    assert found["body lower: numbers of the reduced body"] == ("-", said)

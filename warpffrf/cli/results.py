@@ -32,7 +32,9 @@ def add_result_commands(app: typer.Typer) -> None:
                 "more.",
             ),
         ] = None,
-        every: Annotated[bool, typer.Option("--all", help="List every history, not only the first twenty.")] = False,
+        every: Annotated[
+            bool, typer.Option("--all", help="List all that differs, not only the first twenty of each.")
+        ] = False,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """List the settings in which two runs differ, and how far each history of B is from that of A.

@@ -316,9 +316,8 @@ class Scene(looks.Shown):
 
         return check_scene(self)
 
-    def content_hash(self) -> str:
-        """sha256 of everything that a run depends on: another scene has another hash."""
-        digest = hashlib.sha256()
+    def describe(self) -> dict[str, Any]:
+        """Everything that a run depends on as plain data, but for the arrays of reduced bodies."""
         description = {
             "gravity": self.gravity.tolist(),
             "bodies": [body.describe() for body in self.bodies],
@@ -329,7 +328,12 @@ class Scene(looks.Shown):
                 description[where] = [item.describe() for item in items]
         if self.ground.surfaces:
             description["ground"] = {name: surface.describe() for name, surface in self.ground.surfaces.items()}
-        digest.update(json.dumps(description, sort_keys=True).encode())
+        return description
+
+    def content_hash(self) -> str:
+        """sha256 of everything that a run depends on: another scene has another hash."""
+        digest = hashlib.sha256()
+        digest.update(json.dumps(self.describe(), sort_keys=True).encode())
         for body in self.bodies:
             if body.reduced is not None:
                 _add_reduced(digest, body.reduced)

@@ -6,14 +6,19 @@ A history with components, as a force, is compared as a vector. With a and b the
 
 by the trapezoidal rule, over the time that both runs have. Where their times differ, b is interpolated linearly between
 the rows of B. Quaternions q and -q are one rotation: that nearer to A's is taken. What counts or numbers something
-(iterations, columns of a grid, states) belongs to a run's settings and is not compared. What is below 1e-8 of the
-largest of its quantity in both runs is round-off: counted, but not listed.
+(iterations, columns of a grid, states) belongs to a run's settings and is not compared.
+
+What differs by round-off does not differ: it is counted, and neither listed nor drawn. That is a largest difference
+below 1e-12 of the largest of its quantity in both runs, or of what the machine has of its unit, with its size L, the
+duration T of the run, the largest force F and the energy at hand E: L [m], L/T [m/s], 1/T [rad/s], F L [N m], E/T [W],
+1 [rad and without a unit]. What moves by less in a run has moved by less than 1e-12 L. So is what stays below 1e-8 of
+the largest of its quantity in both.
 """
 
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -26,11 +31,16 @@ from warpffrf.output.files.fields import RUN_FIELDS
 from warpffrf.output.files.table import Series, histories
 from warpffrf.output.plots.overlay import Overlaid, overlay_figure
 from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.scales import LEAST
 from warpffrf.output.result import Result
+from warpffrf.output.run_settings import settings_apart
 
 SAME_TIME = 1e-9  # of the duration: times that are apart by less are the same
 LEAST_SEEN = 1e-8  # of the largest of a quantity: less in both runs is round-off
-LISTED = 20  # histories in a report
+ROUND_OFF = 1e-12  # of the same: differences that are none
+SEEN = 100.0 * ROUND_OFF  # likewise, the least that an axis shows of
+MOTIONS = ("m", "m/s", "rad", "rad/s")  # of other quantities it is `LEAST`, within which iterations may leave them
+LISTED = 20  # settings and histories in a report
 DRAWN = 6  # histories in a picture
 COUNTED = {field.name for field in RUN_FIELDS} | {
     "contact_active_hats", "contact_first_column", "contact_center_column", "contact_first_column_second",
@@ -41,7 +51,7 @@ COUNTED = {field.name for field in RUN_FIELDS} | {
 @dataclass(frozen=True)
 class Difference:
     """How far B is from A in one history `label`, with its unit: `relative` L2 (inf where A is zero), `largest`
-    difference, the time of it `at` [s], and the largest value of A, `size`."""
+    difference, the time of it `at` [s], and the largest value of A, `size`; `same`: the difference is round-off."""
 
     label: str
     units: str
@@ -49,23 +59,28 @@ class Difference:
     largest: float
     at: float
     size: float
+    same: bool = False
 
 
 class Comparison:
     """Run B against run A; made by `compare`. `differences`: a `Difference` for each history that both have, the
-    largest relative ones first; `settings`: name -> (of A, of B) of what differs; `notes`: what was interpolated or
-    left out."""
+    largest relative ones first, behind them those that are the same up to round-off; `settings`: name -> (of A, of B)
+    of what differs; `notes`: what was interpolated, left out, or is the same."""
 
     def __init__(self, a: Result, b: Result, names: tuple[str, str]) -> None:
         self.a, self.b, self.names = a, b, names
-        self.settings = _settings(a, b)
-        self.notes: list[str] = []
+        self.settings, self.notes = settings_apart(a, b, max(_extent(a), _extent(b)))
         self._first, self._second = ({s.label: s for s in histories(run) if s.name not in COUNTED} for run in (a, b))
         self.differences = self._compared()
 
     def __repr__(self) -> str:
-        worst = f", largest relative L2 {self.differences[0].relative:.3g}" if self.differences else ""
-        return f"Comparison({len(self.differences)} histories, {len(self.settings)} settings differ{worst})"
+        apart = self._apart()
+        worst = f" in {len(apart)}, largest relative L2 {apart[0].relative:.3g}" if apart else " in none"
+        return f"Comparison({len(self.differences)} histories, differ{worst}; {len(self.settings)} settings differ)"
+
+    def _apart(self) -> list[Difference]:
+        """Those of `differences` that are more than round-off."""
+        return [found for found in self.differences if not found.same]
 
     def _compared(self) -> list[Difference]:
         first, second = self._first, self._second
@@ -77,14 +92,16 @@ class Comparison:
             raise InputError("compare: the runs have no history in common; compare runs of one machine")
         rows = self._rows()
         time = self.a.time[rows]
-        scale: dict[str, float] = {}
+        scale: dict[tuple[str, str], float] = {}
         for label in common:
             largest = max(_largest(first[label].values), _largest(second[label].values))
-            scale[first[label].name] = max(scale.get(first[label].name, 0.0), largest)
+            kind = first[label].name, first[label].units
+            scale[kind] = max(scale.get(kind, 0.0), largest)
+        self._sizes = _sizes([self.a, self.b], [*first.values(), *second.values()])
         found, still, torn = [], 0, []
         for label in common:
             a, b = first[label], second[label]
-            if max(_largest(a.values), _largest(b.values)) <= LEAST_SEEN * scale[a.name]:
+            if max(_largest(a.values), _largest(b.values)) <= LEAST_SEEN * scale[a.name, a.units]:
                 still += 1
                 continue
             values = a.values[rows]
@@ -93,12 +110,15 @@ class Comparison:
             if np.any(np.isfinite(size) != both):
                 torn.append(label)
             if both.any():
-                found.append(_difference(a, time[both], difference[both], size[both]))
+                least = ROUND_OFF * max(scale[a.name, a.units], self._sizes.get(a.units, 0.0))
+                found.append(_difference(a, time[both], difference[both], size[both], least))
         if still:
             self.notes.append(f"{still} histories are zero, or round-off, in both")
         if torn:
             self.notes.append(f"{len(torn)} histories have rows in which only one run has a value, the first {torn[0]}")
-        return sorted(found, key=lambda d: -d.relative)
+        if same := sum(d.same for d in found):
+            self.notes.append(f"histories that are the same to {ROUND_OFF:g} of their size: {same}")
+        return sorted(found, key=lambda d: np.inf if d.same else -d.relative)
 
     def _rows(self) -> np.ndarray:
         """Rows of A within the time of B; notes what that leaves out, and whether B is interpolated."""
@@ -138,36 +158,44 @@ class Comparison:
         return values
 
     def report(self, most: int | None = LISTED) -> str:
-        """Settings that differ and the histories that are furthest apart, at most `most` of them (None: all)."""
-        listed = self.differences if most is None else self.differences[: require_count(most, "report: most", 1)]
+        """Settings that differ and the histories that are furthest apart, at most `most` of each (None: all)."""
+        most = None if most is None else require_count(most, "report: most", 1)
+        apart = self._apart()
+        listed = apart[:most]
         lines = [f"A: {self.names[0]}", f"B: {self.names[1]}"]
         if self.settings:
-            width = max(len(name) for name in self.settings)
-            first = max(len(values[0]) for values in self.settings.values())
+            shown = dict(list(self.settings.items())[:most])
+            width = max(len(name) for name in shown)
+            first = max(len(values[0]) for values in shown.values())
             lines += ["settings that differ"]
-            lines += [f"  {name:{width}}  {a:{first}}  {b}" for name, (a, b) in self.settings.items()]
+            lines += [f"  {name:{width}}  {a:{first}}  {b}" for name, (a, b) in shown.items()]
+            if len(shown) < len(self.settings):
+                lines.append(f"  ... and {len(self.settings) - len(shown)} more")
         else:
             lines += ["no settings differ"]
         lines += [f"note: {note}" for note in self.notes]
+        if not listed:
+            return "\n".join([*lines, "no histories differ"])
         width = max([len(d.label) + len(d.units) + 3 for d in listed], default=0)
         lines.append(f"{'history':{width}}  relative L2  largest difference      at [s]  largest of A")
         for d in listed:
             relative = f"{d.relative:11.3e}" if np.isfinite(d.relative) else f"{'A is 0':>11}"
             name = f"{d.label} [{d.units}]"
             lines.append(f"{name:{width}}  {relative}  {d.largest:18.4e}  {d.at:10.6g}  {d.size:12.4e}")
-        if len(listed) < len(self.differences):
-            lines.append(f"... and {len(self.differences) - len(listed)} that are nearer to each other")
+        if len(listed) < len(apart):
+            lines.append(f"... and {len(apart) - len(listed)} that are nearer to each other")
         return "\n".join(lines)
 
     def figure(self, labels: Sequence[str] | None = None) -> Any:
         """A matplotlib Figure of both runs over time, a panel for each history in `labels`, as `differences` name
-        them; of the six that differ most if None. Of a vector its component that differs most is drawn. Raises
-        InputError for a history that the runs do not share."""
+        them; of the six that differ most if None, or of six that are the same where none differs. Of a vector its
+        component that differs most is drawn, of the same the largest. Raises InputError for a history that the runs do
+        not share."""
         found = {d.label: d for d in self.differences}
         for label in labels or ():
             if label not in found:
                 raise unknown_name("compare: history", label, tuple(found))
-        chosen = list(labels or found)[: None if labels else DRAWN]
+        chosen = list(labels or [d.label for d in self._apart()] or found)[: None if labels else DRAWN]
         if not chosen:
             raise InputError("compare: nothing to draw, all that the runs share is zero in both")
         return overlay_figure([self._panel(found[label]) for label in chosen], self.names)
@@ -179,11 +207,16 @@ class Comparison:
             np.nanmax(np.abs(np.interp(time, self.b.time, v) - np.interp(time, self.a.time, u)), initial=0.0)
             for u, v in zip(a.values.T, b.values.T, strict=True)
         ]
+        if difference.same:
+            apart = [_largest(values) for values in a.values.T]
         n = int(np.argmax(apart))
         label = list(a.columns)[n]
-        relative = "A is zero" if np.isinf(difference.relative) else f"relative L2 {difference.relative:.2e}"
+        said = "A is zero" if np.isinf(difference.relative) else f"relative L2 {difference.relative:.2e}"
+        said = f"the same to {ROUND_OFF:g} of its size" if difference.same else said
         first, second = (self.a.time, a.values[:, n]), (self.b.time, b.values[:, n])
-        return Overlaid(label, a.units, f"{label}: {relative}", first, second)
+        own = max(_largest(a.values), _largest(b.values))
+        least = max(own * (SEEN if a.units in MOTIONS else LEAST), SEEN * self._sizes.get(a.units, 0.0))
+        return Overlaid(label, a.units, f"{label}: {said}", first, second, least)
 
     def save_figure(
         self, path: str | os.PathLike[str], labels: Sequence[str] | None = None, *, overwrite: bool = False
@@ -234,7 +267,32 @@ def _nearest(times: np.ndarray, wanted: np.ndarray) -> np.ndarray:
     return np.where(wanted - times[before] <= times[after] - wanted, before, after)
 
 
-def _difference(series: Series, time: np.ndarray, difference: np.ndarray, size: np.ndarray) -> Difference:
+def _sizes(runs: Sequence[Result], found: Sequence[Series]) -> dict[str, float]:
+    """What the machine has of each unit, as in the module docstring."""
+    length = max(_extent(run) for run in runs)
+    spans = [float(run.time[-1] - run.time[0]) for run in runs]
+    rate = 1.0 / max(spans) if max(spans) > 0.0 else 0.0
+    force = max((_largest(s.values) for s in found if s.units == "N"), default=0.0)
+    energy = max(run.energy_scale for run in runs)
+    return {
+        "m": length, "m/s": length * rate, "m/s2": length * rate**2, "rad": 1.0, "rad/s": rate, "rad/s2": rate**2,
+        "1": 1.0, "N": force, "N m": force * length, "J": energy, "W": energy * rate,
+    }  # fmt: skip
+
+
+def _extent(run: Result) -> float:
+    """How far [m] bodies are apart at the start, and the largest of their radii of gyration."""
+    places = [motion.position[0] for motion in run.history.bodies.values()]
+    turning = [
+        np.sqrt(0.5 * np.trace(body.inertia) / body.mass)
+        for body in run.view.bodies.values()
+        if body.inertia is not None and body.mass > 0.0
+    ]
+    return float(np.linalg.norm(np.ptp(places, axis=0)) if places else 0.0) + float(max(turning, default=0.0))
+
+
+def _difference(series: Series, time: np.ndarray, difference: np.ndarray, size: np.ndarray, least: float) -> Difference:
+    """Of the lengths `difference` (T,) at `time` (T,); up to `least` they are round-off."""
     if len(time) == 1:
         above, below = float(difference[0]), float(size[0])
     else:
@@ -242,28 +300,5 @@ def _difference(series: Series, time: np.ndarray, difference: np.ndarray, size: 
     relative = above / below if below > 0.0 else (np.inf if above > 0.0 else 0.0)
     worst = int(np.argmax(difference))
     largest = float(difference[worst])
-    return Difference(series.label, series.units, relative, largest, float(time[worst]), float(np.max(size)))
-
-
-def _settings(a: Result, b: Result) -> dict[str, tuple[str, str]]:
-    """What differs of how the runs were made, as text."""
-    said = [_said(run) for run in (a, b)]
-    names: Iterable[str] = dict.fromkeys([*said[0], *said[1]])
-    pairs = {name: (said[0].get(name, "-"), said[1].get(name, "-")) for name in names}
-    return {name: values for name, values in pairs.items() if values[0] != values[1]}
-
-
-def _said(run: Result) -> dict[str, str]:
-    time = run.time
-    said = dict(run.history.options)
-    said |= {"status": run.status, "rows": str(len(time)), "end [s]": f"{time[-1]:.9g}" if len(time) else "-"}
-    said["scene"] = run.view.content_hash[:12]
-    for name, body in run.view.bodies.items():
-        said[f"body {name}: mass [kg]"] = f"{body.mass:.9g}"
-        said[f"body {name}: kind"] = "rigid" if body.reduced is None else "flexible"
-        if body.reduced is not None:
-            said[f"body {name}: global modes"] = str(len(body.reduced.frequencies))
-            said[f"body {name}: local modes"] = str(body.reduced.local_modes)
-    for name, pair in run.view.pairs.items():
-        said[f"contact {name}: friction"] = f"{pair.friction:g}"
-    return said
+    same = largest <= least
+    return Difference(series.label, series.units, relative, largest, float(time[worst]), float(np.max(size)), same)

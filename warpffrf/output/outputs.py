@@ -22,6 +22,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.output_paths import check_ending, checked_output_path
 from warpffrf.model.speech import notes
+from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.files.results import SUFFIXES
@@ -209,4 +210,4 @@ def _start_name(start: Any) -> str:
     digest = hashlib.blake2b(digest_size=16)
     for name in sorted(start.checkpoint):
         digest.update(name.encode() + np.ascontiguousarray(start.checkpoint[name]).tobytes())
-    return f"state {digest.hexdigest()}"
+    return f"a state at {time_of(start.checkpoint):.9g} s, {digest.hexdigest()}"

@@ -24,6 +24,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_count, require_direction
 
 ROUND_OFF = 1e-14  # of the largest value: less is none
+LEAST = 1e-6  # likewise: less may be round-off, or what iterations leave
 EVEN = 1e-6  # of the distance between rows: times that differ by less are evenly spaced
 FEWEST_ROWS = 8
 FEWEST_TURNS = 2
@@ -34,8 +35,8 @@ LINE = "#1b6ca8"
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Amplitudes of the history `label` in `units`: `place` (n,) [Hz], of orders [1/turn], and `amplitude` (n,) of a
-    sine there. `of` says which of both; `notes` what was done to the values before."""
+    """Amplitudes of the history `label`, `largest` in size, in `units`: `place` (n,) [Hz], of orders [1/turn], and
+    `amplitude` (n,) of a sine there. `of` says which of both; `notes` what was done to the values before."""
 
     label: str
     units: str
@@ -43,6 +44,7 @@ class Spectrum:
     place: np.ndarray
     amplitude: np.ndarray
     notes: list[str] = field(default_factory=list)
+    largest: float = 0.0
 
     @property
     def resolution(self) -> float:
@@ -64,7 +66,7 @@ class Spectrum:
         lines += [f"note: {note}" for note in self.notes]
         peaks = self.peaks(count)
         lines += [f"{place:14.6g}  {size:12.5g} {self.units}" for place, size in peaks] or ["no peak: it is constant"]
-        return "\n".join(lines)
+        return "\n".join(lines) + doubt(float(self.amplitude.max()), self.largest) * bool(peaks)
 
     def draw(self, ax: Any, *, logarithmic: bool = True) -> None:
         """Draw on the matplotlib axes `ax`, amplitudes on a logarithmic scale down to 1e-6 of the largest, or a linear
@@ -74,10 +76,12 @@ class Spectrum:
         most = float(self.amplitude.max())
         if logarithmic and most > 0.0:
             ax.set_yscale("log")
-            ax.set_ylim(FLOOR * most, 2.0 * most)
+            ax.set_ylim(FLOOR * most, max(2.0 * most, LEAST * self.largest))
+        elif most < LEAST * self.largest:
+            ax.set_ylim(0.0, LEAST * self.largest)
         ax.set_xlim(0.0, self.place[-1])
         ax.set(xlabel=self.of, ylabel=f"amplitude [{self.units}]")
-        ax.set_title(self.label, fontsize=10)
+        ax.set_title(self.label + doubt(most, self.largest), fontsize=10)
         ax.grid(alpha=0.3)
 
 
@@ -86,7 +90,7 @@ def frequency_spectrum(time: np.ndarray, values: np.ndarray, label: str, units: 
     to even ones, which a note says. Raises InputError for fewer than 8 rows and values that are no numbers."""
     values, step, notes = even_rows(time, values, label)
     place, amplitude = amplitudes(values, step)
-    return Spectrum(label, units, "frequency [Hz]", place, amplitude, notes)
+    return Spectrum(label, units, "frequency [Hz]", place, amplitude, notes, float(np.max(np.abs(values))))
 
 
 def even_rows(time: np.ndarray, values: np.ndarray, label: str) -> tuple[np.ndarray, float, list[str]]:
@@ -136,7 +140,8 @@ def order_spectrum(
     even = begin + (turns[-1] - begin) * np.arange(count) / count
     place, amplitude = amplitudes(np.interp(even, turns, values), (even[1] - even[0]))
     notes = [f"the last {whole} turns of {turns[-1]:.4g}, interpolated linearly to {count} equal angles"]
-    return Spectrum(label, units, f"order of the rotation of '{body}' [1/turn]", place, amplitude, notes)
+    of = f"order of the rotation of '{body}' [1/turn]"
+    return Spectrum(label, units, of, place, amplitude, notes, float(np.max(np.abs(values))))
 
 
 def amplitudes(values: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndarray]:
@@ -150,6 +155,11 @@ def amplitudes(values: np.ndarray, distance: float) -> tuple[np.ndarray, np.ndar
     if count % 2 == 0:
         found[-1] *= 0.5
     return np.fft.rfftfreq(count, distance), found
+
+
+def doubt(most: float, size: float) -> str:
+    """What to say where the largest amplitude, `most`, of values up to `size` may be round-off."""
+    return f"\nall below {LEAST:g} of the largest value, may be round-off" if most < LEAST * size else ""
 
 
 def _check(time: np.ndarray, values: np.ndarray, label: str) -> None:

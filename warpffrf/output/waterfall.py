@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.output.spectrum import TURN, amplitudes, even_rows, turning_rate
+from warpffrf.output.spectrum import TURN, amplitudes, doubt, even_rows, turning_rate
 
 PARTS = 8  # of the run in a window, unless its length is given
 FEWEST_ROWS, FEWEST_WINDOWS = 16, 3  # of a window and of a waterfall
@@ -33,7 +33,8 @@ ORDER = "#6fe3ff"
 @dataclass(frozen=True, eq=False)
 class Waterfall:
     """Amplitudes (w, n) of the history `label` in `units` at the frequencies `frequency` (n,) [Hz], in windows about
-    the times `time` (w,) [s]; with `body` at its speeds `speed` (w,) [turns/s], else None; `notes` what was done."""
+    the times `time` (w,) [s]; with `body` at its speeds `speed` (w,) [turns/s], else None; `notes` what was done to the
+    values, of which `largest` is the largest in size."""
 
     label: str
     units: str
@@ -43,6 +44,7 @@ class Waterfall:
     body: str | None = None
     speed: np.ndarray | None = None
     notes: list[str] = field(default_factory=list)
+    largest: float = 0.0
 
     @property
     def resolution(self) -> float:
@@ -91,7 +93,8 @@ class Waterfall:
             place["bbox"] = {"facecolor": "black", "alpha": 0.6, "pad": 1.0, "linewidth": 0.0}
             ax.annotate(f"{order:g}", (order * end, end), color=ORDER, fontsize=9, **place)
         ax.set(xlim=(0.0, highest), ylim=(low, high), xlabel="frequency [Hz]", ylabel=label)
-        ax.set_title(self.label + (", orders dashed" if self.speed is not None and len(orders) else ""), fontsize=10)
+        dashed = ", orders dashed" if self.speed is not None and len(orders) else ""
+        ax.set_title(self.label + dashed + doubt(most, self.largest), fontsize=10)
 
 
 def waterfall(time: np.ndarray, values: np.ndarray, label: str, units: str, window: float | None = None) -> Waterfall:
@@ -109,7 +112,8 @@ def waterfall(time: np.ndarray, values: np.ndarray, label: str, units: str, wind
         )
     found = [amplitudes(values[s : s + count], step) for s in starts]
     middle = time[0] + step * (starts + 0.5 * (count - 1))
-    return Waterfall(label, units, middle, found[0][0], np.stack([f[1] for f in found]), notes=notes)
+    largest = float(np.max(np.abs(values)))
+    return Waterfall(label, units, middle, found[0][0], np.stack([f[1] for f in found]), notes=notes, largest=largest)
 
 
 def over_speed(found: Waterfall, time: np.ndarray, spin: np.ndarray, body: str, axis: Any = None) -> Waterfall:
@@ -128,7 +132,9 @@ def over_speed(found: Waterfall, time: np.ndarray, spin: np.ndarray, body: str, 
     notes = list(found.notes)
     if np.any(np.diff(speed) < 0.0) and np.any(np.diff(speed) > 0.0):
         notes.append("the speed rises and falls: windows stand in the order of their speeds")
-    return Waterfall(found.label, found.units, found.time, found.frequency, found.amplitude, body, speed, notes)
+    return Waterfall(
+        found.label, found.units, found.time, found.frequency, found.amplitude, body, speed, notes, found.largest
+    )
 
 
 def _rows(window: float, step: float, label: str) -> int:

@@ -25,7 +25,7 @@ def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
     """Load the Warp `modules`, which cannot be done while a graph is being captured; `progress`: a bar, or log lines,
     where they have to be compiled."""
     wanted = list(dict.fromkeys(modules))
-    bar = Progress("compile kernels", len(wanted), enabled=progress, unit="module")
+    bar = Progress("compile kernels", len(wanted), enabled=progress, unit="module", timed=False)
     try:
         with quiet(), ThreadPoolExecutor(max_workers=min(os.cpu_count() or 1, MOST_AT_ONCE)) as pool:
             running = [pool.submit(_load, module, device) for module in wanted]

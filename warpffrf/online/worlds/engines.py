@@ -140,10 +140,12 @@ class _Together(Parts):
 
 
 class Company:
-    """What the runs of `count` scenes, each in a thread of its own, make together. `meeting`: of these threads."""
+    """What the runs of `count` scenes, each in a thread of its own, make together. `meeting`: of these threads;
+    progress: show that kernels are compiled, once for all."""
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, progress: bool) -> None:
         self.meeting = Meeting(count)
+        self.progress = progress
         self.steps = 0  # user steps that all worlds have done
         self._tables: Shared | None = Shared()
         self._engine: SharedEngine | None = None
@@ -175,7 +177,7 @@ class Company:
 
             def build(scenes: dict[int, CompiledScene]) -> None:
                 in_order = [scenes[w] for w in sorted(scenes)]
-                self._engine = SharedEngine(in_order, used, integrator, step_error, progress)
+                self._engine = SharedEngine(in_order, used, integrator, step_error, self.progress)
                 self._tables = None
 
             self.meeting.come(world, compiled, build)

@@ -30,7 +30,7 @@ def side_by_side(runs: Sequence[Run], steps: int, *, progress: bool) -> list[His
     scene in front where it is one scene's. KeyboardInterrupt comes to every run as to one alone; it is raised where a
     run had not begun its steps.
     """
-    company = Company(len(runs))
+    company = Company(len(runs), progress)
     found: list[History | None] = [None] * len(runs)
     errors: dict[int, BaseException] = {}
 

@@ -15,6 +15,7 @@
     /energy (time, line)
     /checkpoint/<array>      the complete state at the end, to continue from
     /scene                   names, pairs, mass data, hash of the scene
+    /scene/description       all that a run depends on but reduced bodies, as JSON
     /reduced/<hash>          each reduced body once, as its own file's bytes
 
 Names, energy lines, counters and notes are JSON in the file's attributes. Every dataset has the attributes `units`,
@@ -337,6 +338,9 @@ def _get_sensors(file: Any) -> dict[str, SensorHistory]:
 def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
     group = file.create_group("scene")
     group.attrs["content_hash"] = view.content_hash
+    told = np.frombuffer(json.dumps(view.description).encode(), dtype=np.uint8)
+    group.create_dataset("description", data=told, **COMPRESSION)
+    group["description"].attrs.update({"units": "bytes", "frame": "JSON", "dims": "byte"})
     group.attrs["joints"] = json.dumps(list(view.joints))
     bodies, hashes = [], {}
     for body in view.bodies.values():
@@ -429,7 +433,11 @@ def _get_scene(file: Any, older: Older) -> SceneView:
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
     joints = tuple(json.loads(group.attrs["joints"]))
     bearings = json.loads(group.attrs.get("bearings", "{}"))
-    return SceneView(str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps, bearings)
+    told = read(file, "scene/description").tobytes() if "description" in group else b"{}"  # older files have none
+    return SceneView(
+        str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps, bearings,
+        dict(json.loads(told)),
+    )  # fmt: skip
 
 
 def _as_bytes(reduced: Any) -> np.ndarray:

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import logging
 import os
+import re
 import socket
 import threading
 import time
@@ -44,6 +45,7 @@ from warpffrf.output import monolithic_run
 ENDING = ".unfinished"
 LOCK, SCENE, CHECKPOINT, PART = "lock", "scene.arrays", "checkpoint.arrays", "part-{:06d}.arrays"
 PARTS = "part-*.arrays"
+HASH = re.compile(r"\W*\b[0-9a-f]{32,64}\b")  # of an option
 SHARE = 0.02  # of the time between two parts that writing the checkpoint before took
 GO_ON = "the run had not ended: go on with results='{results}' and resume=True (--resume)"
 HISTORY_OF: dict[str, Callable[..., History]] = {  # by `Source.method`
@@ -272,11 +274,13 @@ def read_unfinished(folder: Path) -> History:
 
 
 def different(options: Mapping[str, str], others: Mapping[str, str]) -> str:
-    """The options in which two runs differ, in words."""
-    names = [name for name in {**options, **others} if options.get(name) != others.get(name)]
-    return ", ".join(
-        f"{name} was {others.get(name, 'not given')}, is {options.get(name, 'not given')}" for name in names
-    )
+    """The options in which two runs differ, in words; what is known by a hash, as the scene, is another one."""
+    said = []
+    for name in {**options, **others}:
+        before, now = (HASH.sub("", of.get(name, "not given")) for of in (others, options))
+        if options.get(name) != others.get(name):
+            said.append(f"{name} was {before}, is {now}" if before != now else f"{name} is another one")
+    return ", ".join(said)
 
 
 def _is_file(stream: IO[str], file: Path) -> bool:

@@ -125,7 +125,8 @@ class LapView:
 
 @dataclass(frozen=True)
 class SceneView:
-    """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued."""
+    """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued.
+    `description` is that of `Scene.describe`, empty in an older results file."""
 
     content_hash: str
     bodies: dict[str, BodyView] = field(default_factory=dict)
@@ -136,6 +137,7 @@ class SceneView:
     films: dict[str, FilmView] = field(default_factory=dict)
     laps: dict[str, LapView] = field(default_factory=dict)
     bearings: dict[str, dict[str, Any]] = field(default_factory=dict)  # as `model.bearings.Bearing.describe` says
+    description: dict[str, Any] = field(default_factory=dict)
 
 
 def scene_view(scene: Any) -> SceneView:
@@ -162,7 +164,10 @@ def scene_view(scene: Any) -> SceneView:
     joints = tuple(joint.name for joint in scene.joints)
     laps = {lap.name: _lap(lap, known) for lap in scene.laps}
     bearings = {bearing.name: bearing.describe() for bearing in scene.bearings}
-    return SceneView(scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, laps, bearings)
+    return SceneView(
+        scene.content_hash(), bodies, pairs, joints, scene_anchors(scene), lumped, films, laps, bearings,
+        scene.describe(),
+    )  # fmt: skip
 
 
 def _lap(lap: Any, known: dict[str, BodyView]) -> LapView:

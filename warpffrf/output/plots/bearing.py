@@ -9,9 +9,9 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.bearings.bearing_result import BearingResult
+from warpffrf.output.plots.scales import HEADROOM, from_zero
 
 INNER, OUTER = "#d1495b", "#1b6ca8"
-HEADROOM = 1.08  # of the largest value of a plot
 MOST_NAMED = 12  # curves in a legend
 
 
@@ -37,6 +37,7 @@ def element_loads(bearing: BearingResult, ax: Any, row: int) -> None:
     for i, load in enumerate(bearing.outer_load.T, start=1):
         ax.plot(bearing.time * 1e3, load * 1e-3, label=f"{bearing.kind} {i}" if i <= MOST_NAMED else None)
     ax.set(xlabel="time [ms]", ylabel="load on the outer ring [kN]", title=f"Bearing '{bearing.name}'")
+    from_zero(ax, bearing.outer_load * 1e-3)
     ax.legend(fontsize=7, ncol=2)
 
 

@@ -16,11 +16,12 @@ from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
 from warpffrf.output.plots.depth import draw_depth, has_material
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
-from warpffrf.output.plots.friction import FRICTION_PLOTS
+from warpffrf.output.plots.friction import FRICTION_PLOTS, rubbing
 from warpffrf.output.plots.histories import HISTORY_PLOTS, the_channel
 from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
+from warpffrf.output.plots.one_row import draw_bars, draw_numbers, numbers_of
 from warpffrf.output.plots.picture import write_drawing, write_picture
-from warpffrf.output.plots.scales import ROUND_OFF, about_zero, from_zero
+from warpffrf.output.plots.scales import LEAST, ROUND_OFF, about_zero, from_zero
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots
@@ -97,19 +98,22 @@ def _crowd_below(figure: Any) -> None:
 
 
 def force(result: Any, ax: Any) -> None:
-    """Force of every pair, lumped contact, oil film and lap against time."""
+    """Force of every pair, lumped contact, oil film and lap against time, as bars of a run of one row."""
     forces = {name: result.contact(name).force_magnitude for name in result.contact_names}
     forces |= {name: np.linalg.norm(c.force, axis=1) for name, c in result.history.lumped_contacts.items()}
     pressed = bool(forces)
     forces |= {name: result.film(name).force_magnitude for name in result.film_names if name not in forces}
     laps = {name: np.linalg.norm(result.lap(name).force, axis=1) for name in result.lap_names}
     forces |= {name: size for name, size in laps.items() if name not in forces}
-    for n, (name, size) in enumerate(forces.items()):
-        style = STYLES[n // COLORS % len(STYLES)] + _marker(result.time)
-        ax.plot(result.time * 1e3, size * 1e-3, style, label=name)
     what = " and ".join(["contact"] * pressed + ["film"] * bool(result.film_names) + ["lap"] * bool(laps))
-    ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
     ax.set_title(f"{what.capitalize()} force", fontsize=10)
+    if len(result.time) == 1:
+        draw_bars(ax, {name: size * 1e-3 for name, size in forces.items()}, f"{what} force [kN]")
+        return
+    for n, (name, size) in enumerate(forces.items()):
+        style = STYLES[n // COLORS % len(STYLES)]
+        ax.plot(result.time * 1e3, size * 1e-3, style, label=name)
+    ax.set(xlabel="time [ms]", ylabel=f"{what} force [kN]")
     from_zero(ax, np.concatenate([size * 1e-3 for size in forces.values()]))
     _legend(ax, len(forces))
 
@@ -207,6 +211,7 @@ def energy(result: Any, ax: Any) -> None:
             result.time * 1e3, np.asarray(defect) / scale, color=REFERENCE, lw=1.0, label="grid defect of the contact"
         )
     ax.axhline(0.0, color="0.7", lw=0.6)
+    about_zero(ax, LEAST)
     ax.set(xlabel="time [ms]", ylabel="over the energy at hand [-]")
     ax.set_title(f"Energy residual; energy at hand {scale:.3g} J", fontsize=10)
     ax.legend(frameon=False, fontsize=8)
@@ -261,6 +266,10 @@ def ripple(result: Any, ax: Any) -> None:
 
 
 Draw = Callable[[Any, Any], None]
+# Histories: of a run of one row a page has numbers in their place.
+OVER_TIME = {
+    "widths", "ripple", "energy", "creepage", "spin", "t_gamma", "power", "film_thickness", "lap_history"
+}  # fmt: skip
 PLOTS: dict[str, Draw] = {
     "force": force,
     "widths": widths,
@@ -350,7 +359,7 @@ def drawable(result: Any, film: str | None = None, row: int = -1, lap: str | Non
         frictionless = result.lap(result.lap_names[0] if lap is None else lap).friction == 0.0
         kinds = [kind for kind in LAP_PLOTS if kind != "lap_loss" or not frictionless]
         drawn |= {kind: _of_lap(LAP_PLOTS[kind], lap, row) for kind in kinds}
-    return drawn
+    return drawn if len(result.time) > 1 else {kind: draw for kind, draw in drawn.items() if kind not in OVER_TIME}
 
 
 def about_kinds() -> dict[str, str]:
@@ -369,6 +378,9 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
     from matplotlib.figure import Figure
 
     drawn = drawable(result, film, row, lap)
+    if len(result.time) == 1:
+        numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film, lap)}
+        drawn = {"force": drawn.pop("force")} | numbers | drawn if "force" in drawn else numbers | drawn
     kinds = list(drawn)
     columns = min(3, len(kinds))
     rows = -(-len(kinds) // columns)
@@ -377,7 +389,8 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
     for n, kind in enumerate(kinds):
         drawn[kind](result, figure.add_subplot(rows, columns, n + 1))
     _crowd_below(figure)
-    end = f"{result.time[-1] * 1e3:.4g} ms, {len(result.time)} saved rows, status: {result.status}"
+    saved = "1 saved row" if len(result.time) == 1 else f"{len(result.time)} saved rows"
+    end = f"{result.time[-1] * 1e3:.4g} ms, {saved}, status: {result.status}"
     if isinstance(result, OfPair):
         end += f"; pair {result.contact_names[0]!r}"
     if len(result.contact_names) > 1:
@@ -390,6 +403,18 @@ def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str
         end += f"; lap {the_lap(result, lap).name!r} of {len(result.lap_names)}"
     figure.suptitle(end, fontsize=11)
     return figure
+
+
+def _numbers(result: Any, ax: Any, film: str | None, lap: str | None) -> None:
+    """What the histories of a run of one row have."""
+    numbers = numbers_of(
+        result,
+        _contact(result) if result.contact_names else None,
+        rubbing(result) if any(result.contact(name).has_friction for name in result.contact_names) else None,
+        _film(result, film) if result.film_names else None,
+        the_lap(result, lap) if result.lap_names else None,
+    )
+    draw_numbers(ax, numbers, f"Numbers at {_at(result, 0)}")
 
 
 def write_plot(

@@ -10,7 +10,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.film_result import FilmResult
 from warpffrf.output.plots.colors import largest
-from warpffrf.output.plots.scales import from_zero
+from warpffrf.output.plots.scales import LEAST, from_zero
 
 FULL = 1.0 - 1e-3  # fill of the gap below which there is a cavity
 GAP, PEAK, CIRCLE = "#1b6ca8", "#d1495b", "0.55"
@@ -82,6 +82,9 @@ def _map(film: FilmResult, ax: Any, row: int, values: np.ndarray, look: tuple[st
     label, colors = look
     low = min(0.0, float(np.nanmin(values))) if from_zero else None
     image = ax.pcolormesh(x, film.z * 1e3, values[order].T, shading="gouraud", cmap=colors, vmin=low)
+    low, high = image.get_clim()
+    if high - low < (least := LEAST * float(np.nanmax(np.abs(values)))):  # one value, which round-off is no pattern of
+        image.set_clim(0.5 * (low + high - least), 0.5 * (low + high + least))
     ax.figure.colorbar(image, ax=ax, label=label)
     fill = film.fill[row][order]
     if np.min(fill) < FULL < np.max(fill):

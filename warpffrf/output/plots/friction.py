@@ -12,10 +12,10 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.friction import OPEN, SLIP, STATES, STICK
 from warpffrf.output.plots.colors import STATE_COLORS, largest
-from warpffrf.output.plots.scales import HEADROOM, from_zero
+from warpffrf.output.plots.one_row import load_ratio
+from warpffrf.output.plots.scales import HEADROOM, LEAST, about_zero, from_zero
 
 SHOWN_WIDTHS = 1.6  # half-widths to either side of the middle of the patch
-LEAST_SEEN = 1e-6  # of the other curves of a plot: what is smaller is round-off of a direction that nothing drives
 TRACE = 0.02  # of the tractions of one sign: less of the other shows nothing in the plot
 LEGEND_ROOM = 1.35  # of the range of tractions
 NO_ARROWS = 1e-3  # of the largest bound: tractions below it are no arrows, which would look as long as any
@@ -44,10 +44,23 @@ def _coefficient(contact: Any) -> float | None:
     return contact.view.friction or None
 
 
+def full_slip(contact: Any) -> dict[str, float]:
+    """What each history of friction would be at most in the run, were all to slip: of it `LEAST` is round-off. A
+    coefficient that depends on speed counts as 1."""
+    friction, size = contact.friction, np.sqrt(largest([contact.patch_area]) / np.pi)
+    force = (_coefficient(contact) or 1.0) * largest([contact.force_magnitude])
+    speed = largest([np.abs(friction.rolling_velocity), np.abs(friction.creep_velocity)])
+    return {
+        "creepage": 1.0, "traction_coefficient": 1.0, "creep_force": force, "t_gamma": force,
+        "spin_creepage": 1.0 / size if size > 0.0 else 0.0, "spin_moment": force * size,
+        "friction_power": force * speed, "wear": largest([contact.peak_pressure]) * speed * 1e-6,  # W/mm2
+    }  # fmt: skip
+
+
 def _seen(values: np.ndarray, *beside: np.ndarray) -> bool:
-    """True where a curve is more than round-off beside the others."""
+    """True where a curve is more than round-off beside the others: of a direction that nothing drives."""
     most = largest([np.abs(v) for v in (values, *beside)])
-    return largest([np.abs(values)]) > LEAST_SEEN * most
+    return largest([np.abs(values)]) > LEAST * most
 
 
 def _both_signs(tau: np.ndarray) -> bool:
@@ -99,8 +112,8 @@ def traction(result: Any, ax: Any) -> None:
     _around(ax, contact, i)
     ax.set(xlabel="arc along e_theta from the line of centres [mm]", ylabel="traction [MPa]")
     where = "through the centre" if contact.patch_kind == "point" else "at mid-width"
-    ratio = contact.friction.traction_coefficient[i]
-    ax.set_title(f"Tractions {where}, {_at(result, i)}\ntangential over normal load {ratio:.4g}", fontsize=10)
+    ratio = load_ratio(contact.friction, i)
+    ax.set_title(f"Tractions {where}, {_at(result, i)}\ntangential over normal load {ratio}", fontsize=10)
     ax.legend(frameon=False, fontsize=7, ncols=2, loc="upper center" if sign > 0.0 else "lower center")
 
 
@@ -181,12 +194,13 @@ def creepage(result: Any, ax: Any) -> None:
     if _coefficient(contact) is not None:
         right.axhline(_coefficient(contact), color=BOUND, lw=0.8, ls="--")
     most = max(float(np.nanmax(friction.traction_coefficient, initial=0.0)), _coefficient(contact) or 0.0)
-    right.set_ylim(0.0, LEGEND_ROOM * most or 1.0)
+    right.set_ylim(0.0, LEGEND_ROOM * max(most, LEAST))
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("creepage [-]", color=TRACTION)
     right.set_ylabel("tangential over normal load [-]", color=BOUND)
     ax.set_title("Creepage and traction coefficient (dashed: coefficient of friction)", fontsize=10)
     ax.margins(y=0.25)
+    about_zero(ax, LEAST)
     ax.legend(frameon=False, fontsize=8, loc="upper right")
 
 
@@ -194,17 +208,15 @@ def spin(result: Any, ax: Any) -> None:
     """Spin creepage and the moment of the tractions about the normal against time."""
     contact = rubbing(result)
     time, friction = result.time * 1e3, contact.friction
-    right, size = ax.twinx(), np.sqrt(largest([contact.patch_area]) / np.pi)
-    # what creepage and force at the rim of the patch would make: less than LEAST_SEEN of it is round-off
-    creepage = largest([np.abs(friction.creepage)]) / size if size > 0.0 else 0.0
+    right, most = ax.twinx(), full_slip(contact)
     curves = (
-        (ax, friction.spin_creepage, creepage, TRACTION),
-        (right, friction.spin_moment, largest([np.abs(friction.tangential_force)]) * size, SECOND),
+        (ax, friction.spin_creepage, most["spin_creepage"], TRACTION),
+        (right, friction.spin_moment, most["spin_moment"], SECOND),
     )
     for axes, values, beside, color in curves:
         axes.plot(time, values, color=color)
-        most = HEADROOM * max(largest([np.abs(values)]), LEAST_SEEN * beside) or 1.0
-        axes.set_ylim(-most, most)  # both zeros at one height
+        top = HEADROOM * max(largest([np.abs(values)]), LEAST * beside) or 1.0
+        axes.set_ylim(-top, top)  # both zeros at one height
     ax.axhline(0.0, color="0.7", lw=0.6)
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("spin creepage [rad/m]", color=TRACTION)
@@ -220,7 +232,8 @@ def t_gamma(result: Any, ax: Any) -> None:
     ax.plot(time, per_metre, "--", color=SECOND, label="friction power over rolling speed")
     ax.plot(time, friction.t_gamma, color=TRACTION, label="T-gamma, by forces and creepages")
     low = min(0.0, float(np.nanmin(friction.t_gamma, initial=0.0)))
-    ax.set_ylim(HEADROOM * low, LEGEND_ROOM * largest([friction.t_gamma, per_metre]) or 1.0)
+    high = max(largest([friction.t_gamma, per_metre]), LEAST * full_slip(contact)["t_gamma"])
+    ax.set_ylim(HEADROOM * min(low, -(HEADROOM - 1.0) * high), LEGEND_ROOM * high or 1.0)
     ax.set(xlabel="time [ms]", ylabel="energy per metre rolled [N]")
     ax.set_title("T-gamma", fontsize=10)
     ax.legend(frameon=False, fontsize=8, loc="upper right")
@@ -236,8 +249,9 @@ def power(result: Any, ax: Any) -> None:
     ax.set(xlabel="time [ms]")
     ax.set_ylabel("friction power [W]", color=TRACTION)
     right.set_ylabel("largest wear index [W/mm²]", color=SECOND)
-    from_zero(ax, friction.power)
-    from_zero(right, friction.wear_peak * 1e-6)
+    most = full_slip(contact)
+    from_zero(ax, friction.power, least=LEAST * most["friction_power"])
+    from_zero(right, friction.wear_peak * 1e-6, least=LEAST * most["wear"])
     ax.set_title("Friction power, and wear index: pressure times slip speed", fontsize=10)
 
 

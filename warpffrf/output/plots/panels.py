@@ -11,7 +11,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.output.plots.colors import largest
 from warpffrf.output.plots.picture import write_picture
+from warpffrf.output.plots.scales import LEAST, no_finer
 
 PANEL_SIZE = (5.2, 3.9)  # inches
 COLUMNS = 3  # side by side at most
@@ -56,6 +58,9 @@ class Panel:
             axes.plot(x, y, ls="none", marker=MARKS[n % len(MARKS)], ms=4.5, mfc="none", color="black", label=name)
         if self.limits is not None:
             axes.set_ylim(*self.limits)
+        else:
+            drawn = [y for of in (self.curves, self.reference or {}, self.points or {}) for _, y in of.values()]
+            no_finer(axes, LEAST * largest([np.abs(np.asarray(y, dtype=float)) for y in drawn]))
         axes.set(xlabel=self.x_label, ylabel=self.y_label)
         axes.set_title(self.title, fontsize=10)
         axes.grid(alpha=0.25, lw=0.5)

@@ -8,9 +8,11 @@ import numpy as np
 
 from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.plots.colors import largest, legend_rows
+from warpffrf.output.plots.friction import full_slip
+from warpffrf.output.plots.scales import LEAST
 from warpffrf.output.recording.contact_scene import TITLES, relief_name
-from warpffrf.output.recording.contact_series import CONTACT_PLOTS, FRICTION_PLOTS
-from warpffrf.output.recording.machine_series import plot_kinds
+from warpffrf.output.recording.contact_series import CONTACT_PLOTS, FRICTION_PLOTS, contact_series
+from warpffrf.output.recording.machine_series import Series, machine_series, plot_kinds
 
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body
@@ -38,7 +40,11 @@ def blueprint(recorder: Any) -> Any:
     close_ups += [scene.view(field) for scene in recorder.lap_scenes for field in scene.fields]
     maps = [_map(scene, field) for scene in recorder.scenes for field in scene.fields]
     contacts = recorder.contacts
-    machine_plots = [rrb.TimeSeriesView(origin=f"/plots/{k}", name=title) for k, title in plot_kinds(result).items()]
+    series = machine_series(result)
+    machine_plots = [
+        rrb.TimeSeriesView(origin=f"/plots/{kind}", name=title, axis_y=_axis(_of_kind(series, kind)))
+        for kind, title in plot_kinds(result).items()
+    ]
     plots = (
         machine_plots[:MOST_PLOTS]
         if not contacts
@@ -58,7 +64,9 @@ def blueprint(recorder: Any) -> Any:
             origin="/solver/iterations", contents=["/solver/iterations", "/solver/factorisations"], name="Newton"
         ),
         rrb.TimeSeriesView(origin="/solver/active_hats", name="Active hats or cells"),
-        rrb.TimeSeriesView(origin="/solver/energy_residual", name="Energy residual [-]"),
+        rrb.TimeSeriesView(
+            origin="/solver/energy_residual", name="Energy residual [-]", axis_y=_axis([result.energy_residual], 1.0)
+        ),
         rrb.TimeSeriesView(origin="/solver/step_size", name="Step size [s]"),
         name="Solver",
     )
@@ -108,6 +116,25 @@ def _from_zero(kind: str, values: list[np.ndarray]) -> Any:
     top = largest(values)
     axis = rrb.ScalarAxis(range=(0.0, HEADROOM * top)) if top > 0.0 else None
     return rrb.TimeSeriesView(origin=f"/plots/{kind}", name=CONTACT_PLOTS[kind], axis_y=axis)
+
+
+def _of_kind(series: list[Series], kind: str) -> list[np.ndarray]:
+    """The curves in the plot of a kind."""
+    return [values for path, _, values in series if path[:2] == ("plots", kind)]
+
+
+def _axis(values: list[np.ndarray], size: float = 0.0) -> Any:
+    """The scale of a plot whose curves move by less than `LEAST` of their largest value, or of the `size` that they may
+    have: round-off; None, the viewer's, of others."""
+    import rerun.blueprint as rrb
+
+    seen = np.concatenate([v[np.isfinite(v)] for v in values] or [np.zeros(0)])
+    if not seen.size:
+        return None
+    low, high = float(seen.min()), float(seen.max())
+    least = LEAST * max(abs(low), abs(high), size)
+    middle = 0.5 * (low + high)
+    return rrb.ScalarAxis(range=(middle - 0.5 * least, middle + 0.5 * least)) if high - low < least else None
 
 
 def _tabs(views: list[Any]) -> list[Any]:
@@ -184,7 +211,15 @@ def _friction_tab(recorder: Any) -> list[Any]:
     if not scenes:
         return []
     maps = [_tabs([_map(scene, field) for scene in scenes]) for field in ("traction", "state")]
-    plots = [rrb.TimeSeriesView(origin=f"/plots/{kind}", name=title) for kind, title in FRICTION_PLOTS.items()]
+    series = [one for scene in scenes for one in contact_series(scene.contact)]
+    most = [full_slip(scene.contact) for scene in scenes]
+    plots = [
+        rrb.TimeSeriesView(
+            origin=f"/plots/{kind}", name=title,
+            axis_y=_axis(_of_kind(series, kind), max(sizes.get(kind, 0.0) for sizes in most)),
+        )
+        for kind, title in FRICTION_PLOTS.items()
+    ]  # fmt: skip
     legend = rrb.Spatial2DView(origin="/legend", name="Colours, fixed over the run", background=[255, 255, 255, 255])
     left = rrb.Vertical(legend, *[view for views in maps for view in views], row_shares=[2, *[3] * len(maps)])
     return [rrb.Horizontal(left, rrb.Grid(*plots, grid_columns=2), column_shares=[2, 3], name="Friction")]

@@ -192,8 +192,7 @@ def _crew(job: Job, folder: Folder, workers: int, client: Any, devices: list[str
 
 def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, count: int, progress: bool) -> None:
     """Have the rows that are left run, and keep their answers."""
-    bar = Progress("sweep", count, enabled=progress, unit="run")
-    bar.update(count - len(left))
+    bar = Progress("sweep", count, enabled=progress, unit="run", done=count - len(left))
     keeping = _Keeping(folder, bar, count - len(left))
     try:
         _dispatch(crew, left, worlds, keeping)

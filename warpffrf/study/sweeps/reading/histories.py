@@ -7,7 +7,9 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.output.plots.colors import largest
 from warpffrf.output.plots.figure import REFERENCE
+from warpffrf.output.plots.scales import LEAST, no_finer
 from warpffrf.study.sweeps.reading.hues import Hue
 from warpffrf.study.sweeps.reading.values import Values, shown_in
 
@@ -43,6 +45,7 @@ class Histories:
             if ended:
                 ax.plot(t[-1:], y[-1:], "x", ms=7.0, mew=1.6, color=REFERENCE)
         ax.set(xlabel=f"time [{unit}]", ylabel=label)
+        no_finer(ax, LEAST * largest([np.abs(self.values.numbers[row]) * factor for row in shown]))
         missing = self.values.missing(self.rows)
         if len(shown) < len(rows):
             missing = "; ".join(filter(None, (f"{len(shown)} of {len(rows)} rows", missing)))

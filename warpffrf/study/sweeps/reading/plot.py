@@ -12,7 +12,7 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.output.plots.figure import STYLES
 from warpffrf.output.plots.panels import Drawn, panels_figure
 from warpffrf.output.plots.picture import write_picture
-from warpffrf.output.plots.scales import HEADROOM, SMALL
+from warpffrf.output.plots.scales import HEADROOM, LEAST, SMALL
 from warpffrf.study.sweeps.reading.axes import Axis, axes_of, axis_of, grid_places
 from warpffrf.study.sweeps.reading.curves import Curves
 from warpffrf.study.sweeps.reading.histories import Histories
@@ -137,7 +137,7 @@ def _limits(values: Values, rows: np.ndarray) -> tuple[float, float]:
     spread = high - low
     if low >= 0.0 and spread >= SMALL * high:
         return 0.0, HEADROOM * high if high > 0.0 else 1.0
-    room = ROOM * spread if spread > 0.0 else 0.5 * (abs(high) or 1.0)
+    room = ROOM * spread if spread > LEAST * max(abs(low), abs(high)) else 0.5 * (abs(high) or 1.0)
     return low - room, high + room
 
 
@@ -156,6 +156,8 @@ def _maps(
     factor, _ = values.shown()
     whole = np.any([rows for _, rows in panels], axis=0) & values.has
     numbers = np.where(whole, values.numbers, np.nan)
-    limits = float(np.nanmin(numbers) * factor), float(np.nanmax(numbers) * factor)
+    low, high = float(np.nanmin(numbers) * factor), float(np.nanmax(numbers) * factor)
+    short = max(0.5 * (LEAST * max(abs(low), abs(high)) - (high - low)), 0.0)
+    limits = low - short, high + short
     marked = [(int(np.nanargmin(numbers)), "v", "least"), (int(np.nanargmax(numbers)), "^", "largest")]
     return [Map(name, values, rows, along, up, free, limits, marked) for name, rows in panels]

@@ -1,0 +1,179 @@
+"""In what the making of two runs differs, as text.
+
+Options, scene and bodies are compared by what they are: the scene number by number as `Scene.describe` has it, a
+flexible body by the settings of its reduction, and by its arrays where these are the same. What is known by a content
+hash alone is one or another. Numbers that differ by round-off, of their row or of places in the machine, are counted.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.reduced_body_file import stored_arrays
+from warpffrf.output.files.unfinished import HASH
+from warpffrf.output.result import Result
+
+NONE = "-"
+ROUND_OFF = 1e-12  # of the largest number of a row, of places of the size of the machine
+PLACES = ("position", "center_of_mass", "point")
+SHOWN = 6  # numbers of a row of them; of more the first that differs
+KINDS = {
+    "bodies": "body", "joints": "joint", "drives": "drive", "forces": "force", "contacts": "contact",
+    "lumped_contacts": "lumped contact", "films": "film", "laps": "lap",
+}  # fmt: skip
+
+
+def settings_apart(a: Result, b: Result, length: float) -> tuple[dict[str, tuple[str, str]], list[str]]:
+    """What differs of how two runs of a machine of the size `length` [m] were made, name -> (of a, of b), and notes on
+    the rest."""
+    found, notes = _Settings(length), []
+    first, second = a.history.options, b.history.options
+    for name in dict.fromkeys([*first, *second]):
+        if name != "scene":
+            found.compare(name, first.get(name), second.get(name))
+    found.compare("status", a.status, b.status)
+    found.compare("rows", len(a.time), len(b.time))
+    found.compare("end [s]", *(float(run.time[-1]) if len(run.time) else None for run in (a, b)))
+    described = [run.view.description for run in (a, b)]
+    if all(described):
+        found.compare("", *(_by_item(_plain(one)) for one in described))
+    else:
+        found.views(a, b)
+    for name in a.view.bodies.keys() & b.view.bodies.keys():
+        found.reductions(f"body {name}", *(run.view.bodies[name].reduced for run in (a, b)))
+    if not all(described) and a.view.content_hash != b.view.content_hash:
+        notes.append("the scenes differ; a results file of an older version does not say in all that they do")
+    if found.slight:
+        notes.append(f"settings that differ by round-off: {found.slight}, the first {found.first_slight}")
+    return found.texts, notes
+
+
+class _Settings:
+    """What has been found to differ, name -> texts of both; `slight` numbers differ by round-off."""
+
+    def __init__(self, length: float) -> None:
+        self.texts: dict[str, tuple[str, str]] = {}
+        self.length, self.slight, self.first_slight = length, 0, ""
+
+    def compare(self, name: str, a: Any, b: Any) -> None:
+        """Two values, the parts of tables and rows by themselves."""
+        if a == b:
+            return
+        if isinstance(a, Mapping) and isinstance(b, Mapping):
+            for key in dict.fromkeys([*a, *b]):
+                between = "" if not name else "." if ": " in name else ": "
+                self.compare(f"{name}{between}{key}", a.get(key), b.get(key))
+        elif (shape := _shape(a)) is not None and shape == _shape(b):
+            self._numbers(name, *(np.ravel(np.asarray(value, dtype=float)) for value in (a, b)))
+        elif _rows(a) and _rows(b) and len(a) == len(b):
+            for n, (one, other) in enumerate(zip(a, b, strict=True)):
+                self.compare(f"{name}[{n}]", one, other)
+        else:
+            texts = _text(a), _text(b)
+            self.texts[name] = texts if texts[0] != texts[1] else (texts[0], f"another {texts[1].removeprefix('a ')}")
+
+    def _numbers(self, name: str, a: np.ndarray, b: np.ndarray) -> None:
+        """Rows of as many numbers, some of which differ."""
+        size = float(np.max(np.abs([a, b])))
+        if name.rpartition(".")[2].rpartition(" ")[2] in PLACES:
+            size = max(size, self.length)
+        if np.max(np.abs(a - b)) <= ROUND_OFF * size:
+            self.slight, self.first_slight = self.slight + 1, self.first_slight or name
+            return
+        where = ""
+        if a.size > SHOWN:
+            n = int(np.flatnonzero(a != b)[0])
+            where, a, b = f" (number {n + 1} of {a.size})", a[[n]], b[[n]]
+        texts = [", ".join(f"{v:.6g}" for v in values) for values in (a, b)]
+        if texts[0] == texts[1]:
+            texts = [", ".join(repr(float(v)) for v in values) for values in (a, b)]
+        self.texts[name] = texts[0] + where, texts[1]
+
+    def views(self, a: Result, b: Result) -> None:
+        """What results files have of a scene without its description."""
+        for name in dict.fromkeys([*a.view.bodies, *b.view.bodies]):
+            one, other = (run.view.bodies.get(name) for run in (a, b))
+            self.compare(f"body {name}: mass", one and one.mass, other and other.mass)
+        for name in dict.fromkeys([*a.view.pairs, *b.view.pairs]):
+            one, other = (run.view.pairs.get(name) for run in (a, b))
+            self.compare(f"contact {name}: friction", one and one.friction, other and other.friction)
+
+    def reductions(self, label: str, a: Any, b: Any) -> None:
+        """Two reduced bodies, None of a rigid one."""
+        if a is None or b is None:
+            self.compare(label, *("rigid" if body is None else "flexible" for body in (a, b)))
+            return
+        if a is b or a.content_hash() == b.content_hash():
+            return
+        before = len(self.texts)
+        self.compare(f"{label}: reduce", *(_of_reduction(body) for body in (a, b)))
+        self.compare(f"{label}: global modes", len(a.frequencies), len(b.frequencies))
+        self.compare(f"{label}: local modes", a.local_modes, b.local_modes)
+        if len(self.texts) == before:
+            one, other = (stored_arrays(body) for body in (a, b))
+            apart = {name: _apart(one[name], other[name]) for name in one.keys() & other.keys()}
+            worst = max(apart, key=lambda name: apart[name], default="")
+            said = f"differ by up to {apart[worst]:.1e} of the largest, in {worst}" if worst else "others"
+            self.texts[f"{label}: numbers of the reduced body"] = NONE, said
+            self.compare(f"{label}: versions", *(body.provenance.get("versions", {}) for body in (a, b)))
+
+
+def _by_item(description: Mapping[str, Any]) -> dict[str, Any]:
+    """A description with what has names under these, "joint hinge"."""
+    found = {name: value for name, value in description.items() if name not in KINDS}
+    for where, kind in KINDS.items():
+        found |= {f"{kind} {item['name']}": item for item in description.get(where, ())}
+    return found
+
+
+def _of_reduction(body: Any) -> dict[str, Any]:
+    """The settings of a reduction, its mesh in words."""
+    found = _plain(body.provenance.get("settings", {}))
+    if "mesh" in found:
+        said = f"a mesh '{body.provenance.get('mesh_name', '')}', {len(body.surface.points)} nodes on its skin"
+        found["mesh"] = f"{said}, {found['mesh']}"
+    return found
+
+
+def _apart(a: np.ndarray, b: np.ndarray) -> float:
+    """The largest difference over the largest number; infinite of other shapes."""
+    if a.shape != b.shape:
+        return np.inf
+    if a.dtype.kind not in "fiu" or not a.size:
+        return 0.0 if np.array_equal(a, b) else np.inf
+    size = float(max(np.max(np.abs(a)), np.max(np.abs(b))))
+    return float(np.max(np.abs(a - b))) / size if size > 0.0 else 0.0
+
+
+def _plain(document: Any) -> Any:
+    """It as a file gives it back."""
+    return json.loads(json.dumps(document))
+
+
+def _rows(value: Any) -> bool:
+    return isinstance(value, list | tuple)
+
+
+def _shape(value: Any) -> tuple[int, ...] | None:
+    """That of an array of numbers, () of one; None of what is none."""
+    if not _rows(value):
+        return () if isinstance(value, int | float) and not isinstance(value, bool) else None
+    parts = {_shape(v) for v in value}
+    part = parts.pop() if len(parts) == 1 else None
+    return None if part is None else (len(value), *part)
+
+
+def _text(value: Any) -> str:
+    if value is None:
+        return NONE
+    if isinstance(value, Mapping):
+        return str(value.get("kind", "given"))
+    if _rows(value):
+        return f"{len(value)} entries" if len(value) > SHOWN else ", ".join(_text(v) for v in value) or "none"
+    if isinstance(value, str):
+        return HASH.sub("", value) or "one"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
