@@ -11,6 +11,7 @@ from film_scenes import CLEARANCE, LENGTH, RADIUS, SPEED, VISCOSITY, bearing, bo
 
 from warpffrf.model import films
 from warpffrf.online import find_equilibrium
+from warpffrf.output.result import Result
 from warpffrf.verification.films.journal import JournalFilm
 
 TRUE = 3.0  # an estimate is good for the figure's order: within this factor
@@ -55,3 +56,10 @@ def test_every_rule_of_cavities_has_an_estimate() -> None:
     fed = find_equilibrium(bearing((300.0, 0.0), feeds=[wide]), progress=False).film_grids["film"]
     assert np.isfinite([fed.load, fed.flow, fed.torque]).all()
     assert not find_equilibrium(bearing((300.0, 0.0), evaluation="hyper"), progress=False).film_grids
+
+
+def test_the_force_of_a_film_that_the_loads_give_has_no_error() -> None:
+    """A shaft under 300 N that a joint holds along its axis and square to it: what its grid does, the gap has to bear."""
+    scene = bearing((300.0, 0.0))
+    sizes = {line.of: line.size for line in Result(find_equilibrium(scene, progress=False)).error_budget()}
+    assert sizes["force of film 'film'"] == 0.0 < sizes["stiffness of film 'film'"]

@@ -24,7 +24,9 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.consistent import start_consistently
 
 STEEL = Material(210e9, 0.3, 7850.0)
-FRAMES = [Rotation.random(rng=np.random.default_rng(seed)) for seed in range(4)] + [Rotation.from_euler("y", 30.0, degrees=True)]
+FRAMES = [Rotation.random(rng=np.random.default_rng(seed)) for seed in range(4)] + [
+    Rotation.from_euler("y", 30.0, degrees=True)
+]
 SHIFT = np.array([1.3, -2.0, 0.7])  # m
 Array = np.ndarray
 

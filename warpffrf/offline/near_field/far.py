@@ -37,10 +37,10 @@ NODES_PER_HALF_WIDTH = 4
 # hollow rollers with one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
 # quadratic ones -2.2, -0.6, -0.2, -0.1 %. By degree; walls that would err by more than THIN are named.
 WALL_ERROR = {1: (0.105, 2.3), 2: (0.022, 3.2)}
-# Of lines h is that of the edges across; what facets of the length l along leave of the free ends of a wall, over which
-# it is softer, is END (l/t)^q t/L of the width L: over 10 mm of rubber, 100 mm wide, both together make of linear cells
-# +2.9, +0.2 % at l/t = 2.5, 1.25, of quadratic ones +1.0, +0.06 %; over 5 mm +5.6, -1.0 % at 5, 2.5; of Poisson's ratio
-# 0.3 half as much.
+# Of lines h is that of the edges across, of triangles the longest, which are stiffer; what facets of the length l along
+# leave of the free ends of a wall, over which it is softer, is END (l/t)^q t/L of the width L: over 10 mm of rubber,
+# 100 mm wide, both together make of linear cells +2.9, +0.2 % at l/t = 2.5, 1.25, of quadratic ones +1.0, +0.06 %; over
+# 5 mm +5.6, -1.0 % at 5, 2.5; of Poisson's ratio 0.3 half as much.
 END_ERROR = {1: (0.0073, 4.0), 2: (0.0024, 4.0)}
 THIN = 0.01
 
@@ -179,7 +179,8 @@ def _thin_wall(
     if shape.kind == "cylinder" and touched_in_lines(shape):
         chart = ContactFacets.of(mesh.points, facets, shape).chart
         along, width = float(np.ptp(chart.z, axis=1).max()), float(np.ptp(grid.z))
-        edge = min(edge, float(shape.radius_at(float(np.mean(grid.z)))) * float(np.ptp(chart.theta, axis=1).max()))
+        if all(facet_kind(kind).domain == "quad" for kind in facets.blocks):
+            edge = min(edge, float(shape.radius_at(float(np.mean(grid.z)))) * float(np.ptp(chart.theta, axis=1).max()))
         factor, power = END_ERROR[degree]
         ends = min(factor * (along / thickness) ** power, 1.0) * thickness / width
     error = c * (edge / thickness) ** p

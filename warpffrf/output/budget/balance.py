@@ -2,8 +2,9 @@
 
 Forces balance on every body as a rigid one: A x = loads, with the reactions of joints and drives, the forces of
 contacts at their places in the last saved row, each as it is and, with friction, across it, and six unknowns for what
-holds two bodies in another way (films, laps, lumped contacts, force elements with a law). What is zero in all solutions
-of A x = 0 is given by the loads: a contact under a weight errs in its approach and not in its force.
+holds two bodies in another way (films, whose own force is what they press with, laps, lumped contacts, force elements
+with a law). What is zero in all solutions of A x = 0 is given by the loads: a contact under a weight errs in its
+approach and not in its force.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ ZERO, FREE = 1e-6, 1e-3  # of the largest singular value, and of a solution: col
 
 
 def given_by_loads(result: Any) -> set[str]:
-    """Names of figures' owners, "contact 'pair'" and "joint 'axle'", whose forces are given."""
+    """Names of figures' owners, "contact 'pair'", "film 'oil'" and "joint 'axle'", whose forces are given."""
     history, scene = result.history, result.history.scene
     if not 0 < len(scene.bodies) <= MOST_BODIES:
         return set()
@@ -55,9 +56,11 @@ def given_by_loads(result: Any) -> set[str]:
                 for d in directions
             ]
             unknown(f"contact {contact.name!r}", one, other, wrenches)
-    for one, other in _held(scene, history):
+    for owner, pressed, frame, one, other in _held(scene, history):
         place = _origin(history, one) - _origin(history, other)
-        unknown("", one, other, [(w, -_moved(w, place)) for w in np.eye(6)])
+        for i, d in enumerate((*frame, *frame)):
+            w = np.concatenate([d, np.zeros(3)] if i < 3 else [np.zeros(3), d])
+            unknown(owner if i < pressed else "", one, other, [(w, -_moved(w, place))])
     if not columns:
         return set()
     A = np.array(columns).T
@@ -83,12 +86,22 @@ def _directions(force: Array) -> Array:
     return np.array([along, across, np.cross(along, across)])
 
 
-def _held(scene: Any, history: Any) -> list[tuple[Any, Any]]:
-    """Bodies that something else than joints and contacts holds to each other."""
+def _held(scene: Any, history: Any) -> list[tuple[str, int, Array, Any, Any]]:
+    """Bodies that something else than joints and contacts holds to each other: whose force it is, along how many first
+    ones of the directions (3, 3) in rows, and the bodies. A film presses across its axis, or along its normal."""
+    found = []
+    for film in scene.films:
+        body, shape = film.ports[0].body, film.ports[0].surface.shape
+        if shape.kind == "plane":
+            pressed, frame = 1, _directions(_axes(history, body) @ shape.normal(0.0, 0.0))
+        else:
+            pressed, frame = 2, _directions(_axes(history, body) @ shape.axis_direction)[[1, 2, 0]]
+        found.append((f"film {film.name!r}", pressed, frame, body, film.ports[1].body))
     laws = [force for force in scene.forces if history.forces[force.name].deformation.shape[1]]
     ports = [getattr(item, "joint", item).ports for item in laws]
-    ports += [item.ports for item in (*scene.films, *scene.laps, *scene.lumped_contacts)]
-    return [(pair[0].body, pair[-1].body) for pair in ports if len(pair) == 2]  # a lap may have one part
+    ports += [item.ports for item in (*scene.laps, *scene.lumped_contacts)]
+    held = [pair for pair in ports if len(pair) == 2]  # a lap may have one
+    return [*found, *(("", 0, np.eye(3), one.body, other.body) for one, other in held)]
 
 
 def _origin(history: Any, body: Any) -> Array:
