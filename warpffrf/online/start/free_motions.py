@@ -19,7 +19,8 @@ Motions that friction of surfaces resists, T N y above STICKS with N those that 
 the first round of a load step, and four times less with every further one (`warpffrf_kernels.step.proximal`). As long
 as nothing slips all over, it is the patch that bears the load, and a few rounds find how far it gives; without such
 holding a body would move by metres under the load alone, of which the slips of the patch, of micrometres, are told
-with eight digits less.
+with eight digits less. Gaps under pressure have no say in N: two balls that have slipped by s lean on each other by
+s/(R_1 + R_2), and of a stiffness times the square of that nothing holds a body, but FREE is soon exceeded.
 
 Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
 `motion`), beside which it stays where it is. What acts along it must be next to nothing, PULLED of the largest force:
@@ -89,6 +90,7 @@ class FreeMotions:
     holds, yields = HOLD, YIELD  # s/m
     bears = False  # whether what is free is held against loads, once something that rubs is under pressure
     weakens = True  # what friction resists, from round to round
+    gaps_hold = False  # whether a gap under pressure holds what it leans on, as a joint does
     first = NEARLY  # of the largest force left over: what is held from then on
     holds_driven = False  # whether what slopes drive is held
     wanders = False  # whether something that slopes drive has gone far in the last step
@@ -129,7 +131,7 @@ class FreeMotions:
             if self.rubs:
                 _, motions = parted(self.engine, world, weight, motions)
             if self.rubs and self._presses(world):
-                unsprung = unsprung_motions(self.engine, world, weight)
+                unsprung = unsprung_motions(self.engine, world, weight, gaps=self.gaps_hold)
                 self.resisted[world], _ = parted(self.engine, world, weight, unsprung)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
             left = self._forces(world)
@@ -339,9 +341,9 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     return _free_of(engine, world, weight, _rigid_rows(engine, world) | _sprung_rows(engine, world))
 
 
-def unsprung_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
-    """The same where springs resist nothing."""
-    return _free_of(engine, world, weight, _rigid_rows(engine, world))
+def unsprung_motions(engine: Engine, world: int, weight: np.ndarray, *, gaps: bool) -> np.ndarray:
+    """The same where springs resist nothing, nor what is under pressure but for `gaps`."""
+    return _free_of(engine, world, weight, _rigid_rows(engine, world), gaps=gaps)
 
 
 def _rigid_rows(engine: Engine, world: int) -> np.ndarray:
@@ -365,11 +367,11 @@ def _sprung_rows(engine: Engine, world: int) -> np.ndarray:
     return holds
 
 
-def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray) -> np.ndarray:
-    """Motions that the rows which hold and the gaps under pressure leave free, as of `free_motions`; each one of bodies
-    that these couple, so that what drives one mechanism is not told of another."""
+def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray, *, gaps: bool = True) -> np.ndarray:
+    """Motions that the rows which hold and, with `gaps`, the gaps under pressure leave free, as of `free_motions`; each
+    one of bodies that these couple, so that what drives one mechanism is not told of another."""
     lines, _ = _lines(engine, world, len(weight), holds)
-    lines = _of_length_one(lines / weight)
+    lines = _of_length_one((lines if gaps else lines[: np.count_nonzero(holds)]) / weight)
     found = []
     for bodies in _groups(lines):
         columns = (6 * bodies[:, None] + np.arange(6)).ravel()

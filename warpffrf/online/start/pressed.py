@@ -47,7 +47,7 @@ class PressedMotions(FreeMotions):
     """Those that nothing resists, and those that friction will resist, held alike."""
 
     holds = yields = 1e-2 * HOLD
-    weakens, bears = False, True
+    weakens, bears, gaps_hold = False, True, True  # a wedge goes on until it is pressed
     first = np.inf
 
     def __init__(self, engine: Engine) -> None:
