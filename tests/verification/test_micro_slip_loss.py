@@ -41,7 +41,7 @@ def cycle(ball: wf.ReducedBody, quantity: str, reach: float) -> tuple[wf.Result,
     if quantity == "force":
         scene.add(wf.forces.PointForce(upper["bore"], (0, table, 0)))
     else:
-        scene.add(wf.joints.Drive(guide, table, quantity=quantity))
+        scene.add(wf.joints.Drive(guide, table, quantity="position"))
     result = wf.simulate(scene, len(path) - 1.0, step=1.0, kind="static", progress=False)
     assert result.status == "completed", result.message
     contact = result.contact("pair")
