@@ -90,7 +90,7 @@ class FreeMotions:
     holds, yields = HOLD, YIELD  # s/m
     bears = False  # whether what is free is held against loads, once something that rubs is under pressure
     weakens = True  # what friction resists, from round to round
-    gaps_hold = False  # whether a gap under pressure holds what it leans on, as a joint does
+    lean = np.inf  # what gaps under pressure lean on less, in the mean square, they do not hold; 0: see FREE
     first = NEARLY  # of the largest force left over: what is held from then on
     holds_driven = False  # whether what slopes drive is held
     wanders = False  # whether something that slopes drive has gone far in the last step
@@ -131,8 +131,7 @@ class FreeMotions:
             if self.rubs:
                 _, motions = parted(self.engine, world, weight, motions)
             if self.rubs and self._presses(world):
-                unsprung = unsprung_motions(self.engine, world, weight, gaps=self.gaps_hold)
-                self.resisted[world], _ = parted(self.engine, world, weight, unsprung)
+                self.resisted[world] = self._resisted(world, self.lean)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
             left = self._forces(world)
             pull = motions @ (left / weight)
@@ -154,6 +153,11 @@ class FreeMotions:
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
                 self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))
+
+    def _resisted(self, world: int, lean: float) -> np.ndarray:
+        """What friction of surfaces under pressure resists."""
+        weight = self._weight()
+        return parted(self.engine, world, weight, unsprung_motions(self.engine, world, weight, lean))[0]
 
     def hold_driven(self) -> bool:
         """Hold from now on what slopes drive, too; False where that is nothing more than what is held."""
@@ -341,9 +345,9 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     return _free_of(engine, world, weight, _rigid_rows(engine, world) | _sprung_rows(engine, world))
 
 
-def unsprung_motions(engine: Engine, world: int, weight: np.ndarray, *, gaps: bool) -> np.ndarray:
-    """The same where springs resist nothing, nor what is under pressure but for `gaps`."""
-    return _free_of(engine, world, weight, _rigid_rows(engine, world), gaps=gaps)
+def unsprung_motions(engine: Engine, world: int, weight: np.ndarray, lean: float) -> np.ndarray:
+    """The same where springs resist nothing, nor gaps that lean on them by less than `lean` in the mean square."""
+    return _free_of(engine, world, weight, _rigid_rows(engine, world), lean)
 
 
 def _rigid_rows(engine: Engine, world: int) -> np.ndarray:
@@ -367,11 +371,14 @@ def _sprung_rows(engine: Engine, world: int) -> np.ndarray:
     return holds
 
 
-def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray, *, gaps: bool = True) -> np.ndarray:
-    """Motions that the rows which hold and, with `gaps`, the gaps under pressure leave free, as of `free_motions`; each
-    one of bodies that these couple, so that what drives one mechanism is not told of another."""
+def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray, lean: float = 0.0) -> np.ndarray:
+    """Motions that the rows which hold and the gaps under pressure leave free, as of `free_motions`; each one of bodies
+    that these couple, so that what drives one mechanism is not told of another. lean: see `unsprung_motions`."""
     lines, _ = _lines(engine, world, len(weight), holds)
-    lines = _of_length_one((lines if gaps else lines[: np.count_nonzero(holds)]) / weight)
+    rows, gaps = (_of_length_one(own / weight) for own in np.split(lines, [np.count_nonzero(holds)]))
+    if lean > 0.0:
+        gaps = gaps * (FREE / (lean * np.sqrt(max(len(gaps), 1))))
+    lines = np.vstack([rows, gaps])
     found = []
     for bodies in _groups(lines):
         columns = (6 * bodies[:, None] + np.arange(6)).ravel()
