@@ -346,7 +346,8 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
 
 
 def unsprung_motions(engine: Engine, world: int, weight: np.ndarray, lean: float) -> np.ndarray:
-    """The same where springs resist nothing, nor gaps that lean on them by less than `lean` in the mean square."""
+    """The same where springs resist nothing, nor gaps between two bodies that lean on them by less than `lean` in the
+    mean square."""
     return _free_of(engine, world, weight, _rigid_rows(engine, world), lean)
 
 
@@ -376,8 +377,10 @@ def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray, 
     that these couple, so that what drives one mechanism is not told of another. lean: see `unsprung_motions`."""
     lines, _ = _lines(engine, world, len(weight), holds)
     rows, gaps = (_of_length_one(own / weight) for own in np.split(lines, [np.count_nonzero(holds)]))
-    if lean > 0.0:
-        gaps = gaps * (FREE / (lean * np.sqrt(max(len(gaps), 1))))
+    if lean > 0.0 and len(gaps):
+        bodies = np.any(gaps.reshape(len(gaps), -1, 6) != 0.0, axis=2)
+        _, which, count = np.unique(bodies, axis=0, return_inverse=True, return_counts=True)
+        gaps = gaps * (FREE / lean) / np.sqrt(count[which.ravel()])[:, None]
     lines = np.vstack([rows, gaps])
     found = []
     for bodies in _groups(lines):
