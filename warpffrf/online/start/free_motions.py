@@ -15,12 +15,12 @@ the motions above, those are free whose slips T N y are, in the mean square, bel
 patch of half-width a moves it by (a/R)^2/2. Where friction does not hold against the loads it is the load step that
 finds no equilibrium.
 
-Motions that friction of surfaces resists, T N y above STICKS with N those that joints alone leave, are held by YIELD in
-the first round of a load step, and four times less with every further one (`warpffrf_kernels.step.proximal`). As long
-as nothing slips all over, it is the patch that bears the load, and a few rounds find how far it gives; without such
-holding a body would move by metres under the load alone, of which the slips of the patch, of micrometres, are told
-with eight digits less. Gaps under pressure have no say in N: two balls that have slipped by s lean on each other by
-s/(R_1 + R_2), and of a stiffness times the square of that nothing holds a body, but FREE is soon exceeded.
+Motions that friction of surfaces resists, T N y above STICKS with N those that joints alone leave and gaps lean on by
+less than LEANS, are held by YIELD in the first round of a load step, and four times less with every further one
+(`warpffrf_kernels.step.proximal`). As long as nothing slips all over, it is the patch that bears the load, and a few
+rounds find how far it gives; without such holding a body would move by metres under the load alone, of which the slips
+of the patch, of micrometres, are told with eight digits less. Two balls that have slipped by s lean on each other by
+s/(R_1 + R_2): that is soon more than FREE, and a stiffness times the square of it holds no body.
 
 Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
 `motion`), beside which it stays where it is. What acts along it must be next to nothing, PULLED of the largest force:
@@ -69,6 +69,7 @@ PULLED = 1e-8  # of the largest force, along a free translation: ten times what 
 # of the scene's length, which a slope has moved something by in a step: the next moves it a hundred times as far, and a
 # bottom that a slope below FREE leads to is not as far away
 FAR = 1e-2 * FREE
+LEANS = 0.1  # in the mean square of the gaps of two bodies, which resist a hundredth of what friction does there
 YIELD = 1e-2  # s/m: of what friction resists, at first: a mass of 1 kg in a scene of 0.1 m at 1e6 N/m
 HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 a step
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
@@ -90,7 +91,7 @@ class FreeMotions:
     holds, yields = HOLD, YIELD  # s/m
     bears = False  # whether what is free is held against loads, once something that rubs is under pressure
     weakens = True  # what friction resists, from round to round
-    lean = np.inf  # what gaps under pressure lean on less, in the mean square, they do not hold; 0: see FREE
+    lean = LEANS  # gaps under pressure do not hold what they lean on by less; 0: by FREE, as free motions
     first = NEARLY  # of the largest force left over: what is held from then on
     holds_driven = False  # whether what slopes drive is held
     wanders = False  # whether something that slopes drive has gone far in the last step
@@ -377,10 +378,11 @@ def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray, 
     that these couple, so that what drives one mechanism is not told of another. lean: see `unsprung_motions`."""
     lines, _ = _lines(engine, world, len(weight), holds)
     rows, gaps = (_of_length_one(own / weight) for own in np.split(lines, [np.count_nonzero(holds)]))
-    if lean > 0.0 and len(gaps):
-        bodies = np.any(gaps.reshape(len(gaps), -1, 6) != 0.0, axis=2)
-        _, which, count = np.unique(bodies, axis=0, return_inverse=True, return_counts=True)
-        gaps = gaps * (FREE / lean) / np.sqrt(count[which.ravel()])[:, None]
+    if lean > 0.0 and len(gaps):  # as the heavier one of two bodies sees them, which moves less for its mass
+        parts = np.linalg.norm(gaps.reshape(len(gaps), -1, 6), axis=2)
+        _, which, count = np.unique(parts > 0.0, axis=0, return_inverse=True, return_counts=True)
+        least = np.min(np.where(parts > 0.0, parts, np.inf), axis=1)
+        gaps = gaps * (FREE / lean / least / np.sqrt(count[which.ravel()]))[:, None]
     lines = np.vstack([rows, gaps])
     found = []
     for bodies in _groups(lines):

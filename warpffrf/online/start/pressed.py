@@ -16,8 +16,8 @@ began. What they are is known where the scene is pressed: so it is pressed twice
 initial state again with these held from the beginning, found anew as soon as something is under pressure.
 
 A ball that lies a little off the top of another one is pushed off by what presses it, and friction holds it there, too:
-motions on which gaps lean by less than LEANS are held as well where that leads to an equilibrium. It does not where
-they are what presses, as of a wedge: there gaps hold.
+where nothing is under pressure in the end, or no equilibrium with friction is found from there, motions on which gaps
+lean by less than LEANS are held as well. Not at once, as such a motion may be what presses, a wedge or a roller.
 
 What is free altogether, a wheel that rolls down an incline, is held here, too, and told by the step with friction.
 
@@ -30,10 +30,8 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.free_motions import HOLD, FreeMotions
+from warpffrf.online.start.free_motions import HOLD, LEANS, FreeMotions
 from warpffrf.online.start.settle import settle
-
-LEANS = 0.1  # slope of a surface, in the mean square over its cells: friction holds what lies on it
 
 
 def press(engine: Engine, motions: PressedMotions) -> bool:
@@ -67,6 +65,11 @@ class PressedMotions(FreeMotions):
         for world, resisted in enumerate(self.resisted):
             if not self.leans and self._presses(world):
                 self.leans = len(self._resisted(world, LEANS)) > len(resisted)
+
+    @property
+    def presses(self) -> bool:
+        """Whether surfaces that rub are under pressure in every world."""
+        return all(self._presses(world) for world in range(self.engine.worlds))
 
     def notes(self) -> list[str]:
         """None: the state is on the way to another one."""

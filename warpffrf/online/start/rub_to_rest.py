@@ -38,9 +38,9 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
-from warpffrf.online.start.free_motions import FreeMotions
+from warpffrf.online.start.free_motions import LEANS, FreeMotions
 from warpffrf.online.start.loading import begin_loading, restless, slides
-from warpffrf.online.start.pressed import LEANS, PressedMotions, press
+from warpffrf.online.start.pressed import PressedMotions, press
 from warpffrf.online.start.settle import LEAST
 
 TAKES = 1.0  # s, for what asks for a rate
@@ -86,14 +86,16 @@ def rub_to_rest(engine: Engine) -> bool:
     begin, notes = engine.checkpoint(), list(engine.start_notes)
     motions = PressedMotions(engine)
     pressed = press(engine, motions)
-    if motions.leans:
-        for lean in (LEANS, 0.0):
-            engine.resume(begin)
-            engine.start_notes[:] = notes
-            pressed = press(engine, PressedMotions(engine, lean))
-            if lean > 0.0 and pressed and _rubbed(engine, 0):
-                return True
-    return pressed and _rubbed(engine, 0)
+    if (motions.presses or not motions.leans) and pressed and _rubbed(engine, 0):
+        return True
+    if not motions.leans:
+        return False
+    for lean in (LEANS, 0.0):  # where neither leads anywhere, the first one says why
+        engine.resume(begin)
+        engine.start_notes[:] = notes
+        if press(engine, PressedMotions(engine, lean)) and _rubbed(engine, 0):
+            return True
+    return False
 
 
 def _rubbed(engine: Engine, careful: int) -> bool:
