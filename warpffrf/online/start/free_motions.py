@@ -15,11 +15,12 @@ the motions above, those are free whose slips T N y are, in the mean square, bel
 patch of half-width a moves it by (a/R)^2/2. Where friction does not hold against the loads it is the load step that
 finds no equilibrium.
 
-Motions that friction of surfaces resists, T N y above STICKS with N those that joints alone leave, are held by YIELD in
-the first round of a load step, and four times less with every further one (`warpffrf_kernels.step.proximal`). As long
-as nothing slips all over, it is the patch that bears the load, and a few rounds find how far it gives; without such
-holding a body would move by metres under the load alone, of which the slips of the patch, of micrometres, are told
-with eight digits less.
+Motions that friction of surfaces resists, T N y above STICKS with N those that joints alone leave and gaps lean on by
+less than LEANS, are held by YIELD in the first round of a load step, and four times less with every further one
+(`warpffrf_kernels.step.proximal`). As long as nothing slips all over, it is the patch that bears the load, and a few
+rounds find how far it gives; without such holding a body would move by metres under the load alone, of which the slips
+of the patch, of micrometres, are told with eight digits less. Two balls that have slipped by s lean on each other by
+s/(R_1 + R_2): that is soon more than FREE, and a stiffness times the square of it holds no body.
 
 Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
 `motion`), beside which it stays where it is. What acts along it must be next to nothing, PULLED of the largest force:
@@ -68,6 +69,7 @@ PULLED = 1e-8  # of the largest force, along a free translation: ten times what 
 # of the scene's length, which a slope has moved something by in a step: the next moves it a hundred times as far, and a
 # bottom that a slope below FREE leads to is not as far away
 FAR = 1e-2 * FREE
+LEANS = 0.1  # in the mean square of the gaps of two bodies, which resist a hundredth of what friction does there
 YIELD = 1e-2  # s/m: of what friction resists, at first: a mass of 1 kg in a scene of 0.1 m at 1e6 N/m
 HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 a step
 NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
@@ -89,6 +91,7 @@ class FreeMotions:
     holds, yields = HOLD, YIELD  # s/m
     bears = False  # whether what is free is held against loads, once something that rubs is under pressure
     weakens = True  # what friction resists, from round to round
+    lean = LEANS  # gaps under pressure do not hold what they lean on by less; 0: by FREE, as free motions
     first = NEARLY  # of the largest force left over: what is held from then on
     holds_driven = False  # whether what slopes drive is held
     wanders = False  # whether something that slopes drive has gone far in the last step
@@ -129,8 +132,7 @@ class FreeMotions:
             if self.rubs:
                 _, motions = parted(self.engine, world, weight, motions)
             if self.rubs and self._presses(world):
-                unsprung = unsprung_motions(self.engine, world, weight)
-                self.resisted[world], _ = parted(self.engine, world, weight, unsprung)
+                self.resisted[world] = self._resisted(world, self.lean)
             scale = np.sqrt((motions**2) @ np.repeat(self._mass(), 6))
             left = self._forces(world)
             pull = motions @ (left / weight)
@@ -152,6 +154,11 @@ class FreeMotions:
             if np.any(force > allowed):
                 worst = int(np.argmax(force / allowed))
                 self._drive = (world, motions[worst] * np.sign(along[worst]), float(force[worst]))
+
+    def _resisted(self, world: int, lean: float) -> np.ndarray:
+        """What friction of surfaces under pressure resists."""
+        weight = self._weight()
+        return parted(self.engine, world, weight, unsprung_motions(self.engine, world, weight, lean))[0]
 
     def hold_driven(self) -> bool:
         """Hold from now on what slopes drive, too; False where that is nothing more than what is held."""
@@ -339,9 +346,10 @@ def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
     return _free_of(engine, world, weight, _rigid_rows(engine, world) | _sprung_rows(engine, world))
 
 
-def unsprung_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
-    """The same where springs resist nothing."""
-    return _free_of(engine, world, weight, _rigid_rows(engine, world))
+def unsprung_motions(engine: Engine, world: int, weight: np.ndarray, lean: float) -> np.ndarray:
+    """The same where springs resist nothing, nor gaps between two bodies that lean on them by less than `lean` in the
+    mean square."""
+    return _free_of(engine, world, weight, _rigid_rows(engine, world), lean)
 
 
 def _rigid_rows(engine: Engine, world: int) -> np.ndarray:
@@ -365,11 +373,17 @@ def _sprung_rows(engine: Engine, world: int) -> np.ndarray:
     return holds
 
 
-def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray) -> np.ndarray:
+def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray, lean: float = 0.0) -> np.ndarray:
     """Motions that the rows which hold and the gaps under pressure leave free, as of `free_motions`; each one of bodies
-    that these couple, so that what drives one mechanism is not told of another."""
+    that these couple, so that what drives one mechanism is not told of another. lean: see `unsprung_motions`."""
     lines, _ = _lines(engine, world, len(weight), holds)
-    lines = _of_length_one(lines / weight)
+    rows, gaps = (_of_length_one(own / weight) for own in np.split(lines, [np.count_nonzero(holds)]))
+    if lean > 0.0 and len(gaps):  # as the heavier one of two bodies sees them, which moves less for its mass
+        parts = np.linalg.norm(gaps.reshape(len(gaps), -1, 6), axis=2)
+        _, which, count = np.unique(parts > 0.0, axis=0, return_inverse=True, return_counts=True)
+        least = np.min(np.where(parts > 0.0, parts, np.inf), axis=1)
+        gaps = gaps * (FREE / lean / least / np.sqrt(count[which.ravel()]))[:, None]
+    lines = np.vstack([rows, gaps])
     found = []
     for bodies in _groups(lines):
         columns = (6 * bodies[:, None] + np.arange(6)).ravel()

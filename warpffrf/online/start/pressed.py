@@ -15,6 +15,10 @@ a force along a plane, a spring or a weight down an incline moves nothing, and s
 began. What they are is known where the scene is pressed: so it is pressed twice, first to find them, then from the
 initial state again with these held from the beginning, found anew as soon as something is under pressure.
 
+A ball that lies a little off the top of another one is pushed off by what presses it, and friction holds it there, too:
+where nothing is under pressure in the end, or no equilibrium with friction is found from there, motions on which gaps
+lean by less than LEANS are held as well. Not at once, as such a motion may be what presses, a wedge or a roller.
+
 What is free altogether, a wheel that rolls down an incline, is held here, too, and told by the step with friction.
 
 What holds here bears the loads of the scene, and is stiffer than what holds free motions: a force F moves a mass m by
@@ -26,14 +30,14 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.free_motions import HOLD, FreeMotions
+from warpffrf.online.start.free_motions import HOLD, LEANS, FreeMotions
 from warpffrf.online.start.settle import settle
 
 
-def press(engine: Engine) -> bool:
+def press(engine: Engine, motions: PressedMotions) -> bool:
     """Bring every world of `engine` from its present state to the one in which it is pressed together; True on success,
     else why not is in its status and in `engine.not_at_rest`."""
-    motions, begin, notes = PressedMotions(engine), engine.checkpoint(), list(engine.start_notes)
+    begin, notes = engine.checkpoint(), list(engine.start_notes)
     found = settle(engine, motions)
     if not any(len(m) for m in motions.resisted):
         return found
@@ -49,9 +53,23 @@ class PressedMotions(FreeMotions):
     holds = yields = 1e-2 * HOLD
     weakens, bears = False, True
     first = np.inf
+    leans = False  # whether gaps lean on some by less than LEANS
 
-    def __init__(self, engine: Engine) -> None:
+    def __init__(self, engine: Engine, lean: float = 0.0) -> None:
         super().__init__(engine, rubs=True)
+        self.lean = lean
+
+    def look(self) -> None:
+        """As of `FreeMotions`, and whether gaps lean on motions that friction will resist."""
+        super().look()
+        for world, resisted in enumerate(self.resisted):
+            if not self.leans and self._presses(world):
+                self.leans = len(self._resisted(world, LEANS)) > len(resisted)
+
+    @property
+    def presses(self) -> bool:
+        """Whether surfaces that rub are under pressure in every world."""
+        return all(self._presses(world) for world in range(self.engine.worlds))
 
     def notes(self) -> list[str]:
         """None: the state is on the way to another one."""

@@ -38,9 +38,9 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
-from warpffrf.online.start.free_motions import FreeMotions
+from warpffrf.online.start.free_motions import LEANS, FreeMotions
 from warpffrf.online.start.loading import begin_loading, restless, slides
-from warpffrf.online.start.pressed import press
+from warpffrf.online.start.pressed import PressedMotions, press
 from warpffrf.online.start.settle import LEAST
 
 TAKES = 1.0  # s, for what asks for a rate
@@ -80,21 +80,34 @@ def rub_to_rest(engine: Engine) -> bool:
     if np.any(engine.word("status")):
         return False
     engine.commit()
+    if not any(contact.friction.acts for contact in engine.scene.contacts):
+        return _rubbed(engine, CAREFUL)
+    _joints_stick(engine)
+    begin, notes = engine.checkpoint(), list(engine.start_notes)
+    motions = PressedMotions(engine)
+    pressed = press(engine, motions)
+    if (motions.presses or not motions.leans) and pressed and _rubbed(engine, 0):
+        return True
+    if not motions.leans:
+        return False
+    for lean in (LEANS, 0.0):  # where neither leads anywhere, the first one says why
+        engine.resume(begin)
+        engine.start_notes[:] = notes
+        if press(engine, PressedMotions(engine, lean)) and _rubbed(engine, 0):
+            return True
+    return False
+
+
+def _rubbed(engine: Engine, careful: int) -> bool:
+    """The load step in which friction acts, its proximal steps shortened by 100^careful; True on success."""
     free = FreeMotions(engine, rubs=True)
-    surfaces = any(contact.friction.acts for contact in engine.scene.contacts)
-    if surfaces:
-        _joints_stick(engine)
-        if not press(engine):
-            return False
     free.hold_here()
     time = engine.word("time")
     deep = engine.compiled.model.limits.max_level
     whole = TAKES * 2.0**deep
     begin_loading(engine, whole)
     engine.clock(start_time=time - whole)
-    engine.control(
-        level=deep, sub=2**deep - 1, careful=0 if surfaces else CAREFUL, target=1, every=2
-    )  # one step leaves no row
+    engine.control(level=deep, sub=2**deep - 1, careful=careful, target=1, every=2)  # one step leaves no row
     # grids of contact make more of energies than a load step changes them by, where it closes or opens
     engine.control(downhill=int(engine.compiled.model.pairs.count == 0))
     engine.replay(ATTEMPTS)
