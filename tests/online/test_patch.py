@@ -258,6 +258,33 @@ def on_floor(ball, height, velocity=(0.0, 0.0, 0.0), **contact):
     return scene, body
 
 
+def test_rows_end_where_a_narrower_plane_ends(roller) -> None:
+    """The same pressures whichever surface is named first, up to what the two grids make of the same rows; a plane that
+    lies across the roller is refused, whose ends are none of the rows."""
+
+    def pressed(direction, *, swapped: bool) -> float:
+        block = wf.reduce(
+            wf.mesh.box((0.03, 0.014, 0.02), (7, 5, 4), order=1), STEEL, interfaces={"z_min": "rigid"},
+            contact={"z_max": wf.surfaces.Plane(direction=direction)}, patch_grid=True, cache=False, progress=False,
+        )  # fmt: skip
+        scene = wf.Scene(gravity=(0, 0, 0))
+        below = scene.add_body(block, name="block")
+        above = scene.add_body(roller, name="roller", position=(0, 0, 0.01 + RADIUS - 1e-5))
+        for port in (below["z_min"], above["bore"]):
+            scene.add(wf.joints.Fixed(scene.ground, port, axis=(0, 0, 1)))
+        first, second = (below["z_max"], above["rim"]) if swapped else (above["rim"], below["z_max"])
+        scene.add(wf.Contact(first, second, grid="patch", cells=(9, 17), name=NAME))
+        with np.errstate(divide="raise", invalid="raise"):
+            found = find_equilibrium(scene)
+        assert found.status == "completed", found.message
+        return float(np.linalg.norm(found.contacts[NAME].force[0]))
+
+    assert pressed((0, 1, 0), swapped=False) == pytest.approx(pressed((0, 1, 0), swapped=True), rel=5e-4)
+    for swapped in (False, True):
+        with pytest.raises(InputError, match="lie across the axis of .*direction="):
+            pressed((1, 0, 0), swapped=swapped)
+
+
 def test_ball_on_a_plane(ball) -> None:
     """Four elements on the radius, a contact of 0.015 radii: half-widths and peak against Hertz at the force found."""
     scene, body = on_floor(ball, -2e-6)
