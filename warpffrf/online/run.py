@@ -398,14 +398,15 @@ def finish(
     if (at_rest or bits & UNSOLVED) and bits and (wedge := find_wedge(engine.scene)) is not None:
         said = message.split("; ")[0] if prefix else message
         message = str(wedge) if wedge.all_round else f"{said}; {wedge}"
-    if bits and (squeezed := squeezed_out(engine)):
-        message = f"{message}; {squeezed}"
-    if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
+    nowhere = at_rest and not bits and not engine.chunks[0]
+    if (bits or nowhere) and (squeezed := squeezed_out(engine, at_rest=at_rest)):
+        status, message = ("no_equilibrium", squeezed) if at_rest else (status, f"{message}; {squeezed}")
+    elif at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
         status, message = (
             "no_equilibrium",
             f"{engine.not_at_rest}: {without_cage(engine.scene.bearings) or NO_LOAD_PATH}",
         )
-    elif at_rest and status == "completed" and not engine.chunks[0]:
+    elif nowhere:
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.saved())
     history.status, history.message = status, (prefix + message if message else "")
