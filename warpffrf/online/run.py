@@ -514,14 +514,9 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 
 
 def check_load_paths(scene: Scene) -> list[str]:
-    """Refuse bodies that nothing leads to the ground from, laps that push bodies away, and pretensions that press on
-    nothing; notes on pairs that wedge deeply, or will hardly touch."""
+    """Refuse laps that push bodies away, and pretensions that press on nothing; notes on pairs that wedge deeply, or
+    will hardly touch."""
     check = scene.check()
-    if unsupported := check.unsupported:
-        raise InputError(
-            f"equilibrium: a mechanism with no load path: no joint, spring or contact leads to the ground from "
-            f"{', '.join(repr(name) for name in unsupported)}; add one, or start from 'initial'"
-        )
     refuse_pushed_apart(scene)
     for force in scene.forces:
         if isinstance(force, Pretension) and force.name in check.loose_preloads:

@@ -79,8 +79,11 @@ def rub_to_rest(engine: Engine) -> bool:
     engine.static_step(LEAST * float(engine.compiled.model.length))  # closes joints, finds what overlaps
     if np.any(engine.word("status")):
         return False
-    engine.commit()
     free = FreeMotions(engine, rubs=True)
+    if unbalanced := free.unbalanced(turns=False):
+        engine.not_at_rest = unbalanced
+        return False
+    engine.commit()
     surfaces = any(contact.friction.acts for contact in engine.scene.contacts)
     if surfaces:
         _joints_stick(engine)
@@ -100,7 +103,7 @@ def rub_to_rest(engine: Engine) -> bool:
     engine.replay(ATTEMPTS)
     if np.any(engine.word("status")):
         free.look()
-        engine.not_at_rest = ("" if slides(engine) else free.driven) or restless(engine)
+        engine.not_at_rest = free.unbalanced() or ("" if slides(engine) else free.driven) or restless(engine)
     free.release()
     words = engine.state.ctl.numpy().copy()
     words["status"] &= ~int(k.UNDERFLOW)  # no step was halved
@@ -112,6 +115,7 @@ def rub_to_rest(engine: Engine) -> bool:
     energy = engine.state.energy.numpy().copy()
     energy[:, :, [ENERGY_LINES.index(line) for line in WORKS]] = 0.0
     engine.state.energy.assign(energy)
+    engine.start_notes.extend(free.afloat())
     return True
 
 
