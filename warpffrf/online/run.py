@@ -61,6 +61,7 @@ from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
 from warpffrf.online.start.rub_to_rest import refuse_without_rest, rub_to_rest
 from warpffrf.online.start.settle import ROUND_OFF, settle
+from warpffrf.online.start.slow_films import slide_time
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
 
@@ -399,7 +400,8 @@ def finish(
         said = message.split("; ")[0] if prefix else message
         message = str(wedge) if wedge.all_round else f"{said}; {wedge}"
     nowhere = at_rest and not bits and not engine.chunks[0]
-    if (bits or nowhere) and (squeezed := squeezed_out(engine, at_rest=at_rest)):
+    still = [film for film in engine.scene.films if at_rest and slide_time(film) is None]
+    if (bits or nowhere) and (squeezed := squeezed_out(engine, still)):
         status, message = ("no_equilibrium", squeezed) if at_rest else (status, f"{message}; {squeezed}")
     elif at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
         status, message = (

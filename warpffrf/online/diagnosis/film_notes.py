@@ -8,6 +8,8 @@ on the safe side there.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from warpffrf_kernels.films.sampling import GAP
 
@@ -20,7 +22,6 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.films import TURNED_BACK
 from warpffrf.online.history.history import History
 from warpffrf.online.history.sensors import turned
-from warpffrf.online.start.slow_films import slide_time
 
 RULE, ERROR = 6.0, 0.01
 DAMPS = 0.55  # spectral radius at infinity, of 0.5 with round-off: what alternates is gone in a few steps
@@ -120,9 +121,9 @@ def alternation_notes(scene: Scene, integrator: Integrator) -> list[str]:
     ]
 
 
-def squeezed_out(engine: Engine, *, at_rest: bool = False) -> str:
-    """Of a run or an equilibrium (`at_rest`) that failed, a clause that names the film that was squeezed out, "" where
-    none was."""
+def squeezed_out(engine: Engine, still: Sequence[Film] = ()) -> str:
+    """Of a run or an equilibrium that failed, a clause that names the film that was squeezed out, "" where none was.
+    still: films in which nothing slides, and never will."""
     films = engine.compiled.films
     for i, film in enumerate(engine.scene.films):
         first, end = films.point_start.numpy()[i : i + 2]
@@ -130,7 +131,7 @@ def squeezed_out(engine: Engine, *, at_rest: bool = False) -> str:
         least, thick = float(np.nanmin(gap, initial=np.inf)), float(films.thickness.numpy()[i])
         if least < SQUEEZED * thick:
             why, cure = "it does not carry what is on it", "it more speed, a thicker oil or less load"
-            if at_rest and slide_time(film) is None:
+            if film in still:
                 why, cure = "nothing slides and it carries nothing at rest", "one of its bodies a velocity"
             return (
                 f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where {why}; give "
