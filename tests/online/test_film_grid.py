@@ -59,7 +59,7 @@ def test_every_rule_of_cavities_has_an_estimate() -> None:
 
 
 def test_the_force_of_a_film_that_the_loads_give_has_no_error() -> None:
-    """A shaft under 300 N that a joint holds along its axis and square to it: what its grid does, the gap has to bear."""
+    """A shaft under 300 N that a joint holds along its axis and square to it: what its grid does is of the gap."""
     scene = bearing((300.0, 0.0))
     sizes = {line.of: line.size for line in Result(find_equilibrium(scene, progress=False)).error_budget()}
     assert sizes["force of film 'film'"] == 0.0 < sizes["stiffness of film 'film'"]

@@ -472,8 +472,17 @@ def test_a_pad_that_slides_on_a_wedge_of_oil() -> None:
 
 def test_a_load_that_no_film_carries_is_told() -> None:
     found = find_equilibrium(bearing((90e3, 0.0)))
-    assert found.status != "completed"
-    assert "film 'film' is squeezed to" in found.message and "law=laws.ExponentialAsperities" in found.message
+    assert found.status == "no_equilibrium"
+    assert found.message.startswith("equilibrium: film 'film' is squeezed to")
+    assert "give it more speed" in found.message and "law=laws.ExponentialAsperities" in found.message
+
+
+def test_a_film_without_sliding_is_told_to_carry_nothing_at_rest() -> None:
+    """It is no mechanism, and no spring is the cure."""
+    found = find_equilibrium(bearing((2e3, 0.0), speed=0.0, evaluation="hyper", powers=(0, 2)))
+    assert found.status == "no_equilibrium" and not len(found.time)
+    assert found.message.startswith("equilibrium: film 'film' is squeezed to")
+    assert "nothing slides and it carries nothing at rest" in found.message and "a velocity" in found.message
 
 
 def test_a_half_film_says_that_its_ledger_does_not_close() -> None:

@@ -13,7 +13,7 @@ import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import UNUSABLE
 from warpffrf.online import run
-from warpffrf.online.compile.patch_plan import MIDDLE_ROW, SPAN, crowned_edges, span_of
+from warpffrf.online.compile.patch_plan import MIDDLE_ROW, SPAN, PatchPlan, crowned_edges, span_of
 from warpffrf.online.engine import Engine
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.start.settle import settle
@@ -256,6 +256,30 @@ def on_floor(ball, height, velocity=(0.0, 0.0, 0.0), **contact):
     body = scene.add_body(ball, name="ball", position=(0, 0, 0.01 + height), rotation=DOWN, velocity=velocity)
     scene.add(wf.Contact(body["patch"], floor, grid="patch", name="pair", **contact))
     return scene, body
+
+
+def test_rows_end_where_a_narrower_plane_ends(roller) -> None:
+    """Rows and tables are the same whichever surface is named first; a plane that lies across the roller is refused,
+    whose ends are none of the rows."""
+
+    def plans(direction) -> list[PatchPlan]:
+        block = wf.reduce(
+            wf.mesh.box((0.03, 0.014, 0.02), (6, 4, 3), order=1), STEEL, interfaces={"z_min": "rigid"},
+            contact={"z_max": wf.surfaces.Plane(direction=direction)}, patch_grid=True, cache=False, progress=False,
+        )  # fmt: skip
+        scene = wf.Scene(gravity=(0, 0, 0))
+        below = scene.add_body(block, name="block")
+        above = scene.add_body(roller, name="roller", position=(0, 0, 0.01 + RADIUS))
+        ports = above["rim"], below["z_max"]
+        with np.errstate(divide="raise", invalid="raise"):
+            return [PatchPlan.of(wf.Contact(*pair, cells=(9, 11), name=NAME)) for pair in (ports, ports[::-1])]
+
+    first, second = plans((0, 1, 0))
+    assert first.edges[[0, -1]] == pytest.approx([-0.007, 0.007])
+    np.testing.assert_allclose(first.edges, second.edges, atol=1e-15)
+    np.testing.assert_allclose(first.table, second.table, rtol=1e-9)
+    with pytest.raises(InputError, match="lie across the axis of .*direction="):
+        plans((1, 0, 0))
 
 
 def test_ball_on_a_plane(ball) -> None:

@@ -22,10 +22,12 @@ import unfinished_runs
 from unfinished_runs import FEW, OPTIONS, STEP, pendulum
 
 import warpffrf as wf
+from warpffrf.model import interruption
 from warpffrf.model.errors import InputError
 from warpffrf.model.keeping import Plan, Unfinished
 from warpffrf.model.processes import lives
 from warpffrf.online.history.history import History
+from warpffrf.online.keeping import Keeping
 from warpffrf.output import outputs
 from warpffrf.output.files import unfinished
 from warpffrf.verification.scenes.rollers import guided_pair, roller_body
@@ -125,6 +127,32 @@ def test_an_interrupted_run_is_written_and_goes_on(server: subprocess.Popen[str]
     assert 0 < len(part.time) < len(whole.time) and np.array_equal(part.time, whole.time[: len(part.time)])
     assert same(whole.history, simulate("plain", file, resume=True).history) == []
     assert [path.name for path in tmp_path.iterdir()] == ["run.h5"]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT], ids=["SIGTERM", "Ctrl-C"])
+def test_a_script_hears_what_a_signal_ends(
+    number: signal.Signals, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A run that was ended is a result, and is written. After Ctrl-C a script runs more; SIGTERM ends it where it would
+    begin the next run."""
+    monkeypatch.setattr(interruption, "_process", interruption.Asked())
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    file, look = tmp_path / "run.h5", Keeping.look
+    try:
+        with monkeypatch.context() as signalled:
+            signalled.setattr(Keeping, "look", lambda self: (look(self), signal.raise_signal(number)))
+            part = simulate("plain", file)
+        assert part.status == "interrupted" and wf.Result.load(file).status == "interrupted"
+        assert "a script goes on after it" in caplog.text
+        if number == signal.SIGINT:
+            assert "SIGTERM" not in caplog.text and simulate("plain", None, steps=100).status == "completed"
+        else:
+            assert "ends where it would begin another run (SIGTERM)" in caplog.text
+            with pytest.raises(SystemExit) as ended:
+                simulate("plain", None, steps=100)
+            assert ended.value.code == 143 and "before another one begins" in caplog.text
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_an_unfinished_run_can_be_looked_at_and_continued(server: subprocess.Popen[str], tmp_path: Path) -> None:

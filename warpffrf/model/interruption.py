@@ -2,6 +2,10 @@
 
 Both raise KeyboardInterrupt where it is expected, between two chunks of steps, and wait where a file or the result is
 being finished. Handlers can be set in the main thread alone; in others both contexts do nothing.
+
+A run that was ended is a result, and the script that asked for it goes on with it. After Ctrl-C it may run more;
+SIGTERM asks the process to end, so that a script may still store what it has, and ends where it would begin another
+run.
 """
 
 from __future__ import annotations
@@ -19,6 +23,19 @@ log = logging.getLogger("warpffrf")
 Handler = Callable[[int, FrameType | None], Any] | signal.Handlers
 
 
+class Asked:
+    """Whether something was asked to end while it could not."""
+
+    def __init__(self) -> None:
+        self.asked = False
+
+    def __bool__(self) -> bool:
+        return self.asked
+
+
+_process = Asked()  # by SIGTERM
+
+
 @contextmanager
 def _handled(handlers: dict[int, Handler]) -> Iterator[None]:
     """Signals handled in this way inside."""
@@ -31,25 +48,25 @@ def _handled(handlers: dict[int, Handler]) -> Iterator[None]:
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:
+    _process.asked = True
     raise KeyboardInterrupt
 
 
 @contextmanager
 def terminated_as_interrupted() -> Iterator[None]:
-    """SIGTERM raises KeyboardInterrupt inside, unless the program has a handler of its own."""
+    """SIGTERM raises KeyboardInterrupt inside, unless the program has a handler of its own. Raises SystemExit where it
+    has come in an earlier such block, which went on."""
     free = _in_main_thread() and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    if free and _process:
+        log.error("SIGTERM has ended an earlier run: the process ends here, before another one begins")
+        raise SystemExit(128 + signal.SIGTERM)
     with _handled({signal.SIGTERM: _interrupt} if free else {}):
         yield
 
 
-class Asked:
-    """Whether the work was asked to end while it could not."""
-
-    def __init__(self) -> None:
-        self.asked = False
-
-    def __bool__(self) -> bool:
-        return self.asked
+def what_follows() -> str:
+    """A clause on what comes after a run that was interrupted."""
+    return "a script goes on after it" + (", and ends where it would begin another run (SIGTERM)" if _process else "")
 
 
 @contextmanager
@@ -59,6 +76,7 @@ def deferred_interrupts() -> Iterator[Asked]:
     answer = Asked()
 
     def wait(number: int, frame: FrameType | None) -> None:
+        _process.asked |= number == signal.SIGTERM
         if answer.asked:
             raise KeyboardInterrupt
         answer.asked = True

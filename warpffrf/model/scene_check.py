@@ -163,8 +163,20 @@ def _local_modes(body: Body) -> int:
 
 def _unsupported(scene: Scene) -> tuple[str, ...]:
     """Names of bodies that no chain of joints, springs, contacts, films and laps connects with the ground."""
-    reached = reached_from(GROUND_INDEX, connecting(scene))
-    return tuple(body.name for body in scene.bodies if body.index not in reached)
+    floating = {b for group in floating_groups(scene) for b in group}
+    return tuple(body.name for body in scene.bodies if body.index in floating)
+
+
+def floating_groups(scene: Scene) -> list[list[int]]:
+    """Bodies that chains of joints, springs, contacts, films and laps connect with each other, but not with the ground,
+    by index."""
+    items, groups = connecting(scene), []
+    reached = reached_from(GROUND_INDEX, items)
+    for body in scene.bodies:
+        if body.index not in reached:
+            groups.append(sorted(reached_from(body.index, items)))
+            reached |= set(groups[-1])
+    return groups
 
 
 def reached_from(index: int, items: list[Any]) -> set[int]:

@@ -174,7 +174,7 @@ def run_static(
             engine.save_now()
         free.release()
         ended = time.perf_counter()
-        engine.not_at_rest = restless(engine) if failed else ""
+        engine.not_at_rest = free.unbalanced() or restless(engine) if failed else ""
         history = finish(engine, begin, built, notes, _where(engine) if failed else "", plan.rejected)
     history.stopping = bool(asked)
     history.marks = Marks(engine, made_with, step, first_step, last_step, static=True)

@@ -61,6 +61,7 @@ from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
 from warpffrf.online.start.rub_to_rest import refuse_without_rest, rub_to_rest
 from warpffrf.online.start.settle import ROUND_OFF, settle
+from warpffrf.online.start.slow_films import slide_time
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
 
@@ -398,14 +399,16 @@ def finish(
     if (at_rest or bits & UNSOLVED) and bits and (wedge := find_wedge(engine.scene)) is not None:
         said = message.split("; ")[0] if prefix else message
         message = str(wedge) if wedge.all_round else f"{said}; {wedge}"
-    if bits and (squeezed := squeezed_out(engine)):
-        message = f"{message}; {squeezed}"
-    if at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
+    nowhere = at_rest and not bits and not engine.chunks[0]
+    still = [film for film in engine.scene.films if at_rest and slide_time(film) is None]
+    if (bits or nowhere) and (squeezed := squeezed_out(engine, still)):
+        status, message = ("no_equilibrium", squeezed) if at_rest else (status, f"{message}; {squeezed}")
+    elif at_rest and engine.not_at_rest and not bits & ~RUNS_AWAY:
         status, message = (
             "no_equilibrium",
             f"{engine.not_at_rest}: {without_cage(engine.scene.bearings) or NO_LOAD_PATH}",
         )
-    elif at_rest and status == "completed" and not engine.chunks[0]:
+    elif nowhere:
         status, message = "no_equilibrium", _no_load_path(engine)
     history = history_from_rows(engine.compiled, engine.saved())
     history.status, history.message = status, (prefix + message if message else "")
@@ -513,14 +516,9 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 
 
 def check_load_paths(scene: Scene) -> list[str]:
-    """Refuse bodies that nothing leads to the ground from, laps that push bodies away, and pretensions that press on
-    nothing; notes on pairs that wedge deeply, or will hardly touch."""
+    """Refuse laps that push bodies away, and pretensions that press on nothing; notes on pairs that wedge deeply, or
+    will hardly touch."""
     check = scene.check()
-    if unsupported := check.unsupported:
-        raise InputError(
-            f"equilibrium: a mechanism with no load path: no joint, spring or contact leads to the ground from "
-            f"{', '.join(repr(name) for name in unsupported)}; add one, or start from 'initial'"
-        )
     refuse_pushed_apart(scene)
     for force in scene.forces:
         if isinstance(force, Pretension) and force.name in check.loose_preloads:

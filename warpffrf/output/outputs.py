@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.interruption import deferred_interrupts
+from warpffrf.model.interruption import deferred_interrupts, what_follows
 from warpffrf.model.output_paths import check_ending, checked_output_path
 from warpffrf.model.speech import notes
 from warpffrf.online.checkpoint import time_of
@@ -162,7 +162,8 @@ class Outputs:
 def _tell_end(result: Result) -> None:
     """What a run has to say when it is over; of stages each has said it by itself."""
     if result.status != "completed":
-        log.warning("run ended early: %s: %s", result.status, result.message)
+        after = f"; {what_follows()}" if result.status == INTERRUPTED else ""
+        log.warning("run ended early: %s: %s%s", result.status, result.message, after)
     if not hasattr(result, "stages"):
         for note in result.history.notes:
             notes.info("note: %s", note)

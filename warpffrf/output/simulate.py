@@ -106,14 +106,15 @@ def simulate(
     is left out. local: treatment of the local modes, "quasi_static", or "hht", "exponential", "auto" or a
     LocalDynamics, for bodies reduced with local_dynamics=True. results, record: files to write (.h5, .rrd); both
     are also written when the run is interrupted (Ctrl-C, SIGTERM) or fails, with what there is; what cannot be
-    written is in `unwritten` of the Result and in its notes. record_every: the recording shows every so many saved
-    steps, None: at most 300 of them. device: "cpu" or "cuda:0", None for what the environment variable
-    WARPFFRF_DEVICE names, else the CPU. progress: what is being done, and the notes of the run, on stderr: bars on a
-    terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages, results
-    "run.h5" also means "run.NAME.h5"
-    at the end of each stage: a checkpoint to start from. A solver that fails does not raise: see `status` and
-    `message` of the Result. Wrong input raises InputError before the run. Threads may call it at once, and get the
-    same bits: steps go on side by side, all else one after the other (`warpffrf.online.turn`).
+    written is in `unwritten` of the Result and in its notes. A script goes on with an interrupted result: after Ctrl-C
+    it may run more, after SIGTERM it ends (exit code 143) where it would begin another run. record_every: the recording
+    shows every so many saved steps, None: at most 300 of them. device: "cpu" or "cuda:0", None for what the environment
+    variable WARPFFRF_DEVICE names, else the CPU. progress: what is being done, and the notes of the run, on stderr:
+    bars on a terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages,
+    results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails
+    does not raise: see `status` and `message` of the Result. Wrong input raises InputError before the run. Threads may
+    call it at once, and get the same bits: steps go on side by side, all else one after the other
+    (`warpffrf.online.turn`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of

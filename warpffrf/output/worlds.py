@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, Integrator
-from warpffrf.model.interruption import terminated_as_interrupted
+from warpffrf.model.interruption import terminated_as_interrupted, what_follows
 from warpffrf.model.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
 from warpffrf.model.speech import notes, speaking
@@ -22,6 +22,7 @@ from warpffrf.online.engine import EngineOf, ready_device
 from warpffrf.online.history.history import History
 from warpffrf.online.load_steps import run_static
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
+from warpffrf.online.run import INTERRUPTED
 from warpffrf.online.stages import KINDS
 from warpffrf.online.turn import TURN
 from warpffrf.online.worlds.side_by_side import side_by_side
@@ -186,7 +187,8 @@ def _tell_ends(found: Sequence[Result]) -> None:
     said: dict[str, int] = {}
     for i, result in enumerate(found):
         if result.status != "completed":
-            log.warning("scene %d: run ended early: %s: %s", i, result.status, result.message)
+            after = f"; {what_follows()}" if result.status == INTERRUPTED else ""
+            log.warning("scene %d: run ended early: %s: %s%s", i, result.status, result.message, after)
         for note in result.history.notes:
             said[note] = said.get(note, 0) + 1
     for note, count in said.items():

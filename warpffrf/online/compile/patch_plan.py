@@ -49,6 +49,7 @@ WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps withi
 # heavy load, is a little too long for WHOLE, but its far ends press little, and move each other little: peak pressure
 # and approach then are within 2 % of Hertz's, whose parabola is off by as much there
 LONGEST_ROWS = 2.0 * WIDEST
+ALONG = 0.9  # cosine of the angle between axes, 25 degrees, up to which ends of one count as those of the other
 STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
 
 
@@ -97,6 +98,7 @@ class PatchPlan:
         if follows:
             edges = aspect * np.linspace(-1.0, 1.0, rows + 1)
         else:
+            _refuse_across(contact)
             low, high = common_width(contact)
             edges = crowned_edges(low, high, _nearest(contact, low, high), rows)
             if not along > 0.0:
@@ -251,7 +253,7 @@ def common_width(contact: Contact) -> tuple[float, float]:
     z = np.asarray(contact.a.surface.grid.z)
     low, high = float(z[0]), float(z[-1])
     other = contact.b.surface
-    if other.grid is not None and not other.shape.profile().planar:
+    if other.grid is not None and (_lies_along(contact) or not other.shape.profile().planar):
         shape, own = other.shape, contact.a.surface.shape
         ends = shape.axis_point + np.outer([other.grid.z[0], other.grid.z[-1]], shape.e_a)
         places = (contact.a.body.to_user(contact.b.body.to_world(ends)) - own.axis_point) @ own.e_a
@@ -259,6 +261,25 @@ def common_width(contact: Contact) -> tuple[float, float]:
     if not high > low:
         raise InputError(f"contact {contact.name!r}: the two surfaces have no width in common")
     return low, high
+
+
+def _lies_along(contact: Contact) -> bool:
+    """Whether the axes of the two surfaces are about parallel, so that ends of one are ends on the other's meridian."""
+    e_a = [port.body.to_world(port.surface.shape.e_a) - port.body.to_world(np.zeros(3)) for port in contact.ports]
+    return abs(float(e_a[0] @ e_a[1])) > ALONG
+
+
+def _refuse_across(contact: Contact) -> None:
+    """Raises `InputError` for a plane whose axis lies across that of what rolls on it: its ends are none of rows."""
+    for port in contact.ports:
+        if port.surface.shape.profile().planar and port.surface.grid is not None and not _lies_along(contact):
+            roller = contact.b if port is contact.a else contact.a
+            if port is contact.a or port.surface.far.ends:
+                raise InputError(
+                    f"contact {contact.name!r}: the ends of {port.label} lie across the axis of {roller.label}, along "
+                    "which rows of cells lie; reduce its body with that axis as the direction of the surface, "
+                    "Plane(..., direction=...)"
+                )
 
 
 def _nearest(contact: Contact, low: float, high: float) -> float:

@@ -8,6 +8,8 @@ on the safe side there.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from warpffrf_kernels.films.sampling import GAP
 
@@ -119,17 +121,20 @@ def alternation_notes(scene: Scene, integrator: Integrator) -> list[str]:
     ]
 
 
-def squeezed_out(engine: Engine) -> str:
-    """Of a run that failed, a clause that names the film that was squeezed out, "" where none was."""
+def squeezed_out(engine: Engine, still: Sequence[Film] = ()) -> str:
+    """Of a run or an equilibrium that failed, a clause that names the film that was squeezed out, "" where none was.
+    still: films in which nothing slides, and never will."""
     films = engine.compiled.films
     for i, film in enumerate(engine.scene.films):
         first, end = films.point_start.numpy()[i : i + 2]
         gap = engine.scratch.film_line.numpy()[:, first:end, int(GAP)]
         least, thick = float(np.nanmin(gap, initial=np.inf)), float(films.thickness.numpy()[i])
         if least < SQUEEZED * thick:
+            why, cure = "it does not carry what is on it", "it more speed, a thicker oil or less load"
+            if film in still:
+                why, cure = "nothing slides and it carries nothing at rest", "one of its bodies a velocity"
             return (
-                f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where it does not "
-                "carry what is on it; give it more speed, a thicker oil or less load, or asperities: "
-                "law=laws.ExponentialAsperities(...)"
+                f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where {why}; give "
+                f"{cure}, or asperities: law=laws.ExponentialAsperities(...)"
             )
     return ""

@@ -55,10 +55,11 @@ from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
 from warpffrf.model.gap import facing_gap
 from warpffrf.model.scene import Scene
-from warpffrf.model.scene_check import connecting
+from warpffrf.model.scene_check import connecting, floating_groups
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.bent_gaps import without_stiff
+from warpffrf.online.start.floating import lines_of, told_of
 from warpffrf.online.start.lap_motions import held_by_laps
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
@@ -82,6 +83,7 @@ SLIDES_FOLDED = {2: f"{SLIDE} a plane", 3: f"{SLIDE} any line"}
 TURNS_FOLDED = {2: f"{TURN} any line of a plane", 3: f"{TURN} any line"}
 BY_ITSELF = 1e-6  # of a body's share, what is left of it where the body moves without others
 LOOK_AHEAD = 1e-3  # of a radius: a small motion that tells whether a gap closes
+WHOLE = 0.5  # of a motion of length one: whether it is among those that are held
 STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an axle a little off the centre of mass
 
 
@@ -100,6 +102,7 @@ class FreeMotions:
         self.engine, self.rubs = engine, rubs
         none = np.zeros((0, 6 * len(engine.scene.bodies)))
         self.found: list[np.ndarray] = [none] * engine.worlds
+        self.floating = floating_groups(engine.scene)
         self._sloping: list[np.ndarray] = [none] * engine.worlds  # the same with those that slopes drive
         self.resisted: list[np.ndarray] = [none] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
@@ -117,8 +120,10 @@ class FreeMotions:
     @property
     def told(self) -> bool:
         """Whether there is something to look for: in scenes of lumped contacts alone the proximal step leaves what is
-        free where it is, as nothing acts along it, to round-off; it is named all the same."""
-        return self.possible or (len(self.engine.scene.lumped_contacts) > 0 and len(self.engine.scene.bodies) > 0)
+        free where it is, as nothing acts along it, to round-off, and so in those of bodies that float; it is named all
+        the same."""
+        lumped = len(self.engine.scene.lumped_contacts) > 0 and len(self.engine.scene.bodies) > 0
+        return self.possible or lumped or len(self.floating) > 0
 
     def look(self) -> None:
         """Find the free motions at the state of the last step."""
@@ -205,21 +210,54 @@ class FreeMotions:
         motion, free = step.ravel() * weight, self.found[world]
         return ((motion - free.T @ (free @ motion)) / weight).reshape(step.shape)
 
+    def unbalanced(self, *, turns: bool = True) -> str:
+        """A clause on bodies that float and what drives them, where that does not balance, after a proximal step; else
+        "". turns: whether torques count."""
+        mass, weight = self._mass(), self._weight()
+        for world in range(self.engine.worlds if self.floating else 0):
+            forces, least = self._forces(world), PULLED * largest_force(self.engine, world)
+            for group in self.floating:
+                lines = lines_of(self.engine, world, group)
+                force, torque = np.split(lines @ forces, 2)
+                gyration = np.sqrt(np.sum((lines[3:] * weight) ** 2) / (3.0 * mass[group].sum()))
+                told = f"({', '.join(f'{c:.3g}' for c in force)}) N" if np.linalg.norm(force) > least else ""
+                if turns and np.linalg.norm(torque) > TURNED / PULLED * least * gyration:
+                    told += " and " if told else ""
+                    told += f"({', '.join(f'{c:.3g}' for c in torque)}) N m about the centre of mass"
+                if told:
+                    return f"{told_of(self.engine, group)} do not balance: {told} are left over"
+        return ""
+
+    def afloat(self) -> list[str]:
+        """What is said of groups that float where a state is found, in which their loads balance."""
+        told = [(told_of(self.engine, group), "it is" if len(group) == 1 else "they are") for group in self.floating]
+        return [f"equilibrium: {loads} balance: left where {left}" for loads, left in told]
+
+    def _beside_afloat(self, world: int) -> np.ndarray:
+        """What is held but for groups that float as a whole."""
+        motions = self.found[world]
+        for group in self.floating:
+            rigid = np.linalg.qr((lines_of(self.engine, world, group) * self._weight()).T)[0].T
+            _, values, vectors = np.linalg.svd(motions - motions @ rigid.T @ rigid, full_matrices=False)
+            motions = vectors[values > WHOLE]
+        return motions
+
     def notes(self) -> list[str]:
         """What was left where it is, one line."""
         clauses: dict[str, dict[str, float]] = {}
         for world in range(self.engine.worlds):
+            found = self._beside_afloat(world)
             weight, least = self._weight().reshape(-1, 6), PULLED * largest_force(self.engine, world)
             for b, body in enumerate(self.engine.scene.bodies):
                 own = slice(6 * b, 6 * b + 6)
-                for clause, motions in _motions_of(self.found[world][:, own]):
+                for clause, motions in _motions_of(found[:, own]):
                     told = clause or self._clause(world, b, motions[0], weight[b])
                     drive = float(np.linalg.norm(motions @ self._slope[world][own]))
                     way = slice(0, 3) if told.startswith(SLIDE) else slice(3, 6)
                     amount = drive * weight[b, way][0] / np.linalg.norm(motions[0, way])  # N, N m
                     drives = clauses.setdefault(told, {})
                     drives[body.name] = max(drives.get(body.name, 0.0), amount if drive * weight[b, 0] > least else 0.0)
-        told = []
+        told = self.afloat()
         for clause, drives in clauses.items():
             names = list(drives)
             left = "it is" if len(names) == 1 else "they are"

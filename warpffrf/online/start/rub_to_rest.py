@@ -79,6 +79,9 @@ def rub_to_rest(engine: Engine) -> bool:
     engine.static_step(LEAST * float(engine.compiled.model.length))  # closes joints, finds what overlaps
     if np.any(engine.word("status")):
         return False
+    if unbalanced := FreeMotions(engine, rubs=True).unbalanced(turns=False):
+        engine.not_at_rest = unbalanced
+        return False
     engine.commit()
     if not any(contact.friction.acts for contact in engine.scene.contacts):
         return _rubbed(engine, CAREFUL)
@@ -113,7 +116,7 @@ def _rubbed(engine: Engine, careful: int) -> bool:
     engine.replay(ATTEMPTS)
     if np.any(engine.word("status")):
         free.look()
-        engine.not_at_rest = ("" if slides(engine) else free.driven) or restless(engine)
+        engine.not_at_rest = free.unbalanced() or ("" if slides(engine) else free.driven) or restless(engine)
     free.release()
     words = engine.state.ctl.numpy().copy()
     words["status"] &= ~int(k.UNDERFLOW)  # no step was halved
@@ -125,6 +128,7 @@ def _rubbed(engine: Engine, careful: int) -> bool:
     energy = engine.state.energy.numpy().copy()
     energy[:, :, [ENERGY_LINES.index(line) for line in WORKS]] = 0.0
     engine.state.energy.assign(energy)
+    engine.start_notes.extend(free.afloat())
     return True
 
 

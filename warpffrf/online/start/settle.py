@@ -62,7 +62,7 @@ def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
     engine.scratch.film_stretch.fill_(stretch(engine.scene, LAST * float(engine.compiled.model.length)))
     try:
         at_rest = _stepped(engine, free)
-        engine.not_at_rest = "" if at_rest else free.driven
+        engine.not_at_rest = "" if at_rest else free.unbalanced() or free.driven
         return at_rest
     finally:
         engine.control(downhill=0)
@@ -108,6 +108,8 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
                 too_long, failed_at, tau = tau, moved, tau / GROWTH
                 before = np.zeros(engine.worlds)
             continue
+        if free.unbalanced(turns=False):
+            return False
         moved = np.maximum(engine.word("move"), _turned(engine))
         left = np.array([left_over(engine, world)[0] for world in range(engine.worlds)])
         free.look()
