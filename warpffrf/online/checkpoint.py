@@ -21,7 +21,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.declaration import numbers_of
-from warpffrf.online.engine import Engine
+from warpffrf.online.engine import OFF_END, Engine
 
 SAME_STEP = 1e-9  # relative: steps that differ by less were meant to be the same
 
@@ -49,6 +49,11 @@ def turned_of(checkpoint: Mapping[str, np.ndarray] | None, scene: Scene) -> np.n
     scene (it is refused elsewhere)."""
     found = np.asarray((checkpoint or {}).get("turned", np.zeros((1, 0))))
     return found[0] if found.shape == (1, len(scene.bodies)) and np.all(np.isfinite(found)) else np.zeros(0)
+
+
+def off_end_of(checkpoint: Mapping[str, np.ndarray] | None) -> bool:
+    """Whether cells were laid for patches of crowns that run off an end."""
+    return bool(np.any((checkpoint or {}).get(OFF_END, False)))
 
 
 def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str, np.ndarray], label: str) -> None:

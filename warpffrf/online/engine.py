@@ -36,6 +36,7 @@ NOT_KEPT = (
     "what cells that travel with the patch keep from step to step is not in the checkpoint, or does not fit: the run "
     "goes on to the tolerance of the iteration, not bit for bit"
 )
+OFF_END = "off_end"  # in a checkpoint, where cells are laid for patches of crowns that run off an end
 KEPT_MARK = "kept_"  # before the names of arrays in a checkpoint that are no part of the state
 
 
@@ -63,14 +64,16 @@ class Engine:
         local: LocalDynamics | None = None,
         patches: Mapping[int, PatchPlan] | None = None,
         turned: Sequence[float] | np.ndarray = (),
+        off_end: bool = False,
         progress: bool = False,
     ) -> None:
         """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
         `turned`: the fastest turning of each body [rad/s] in a run so far, by which inertia "auto" is judged as well.
+        `off_end`: patches of crowns run off an end, see `PatchPlan.of`.
         `device`: None for the usual one (`chosen_device`). `progress`: a bar while kernels are compiled; the rest as
         `online.run`."""
         settings = settings or Settings()
-        compiled = compile_scene(scene, settings, ready_device(device), local, patches, turned=turned)
+        compiled = compile_scene(scene, settings, ready_device(device), local, patches, turned=turned, off_end=off_end)
         self._begin([compiled] * worlds, settings, integrator, step_error, progress)
 
     def _begin(
@@ -261,6 +264,11 @@ class Engine:
         turned = self.state.turned.numpy()[0]
         return turned if np.any(turned > limits) else None
 
+    @property
+    def off_end(self) -> bool:
+        """Whether cells are laid for patches of crowns that run off an end."""
+        return any(plan.off_end for plan in self.compiled.patches.values())
+
     # --- checkpoints
 
     def checkpoint(self) -> dict[str, np.ndarray]:
@@ -271,7 +279,8 @@ class Engine:
         state = self.state.to_numpy()
         for word in OF_AN_ATTEMPT:
             state["ctl"][word] = 0
-        return state | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
+        rows = {OFF_END: np.ones(1, dtype=bool)} if self.off_end else {}
+        return state | rows | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
         """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew, with a

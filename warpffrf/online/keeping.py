@@ -32,9 +32,8 @@ class Keeping:
             return
         if not engine.chunks[0]:
             engine.chunks[0].append(taken(engine.ring.on_host(), 0, range(0)))  # says what rows are like
-        keeper.begin(
-            Source(METHOD, engine.scene, {"local": engine.compiled.local.options, "settings": engine.settings})
-        )
+        options = {"local": engine.compiled.local.options, "settings": engine.settings, "off_end": engine.off_end}
+        keeper.begin(Source(METHOD, engine.scene, options))
 
     def look(self) -> None:
         """Keep what there is, where it is time to and a step has just ended. Raises KeyboardInterrupt afterwards if
@@ -77,7 +76,7 @@ def go_on(engine: Engine, unfinished: Unfinished, step: float) -> int:
 
 
 @TURN
-def history_of(scene: Scene, rows: Rows, *, local: LocalDynamics, settings: Settings) -> History:
+def history_of(scene: Scene, rows: Rows, *, local: LocalDynamics, settings: Settings, off_end: bool = False) -> History:
     """The History of rows that a run of `scene` has given out; options as its `Source` has them."""
     start_warp()
-    return history_from_rows(compile_scene(scene, settings, "cpu", local), rows)
+    return history_from_rows(compile_scene(scene, settings, "cpu", local, off_end=off_end), rows)

@@ -45,7 +45,8 @@ from warpffrf.model.progress import Progress
 from warpffrf.model.scene import Scene
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
-from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of
+from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of
+from warpffrf.online.diagnosis.off_end import EndWatch, OffEnd
 from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.keeping import Keeping, go_on
@@ -84,8 +85,35 @@ def run_static(
 
     start: "initial" and "equilibrium" are alike here. A load step that finds no equilibrium, however much it is halved,
     and none to jump to, ends the run with its reason in `History.status`. Raises InputError for wrong input, and for
-    scenes with films.
+    scenes with films. A run in which a patch of a crown runs off an end begins anew (`online.diagnosis.off_end`).
     """
+    options: dict[str, Any] = {
+        "step": step, "local": local, "save_every": save_every, "device": device, "progress": progress,
+        "settings": settings, "keeper": keeper, "engine_of": engine_of,
+    }  # fmt: skip
+    try:
+        return _run_static(scene, duration, start=start, off_end=False, **options)
+    except OffEnd:
+        start = start.start if isinstance(start, Unfinished) else start
+        return _run_static(scene, duration, start=start, off_end=True, **options)
+
+
+def _run_static(
+    scene: Scene,
+    duration: float,
+    *,
+    step: float,
+    start: str | History | Unfinished,
+    local: str | LocalDynamics,
+    save_every: int,
+    device: str | None,
+    progress: bool,
+    settings: Settings | None,
+    keeper: Keeper | None,
+    engine_of: EngineOf,
+    off_end: bool,
+) -> History:
+    """`run_static`, with cells for crowns that run `off_end`; raises `OffEnd`."""
     if scene.films:
         raise InputError(
             f"simulate: film {scene.films[0].name!r} carries by sliding and squeezing, which a static run has not; use "
@@ -102,6 +130,7 @@ def run_static(
     begin = time.perf_counter()
     made_with = {
         "device": device, "settings": settings, "local": as_local_dynamics(local), "progress": progress,
+        "off_end": off_end or isinstance(start, History | Unfinished) and off_end_of(start.checkpoint),
     }  # fmt: skip
     engine = engine_of(scene, **made_with)
     built = time.perf_counter()
@@ -137,6 +166,7 @@ def run_static(
         plan = start.plan
     last_step, notes = plan.last_step, list(plan.notes)
     keeping = Keeping(engine, keeper, plan)
+    ends = EndWatch(engine, keeps=isinstance(start.start if isinstance(start, Unfinished) else start, History))
     loop = time.perf_counter()
     interrupted = False
     bar = Progress("simulate", last_step - first_step, enabled=progress)
@@ -161,9 +191,15 @@ def run_static(
                 chunk = int(np.clip(rate * engine.settings.chunk_seconds, 1, most))
             done = now
             bar.update(done - first_step)
+            ends.look()
             keeping.look()
     except KeyboardInterrupt:
         interrupted = True
+    except OffEnd:
+        bar.close()
+        if keeper is not None:
+            keeper.clear()
+        raise
     bar.close()
     with deferred_interrupts() as asked:
         if interrupted:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import time
+from typing import Any
 
 import numpy as np
 from warpffrf_kernels.core import control as k
@@ -35,7 +36,7 @@ from warpffrf.model.scene_check import connecting
 from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.model.wedge import find_wedge
-from warpffrf.online.checkpoint import is_dynamic, is_loaded, restore, time_of, turned_of
+from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
 from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
@@ -48,6 +49,7 @@ from warpffrf.online.diagnosis.free_falls import fall_notes
 from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
 from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
 from warpffrf.online.diagnosis.load_notes import is_static, load_notes
+from warpffrf.online.diagnosis.off_end import EndWatch, OffEnd
 from warpffrf.online.diagnosis.sampling_check import sampling_notes
 from warpffrf.online.diagnosis.steep_falls import steep_notes
 from warpffrf.online.engine import Engine, EngineOf
@@ -150,7 +152,8 @@ def run(
     `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do not agree with the joints are changed as
     little as possible (in the kinetic energy of the change) instead of refused. engine_of: makes the engine, alone or
     in a place beside others (`warpffrf.online.worlds`). A run in which a body with inertia "auto" turns faster than its
-    level holds for begins anew (`online.compile.inertia_plan`). Raises InputError for wrong input.
+    level holds for begins anew (`online.compile.inertia_plan`), and so does one in which a patch of a crown runs off an
+    end (`online.diagnosis.off_end`). Raises InputError for wrong input.
     """
     options = {
         "step": step, "integrator": integrator, "local": local, "step_error": step_error, "save_every": save_every,
@@ -158,9 +161,13 @@ def run(
         "engine_of": engine_of,
     }  # fmt: skip
     turned: np.ndarray = np.zeros(0)
+    off_end = False
     while True:
         try:
-            return _run(scene, duration, start=start, turned=turned, **options)
+            return _run(scene, duration, start=start, turned=turned, off_end=off_end, **options)
+        except OffEnd:
+            off_end = True
+            start = start.start if isinstance(start, Unfinished) else start
         except _Outrun as faster:
             turned = faster.turned
             start = start.start if isinstance(start, Unfinished) else start
@@ -192,9 +199,10 @@ def _run(
     keeper: Keeper | None,
     engine_of: EngineOf,
     turned: np.ndarray,
+    off_end: bool,
 ) -> History:
-    """`run`, with inertia levels for bodies that have `turned` so fast [rad/s], each; raises `_Outrun` where one turns
-    faster than its level holds for."""
+    """`run`, with inertia levels for bodies that have `turned` so fast [rad/s], each, and cells for crowns that run
+    `off_end`; raises `_Outrun` where one turns faster than its level holds for, and `OffEnd`."""
     if isinstance(integrator, CHECK_INTEGRATORS):
         if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
             raise InputError(
@@ -238,6 +246,7 @@ def _run(
     if len(before):
         turned = np.maximum(before, turned if anew else 0.0)
     made_with["turned"] = turned
+    made_with["off_end"] = off_end or isinstance(start, History | Unfinished) and off_end_of(start.checkpoint)
     engine = engine_of(scene, **made_with)
     built = time.perf_counter()
     first_step, rejected = 0, 0
@@ -298,6 +307,7 @@ def _run(
     marks = Marks(engine, made_with, step, first_step, last_step)
     marks.look(engine, first_step)
     films = FilmWatch(engine, first_step, last_step)
+    ends = EndWatch(engine, keeps=isinstance(start.start if isinstance(start, Unfinished) else start, History))
     watch = EnergyWatch(engine, step, set_down=isinstance(start, str) and start == "initial")
     gain = ""
     bar = Progress("simulate", last_step - first_step, enabled=progress)
@@ -317,16 +327,19 @@ def _run(
             films.look(engine, done)
             if watch.look():
                 gain = watch.end()
+            ends.look()
             if (faster := engine.outrun()) is not None:
-                bar.close()
-                if keeper is not None:
-                    keeper.clear()
                 raise _Outrun(faster)
             keeping.look()
         if not np.any(engine.word("status")) and watch.gained_at_end():
             gain = watch.end()
     except KeyboardInterrupt:
         interrupted = True
+    except (_Outrun, OffEnd):
+        bar.close()
+        if keeper is not None:
+            keeper.clear()
+        raise
     bar.close()
     with deferred_interrupts() as asked:
         if interrupted:
@@ -360,17 +373,26 @@ def find_equilibrium(
     if friction:
         refuse_without_rest(scene)
     refuse_touching(scene.films)
-    begin = time.perf_counter()
     made_with = {"device": device, "settings": settings, "progress": progress}
+    try:
+        return _find_equilibrium(scene, friction, made_with)
+    except OffEnd:
+        return _find_equilibrium(scene, friction, made_with | {"off_end": True})
+
+
+def _find_equilibrium(scene: Scene, friction: bool, made_with: dict[str, Any]) -> History:
+    """`find_equilibrium`, with an engine `made_with` these options; raises `OffEnd`."""
+    begin = time.perf_counter()
     engine = Engine(scene, **made_with)
     built = time.perf_counter()
     apart = check_load_paths(scene)
     if not friction:
         apart += friction_notes(scene, "the equilibrium", RUBBED_REST) + rolling_notes(scene, "the equilibrium")
-    films = FilmWatch(engine, 0, 0)
+    films, ends = FilmWatch(engine, 0, 0), EndWatch(engine)
     if rub_to_rest(engine) if friction else settle(engine):
         films.keep(engine)
         engine.save_now()
+        ends.look()
     notes = [*engine.compiled.notes, *apart, *engine.start_notes]
     history = finish(engine, begin, built, notes, "equilibrium: ", films=films)
     history.marks = Marks(engine, made_with, 0.0, 0, 0, static=True)

@@ -386,6 +386,17 @@ def locate_patches(
     found = extent_of(elements, w, pair, rows, new, active, pressure)
     if found.count == 0:
         overlap = overlap_width(model, elements, pair, A, B, view, x, z)
+        if not overlap > real(0.0) and elements.patches.follows[pair] == 0:  # axes that are tilted may press elsewhere
+            start = elements.patches.row_start[pair]
+            lean = wp.sqrt(view.turn[0, 2] * view.turn[0, 2] + view.turn[1, 2] * view.turn[1, 2])
+            lean *= elements.patches.row_z[start + rows - 1] - elements.patches.row_z[start]
+            row = int(0)
+            if gap_at(model, A, B, view, theta, z) - elements.patches.begins[pair] > lean:
+                row = rows
+            while row < rows:
+                at_row = overlap_width(model, elements, pair, A, B, view, x, elements.patches.row_z[start + row])
+                overlap = wp.max(overlap, at_row)
+                row += 1
         if overlap > new or overlap > real(0.0) and overlap < SPARSE * new:
             new = overlap
     elif ctl[w].iteration == 0:

@@ -95,6 +95,7 @@ class Collector:
         patches: Mapping[int, PatchPlan] | None = None,
         shared: Shared | None = None,
         turned: Sequence[float] | np.ndarray = (),
+        off_end: bool = False,
     ) -> None:
         self.scene, self.settings, self.device = scene, settings, device
         self.constants = Constants(device, shared)
@@ -117,7 +118,7 @@ class Collector:
         self.local = LocalPlan.of(scene, local)
         dynamic = {body.index for body in scene.bodies if self.local.count(body.index)}
         if patches is None:
-            self.patches, chosen = patch_plans(scene.contacts, dynamic)
+            self.patches, chosen = patch_plans(scene.contacts, dynamic, off_end=off_end)
             self.notes += chosen
         else:
             self.patches = dict(patches)

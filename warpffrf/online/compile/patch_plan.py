@@ -4,7 +4,8 @@ Across, cells are equal strips of 2 W/columns, W the half-width that follows the
 surface rows are
 
 - of a *line* contact at fixed places of the width that both surfaces have in common, finer towards ends that carry
-  pressure; the half-space between cells, with the ends of both bodies, is tabulated for levels of W;
+  pressure, or about a crown, and at the ends, too, where patches of crowns run off them (`online.diagnosis.off_end`);
+  the half-space between cells, with the ends of both bodies, is tabulated for levels of W;
 - of a *point* contact, short beside its ends, about the nearest place, with an aspect that Hertz's ellipse has at any
   load, so that one table, for W = 1, is all: displacement per pressure grows with W. What the ends add is taken at the
   middle.
@@ -19,7 +20,7 @@ How many cells follow from the error they may add to force and largest pressure,
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -30,7 +31,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import WHOLE, FarField
 from warpffrf.model.love import rectangle
 from warpffrf.model.nearest import curvatures_on, is_ball
-from warpffrf.online.compile.patch_sides import Surface, meridian
+from warpffrf.online.compile.patch_sides import PARALLEL, Surface, in_world, levers, meridian, middle_of
 
 Array = np.ndarray
 LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows stay where they are
@@ -41,8 +42,10 @@ SPAN = 1.3  # half-widths of the pressure, by its second moment, in W, about: He
 ROUND_OFF = 1e-9
 TAILED = 1.7  # the same of laws that press from a distance: a Gaussian's tail beyond has 7e-4 of the load
 FEWEST = 7  # strips or rows: the error of fewer does not follow any rule
+SAMPLES = 4001  # of the length of rows along the width
 FIRST_ROW, ROW_GROWTH = 0.004, 1.6  # of the width: rows at ends under pressure; their growth from there
 MIDDLE_ROW = 0.015  # of the width: rows where a crown carries; an ellipse of a third of the width takes a dozen
+STRAIGHT = 1e-6  # of the width, 20 nm of 20 mm: any load bears on all of it
 NARROWEST = 1e-4  # W times the relative curvature
 WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
 # The same of rows that follow, along: an ellipse of a half-axis of a third of a ball's radius, in a close groove under
@@ -80,10 +83,12 @@ class PatchPlan:
     step: float
     power: float
     ends: list[tuple[float, float]]  # z on A, strength
+    crowned: bool = False  # rows that stay are fine about a crown
+    off_end: bool = False  # and at the ends
 
     @classmethod
-    def of(cls, contact: Contact) -> PatchPlan:
-        """The plan of a contact with grid "patch"."""
+    def of(cls, contact: Contact, *, off_end: bool = False) -> PatchPlan:
+        """The plan of a contact with grid "patch"; `off_end`: patches of crowns run off an end of their surfaces."""
         across, along = relative_curvatures(contact)
         if not across > 0.0:
             raise InputError(
@@ -92,18 +97,25 @@ class PatchPlan:
             )
         least, most = NARROWEST / across, widest(contact)
         aspect, follows = _aspect(across, along), rows_follow(contact)
-        columns, rows = contact.cells or _counts(
-            contact.cell_error, TAILED / SPAN if _begins(contact) else 1.0, follows=follows, crowned=along > 0.0
+        crowned = is_crowned(contact)
+        wanted = _counts(
+            contact.cell_error, TAILED / SPAN if _begins(contact) else 1.0, follows=follows, crowned=crowned
         )
+        columns, rows = contact.cells or wanted
         if follows:
             edges = aspect * np.linspace(-1.0, 1.0, rows + 1)
         else:
             _refuse_across(contact)
             low, high = common_width(contact)
-            edges = crowned_edges(low, high, _nearest(contact, low, high), rows)
-            if not along > 0.0:
-                edges = line_edges(low, high, rows)
-        return cls._tabulated(contact, columns, edges, aspect if follows else 0.0, across, least, most)
+            edges = line_edges(low, high, rows)
+            if crowned and off_end:
+                nearest = _nearest_tilted if np.any(levers(contact)) else _nearest
+                about = crowned_edges(low, high, nearest(contact, low, high), wanted[1])
+                edges = off_end_edges(about, None if contact.cells is None else rows)
+            elif crowned:
+                edges = crowned_edges(low, high, _nearest(contact, low, high), rows)
+        plan = cls._tabulated(contact, columns, edges, aspect if follows else 0.0, across, least, most)
+        return replace(plan, crowned=crowned, off_end=crowned and off_end)
 
     def spread(self, contact: Contact, columns: int, rows: int, least: float, most: float) -> PatchPlan:
         """The plan with other numbers of strips and rows, spread as here, for half-widths between `least` and `most`
@@ -112,7 +124,8 @@ class PatchPlan:
         high = min(max(most, low), self.most)
         curve = PchipInterpolator(np.linspace(0.0, 1.0, len(self.edges)), self.edges)
         edges = curve(np.linspace(0.0, 1.0, rows + 1))
-        return self._tabulated(contact, columns, edges, self.aspect, self.curvature, low, high)
+        plan = self._tabulated(contact, columns, edges, self.aspect, self.curvature, low, high)
+        return replace(plan, crowned=self.crowned, off_end=self.off_end)
 
     @classmethod
     def _tabulated(
@@ -212,6 +225,15 @@ def rows_follow(contact: Contact) -> bool:
     return _aspect(*relative_curvatures(contact)) < LINE_ASPECT
 
 
+def is_crowned(contact: Contact) -> bool:
+    """Whether rows stay and are fine about a crown, which leaves the straight line between its ends by more than
+    `STRAIGHT`: axes that cross by round-off, or a little, make none."""
+    if rows_follow(contact):
+        return False
+    low, high = common_width(contact)
+    return relative_curvatures(contact)[1] * (high - low) > 8.0 * STRAIGHT
+
+
 def widest(contact: Contact) -> float:
     """W [m] at the most: beyond, the half-space under the cells is not what the bodies are."""
     radius = min(r for r in (radius_of(contact.a.surface), radius_of(contact.b.surface)) if r > 0.0)
@@ -236,28 +258,42 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
     a, b = contact.a, contact.b
     if is_ball(a) or is_ball(b):
         return curvatures_on(a, b)
-    z_a = _middle(a.surface)
+    z_a = middle_of(a.surface)
     first = [float(k) for k in a.surface.shape.curvatures(0.0, z_a)]
-    second = [float(k) for k in b.surface.shape.curvatures(0.0, _middle(b.surface))]
+    second = [float(k) for k in b.surface.shape.curvatures(0.0, middle_of(b.surface))]
     axes = [port.body.to_world(port.surface.shape.e_a) - port.body.to_world(np.zeros(3)) for port in (a, b)]
     if b.surface.shape.profile().planar:
         return first[0], first[1]
     if a.surface.shape.profile().planar:
         return second[0], second[1]
+    lever = levers(contact)[0]
+    if np.any(lever):
+        normal = lever / np.linalg.norm(lever)
+        if abs(float(axes[1] @ normal)) > PARALLEL:  # what tilts in the plane of both axes does not cross them
+            across_normal = axes[1] - (axes[1] @ normal) * normal
+            axes[1] = across_normal / np.linalg.norm(across_normal)
     c2 = float(axes[0] @ axes[1]) ** 2
     return first[0] + c2 * second[0] + (1.0 - c2) * second[1], first[1] + c2 * second[1] + (1.0 - c2) * second[0]
 
 
-def common_width(contact: Contact) -> tuple[float, float]:
-    """The places [m] of the first surface's meridian between which both surfaces have material at the start."""
+def widths(contact: Contact) -> Array:
+    """The places (n, 2) [m] of the first surface's meridian between which it, and the second where that ends, have
+    material where they face each other at the start."""
     z = np.asarray(contact.a.surface.grid.z)
-    low, high = float(z[0]), float(z[-1])
+    found = [np.asarray([z[0], z[-1]], float)]
     other = contact.b.surface
     if other.grid is not None and (_lies_along(contact) or not other.shape.profile().planar):
         shape, own = other.shape, contact.a.surface.shape
         ends = shape.axis_point + np.outer([other.grid.z[0], other.grid.z[-1]], shape.e_a)
         places = (contact.a.body.to_user(contact.b.body.to_world(ends)) - own.axis_point) @ own.e_a
-        low, high = max(low, float(places.min())), min(high, float(places.max()))
+        found.append(np.sort(places + levers(contact)[1] @ in_world(contact.a, own.e_a)))
+    return np.array(found)
+
+
+def common_width(contact: Contact) -> tuple[float, float]:
+    """The places [m] of the first surface's meridian between which both surfaces have material at the start."""
+    found = widths(contact)
+    low, high = float(found[:, 0].max()), float(found[:, 1].min())
     if not high > low:
         raise InputError(f"contact {contact.name!r}: the two surfaces have no width in common")
     return low, high
@@ -294,6 +330,21 @@ def _nearest(contact: Contact, low: float, high: float) -> float:
     return float(np.mean(z[near >= near.max() - 1e-9 * (high - low)]))
 
 
+def _nearest_tilted(contact: Contact, low: float, high: float) -> float:
+    """The same, of axes that are tilted against each other at the start."""
+    a, b = contact.ports
+    shape, other, lever = a.surface.shape, b.surface.shape, levers(contact)[0]
+    z = np.linspace(low, high, 401)
+    axis = a.body.to_world(shape.axis_point + np.outer(z, shape.e_a))
+    radius = np.zeros(len(z)) if shape.profile().planar else shape.radius_at(z)
+    away = b.body.to_user(axis + np.outer(radius / shape.radius_at(middle_of(a.surface)), lever)) - other.axis_point
+    if other.profile().planar:
+        return float(z[np.argmin(away @ other.outward)])
+    along = away @ other.e_a
+    apart = np.linalg.norm(away - np.outer(along, other.e_a), axis=1)
+    return float(z[np.argmax(other.side * (other.radius_at(along) - apart))])
+
+
 def crowned_edges(low: float, high: float, middle: float, rows: int) -> Array:
     """Edges (rows + 1,) [m] of the rows between two ends that carry little: `MIDDLE_ROW` of the width around the
     `middle` [m], and growing from there, by x = c sinh(a y), y even."""
@@ -311,6 +362,20 @@ def crowned_edges(low: float, high: float, middle: float, rows: int) -> Array:
 
     root: Any = brentq(excess, float(np.log(1e-4 * width)), float(np.log(1e3 * width)))
     return edges(float(np.exp(root)))
+
+
+def off_end_edges(about: Array, rows: int | None) -> Array:
+    """Edges (rows + 1,) [m] of rows as short as those between the edges `about` a crown, and towards both ends as those
+    of `line_edges`; rows: how many, all as much longer or shorter, None: as many as that takes."""
+    low, width = about[0], about[-1] - about[0]
+    z = width * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, SAMPLES)))
+    crown = np.interp(z, 0.5 * (about[1:] + about[:-1]) - low, np.diff(about))
+    end = FIRST_ROW * width + (ROW_GROWTH - 1.0) * np.minimum(z, width - z)
+    per_length = 1.0 / np.minimum(crown, end)
+    count = np.append(0.0, np.cumsum(0.5 * (per_length[1:] + per_length[:-1]) * np.diff(z)))
+    edges = low + np.interp(np.linspace(0.0, count[-1], (rows or _odd(count[-1])) + 1), count, z)
+    edges[[0, -1]] = about[[0, -1]]
+    return edges
 
 
 def line_edges(low: float, high: float, rows: int) -> Array:
@@ -363,11 +428,7 @@ def _ends_of(bodies: list[Any]) -> dict[tuple[float, int, float], list[Any]]:
     return found
 
 
-def _middle(surface: Surface) -> float:
-    return 0.0 if surface.grid is None else float(np.mean(np.asarray(surface.grid.z)[[0, -1]]))
-
-
 def radius_of(surface: Surface) -> float:
     """Smallest radius of curvature [m]; 0 of a plane."""
-    k = max(abs(float(v)) for v in surface.shape.curvatures(0.0, _middle(surface)))
+    k = max(abs(float(v)) for v in surface.shape.curvatures(0.0, middle_of(surface)))
     return 1.0 / k if k > 0.0 else 0.0

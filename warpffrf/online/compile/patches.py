@@ -25,10 +25,13 @@ FAR_COLUMNS = 4  # splines beside those over 2 W
 TAPS = 3  # splines across that a window has room for at least, also where a surface has but two
 
 
-def patch_plans(contacts: list[Contact], dynamic: Collection[int]) -> tuple[dict[int, PatchPlan], list[str]]:
+def patch_plans(
+    contacts: list[Contact], dynamic: Collection[int], *, off_end: bool = False
+) -> tuple[dict[int, PatchPlan], list[str]]:
     """Plans by number of the contact, of those on patches, and notes on what grid="auto" has chosen. Raises
     `InputError` where one of their bodies is loaded by a contact on a material grid too, and where another contact
-    stands on the same two surfaces. dynamic: indices of bodies whose local modes have inertia."""
+    stands on the same two surfaces. dynamic: indices of bodies whose local modes have inertia; off_end: as
+    `PatchPlan.of`."""
     plans: dict[int, PatchPlan] = {}
     notes = []
     for i, contact in enumerate(contacts):
@@ -45,7 +48,7 @@ def patch_plans(contacts: list[Contact], dynamic: Collection[int]) -> tuple[dict
                 )
             continue
         try:
-            plans[i] = PatchPlan.of(contact)
+            plans[i] = PatchPlan.of(contact, off_end=off_end)
         except InputError as error:
             if asked:
                 raise

@@ -241,12 +241,13 @@ def compile_scene(
     patches: Mapping[int, PatchPlan] | None = None,
     shared: Shared | None = None,
     turned: Sequence[float] | np.ndarray = (),
+    off_end: bool = False,
 ) -> CompiledScene:
     """Constant device data of `scene`; `patches`: the cells of its patches in place of those that the contacts ask for;
     `shared`: arrays of scenes that differ in numbers only, of which those that are equal lie on the device once;
-    `turned`: the fastest turning of each body [rad/s] in a run so far.
+    `turned`: the fastest turning of each body [rad/s] in a run so far; `off_end`: patches of crowns run off an end.
     Raises `InputError` for a scene that cannot be run."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
     refuse_claims_of(scene)
-    return _compiled(Collector(scene, settings, device, local or LocalDynamics(), patches, shared, turned))
+    return _compiled(Collector(scene, settings, device, local or LocalDynamics(), patches, shared, turned, off_end))

@@ -9,8 +9,9 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patch_plan import end_places, relative_curvatures, rows_follow, widest
+from warpffrf.online.compile.patch_plan import end_places, is_crowned, rows_follow, widest, widths
 from warpffrf.online.diagnosis.border_notes import BORDER
+from warpffrf.online.diagnosis.off_end import shares_at_ends
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.history.history import ContactHistory, History
 
@@ -21,6 +22,7 @@ APART, APART_ON_SPHERES = 1.5, 6.0
 ROLLED = 0.1  # of W: less is a contact that does not roll
 WIDE = 0.9  # of WHOLE that a patch may span without a word
 ROUND_OFF = 1e-6  # of W
+SHORT = 0.5  # of the half-width: last rows of patches that run off an end, without a word
 CLEAR = 2.0  # half-lengths of the patch of a point contact from an end: nearer, what the end adds varies over the patch
 
 
@@ -113,22 +115,29 @@ def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
-    """A crowned line contact that runs off an end, where its rows, which are fine about the crown, are long."""
-    cells, by_row = found.cells, found.pressure.max(axis=1)
-    if cells is None or not relative_curvatures(contact)[1] > 0.0:
+    """A crowned line contact that runs off an end, where the last row is long, or the partner goes on beyond."""
+    cells = found.cells
+    if cells is None or not is_crowned(contact):
         return []
-    peak = np.maximum(by_row.max(axis=1), np.finfo(float).tiny)
-    shares = by_row[:, [0, -1]] / peak[:, None]
+    shares = shares_at_ends(found.pressure)
     t, end = np.unravel_index(int(np.argmax(shares)), shares.shape)
     if shares[t, end] <= BORDER:
         return []
     length, strips = float(cells.length[t, -int(end)]), np.count_nonzero(found.pressure[t].max(axis=1) > 0.0)
     half_width = strips * float(cells.half_width[t]) / found.pressure.shape[1]
+    if np.ptp(widths(contact)[:, end]) > length:
+        return [
+            f"contact {contact.name!r}: the patch reaches an end, where one surface ends and the other goes on: "
+            f"pressure has no bound at a sharp edge, and that of the last row, which had {shares[t, end]:.0%} of the "
+            f"largest, is a mean over its {length:.2g} m; force and line loads do not depend on that length"
+        ]
+    if length <= SHORT * half_width:
+        return []
     return [
         f"contact {contact.name!r}: the patch reaches an end, whose last row had {shares[t, end]:.0%} of the largest "
-        f"pressure and is {length:.2g} m long, {length / half_width:.2g} of the half-width: rows are fine about the "
-        "crown, a peak at the end is a mean over the row and may be far too low there, and what other cells change is "
-        "no measure of it; use more rows in cells=, or grid='material' with a mesh that is fine at the end"
+        f"pressure and is {length:.2g} m long, {length / half_width:.2g} of the half-width: a peak at the end is a "
+        "mean over the row and may be too low; use more rows in cells=, or let a run begin with this load, "
+        "so that rows are fine there"
     ]
 
 

@@ -32,7 +32,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.friction import friction_notes, rolling_notes, rubbing
 from warpffrf.model.scene import Scene
-from warpffrf.online.checkpoint import is_dynamic, restore, turned_of
+from warpffrf.online.checkpoint import is_dynamic, off_end_of, restore, turned_of
 from warpffrf.online.compile.inertia_plan import NOTICEABLE
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
@@ -118,7 +118,8 @@ def find_modes(
     """
     count = require_count(count, "eigenmodes: count", 1)
     turned = turned_of(about.checkpoint, scene) if isinstance(about, History) else ()
-    engine = Engine(scene, device=device, settings=settings, turned=turned, progress=progress)
+    off_end = isinstance(about, History) and off_end_of(about.checkpoint)
+    engine = Engine(scene, device=device, settings=settings, turned=turned, off_end=off_end, progress=progress)
     notes: list[str] = []
     name = _prepare(engine, about, notes)
     linear = linearise(engine)

@@ -29,6 +29,7 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.laps.forms import STICK
 
 from warpffrf.model.errors import InputError
+from warpffrf.online.checkpoint import off_end_of
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.step import phases
@@ -234,7 +235,7 @@ def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
             f"{label}: mode {i} is no standing vibration (eigenvalue {value:.3g} 1/s): strong dampers, or nothing that "
             "pulls it back; choose another"
         )
-    engine = Engine(modes.scene, device=modes.device, settings=modes.settings)
+    engine = Engine(modes.scene, device=modes.device, settings=modes.settings, off_end=off_end_of(modes.state))
     engine.resume(modes.state)
     return RubbingMode(engine, linear, free_basis(linear.M, linear.K, linear.C), phi / np.sqrt(mass), abs(value))
 

@@ -164,16 +164,17 @@ class Company:
             step_error: float | None = None,
             local: LocalDynamics | None = None,
             turned: Sequence[float] | np.ndarray = (),
+            off_end: bool = False,
             progress: bool = False,
         ) -> Engine:
             used = settings or Settings()
-            if self._tables is None:  # the run begins anew with other inertia terms: it is of another kind now
+            if self._tables is None:  # the run begins anew with other inertia terms or cells: it is of another kind now
                 self.meeting.leave(world)
                 return Engine(
                     scene, device=device, settings=used, integrator=integrator, step_error=step_error, local=local,
-                    turned=turned,
+                    turned=turned, off_end=off_end,
                 )  # fmt: skip
-            compiled = compile_scene(scene, used, ready_device(device), local, shared=self._tables)
+            compiled = compile_scene(scene, used, ready_device(device), local, shared=self._tables, off_end=off_end)
 
             def build(scenes: dict[int, CompiledScene]) -> None:
                 in_order = [scenes[w] for w in sorted(scenes)]
