@@ -301,7 +301,7 @@ def test_progress_counts_runs(tmp_path: Path, monkeypatch: Any) -> None:
 
     class Bar:
         def __init__(self, label: str, total: int, **rest: Any) -> None:
-            assert (label, total, rest["unit"]) == ("sweep", 6, "run")
+            assert (label, total, rest["unit"], rest["done"]) == ("sweep", 6, "run", 0)
 
         def update(self, done: int) -> None:
             counted.append(done)
@@ -311,7 +311,7 @@ def test_progress_counts_runs(tmp_path: Path, monkeypatch: Any) -> None:
 
     monkeypatch.setattr(sweep, "Progress", Bar)
     run(tmp_path / "s")
-    assert counted == [0, 1, 2, 3, 4, 5, 6, -1]
+    assert counted == [1, 2, 3, 4, 5, 6, -1]
 
 
 def test_worlds_of_one_graph_give_the_same_bits(tmp_path: Path, alone: np.ndarray) -> None:
