@@ -1,6 +1,6 @@
 """Step time beside EXUDYN's: `python bench/against_exudyn.py [--json FILE] [--modes N ...] [--seconds S] [--ours]`.
 
-The bar of `warpffrf.study.against_exudyn` with 10, 50 and 200 global modes (more by `--modes`), the same step,
+The bar of `studies.speed.against_exudyn` with 10, 50 and 200 global modes (more by `--modes`), the same step,
 integrator and spectral radius in both programs, one thread, nothing written. EXUDYN: full Newton (a Jacobian every
 iteration) and its modified Newton (a Jacobian at the start, and when convergence is slow), with the faster of its
 linear solvers. Ours: with the same inertia terms on *all* modes, as EXUDYN has them; with those of the lowest modes
@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
-from warpffrf.study import against_exudyn as study
-from warpffrf.study.step_time import machine
+from studies.speed import against_exudyn as study
+from warpffrf.study.machine import machine
 
 MODES = (10, 50, 200)  # 1,000 take EXUDYN many minutes: --modes 1000
 STEP = 5e-4  # s

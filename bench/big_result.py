@@ -141,7 +141,7 @@ def main() -> None:
                 rows.append(shown(row))
         print(f"results file {Path(file).stat().st_size / 1e6:.0f} MB, {saved} rows")
     if given.json:
-        from warpffrf.study.step_time import machine
+        from warpffrf.study.machine import machine
 
         given.json.write_text(json.dumps({**machine(), "rows": rows}, indent=1) + "\n")
     if max(row["peak_bytes"] for row in rows) >= MOST:

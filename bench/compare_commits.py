@@ -315,7 +315,7 @@ def main() -> int:
         finally:
             subprocess.run([*git, "worktree", "remove", "--force", str(folder / "tree")], check=True)
     if given.json:
-        from warpffrf.study.step_time import machine
+        from warpffrf.study.machine import machine
 
         given.json.write_text(json.dumps({**machine(), "base": commit.stdout.strip(), "rows": rows}, indent=1) + "\n")
     bad = [r for r in rows if r["ratio"] > 1.0 + given.slower or not r["difference"] <= given.different]

@@ -1,7 +1,7 @@
 """This run of the benchmarks beside the stored one: `python bench/compare_runs.py [--run FOLDER] [--store]`.
 
 Reads what the scripts wrote to out/bench and the last stored run of the same machine, bench/stored/MACHINE, and prints
-one table: times in U of their own run, memory as it is (`warpffrf.study.stored_runs`). Ends with 1 where something is
+one table: times in U of their own run, memory as it is (`studies.speed.stored_runs`). Ends with 1 where something is
 slower or larger than tolerated. `--store` puts this run in the place of the stored one instead; do that on a quiet
 machine.
 """
@@ -12,7 +12,7 @@ import argparse
 import sys
 from pathlib import Path
 
-from warpffrf.study.stored_runs import LARGER, SLOWER, compare, lines, machine_id, read, store
+from studies.speed.stored_runs import LARGER, SLOWER, compare, lines, machine_id, read, store
 
 STORED = Path(__file__).resolve().parent / "stored"
 

@@ -6,7 +6,7 @@ constant approach: force, pressure and stress, on finer and finer meshes, with t
 *Times* of a step with 8,000 local modes, all three in the same run: "full" with each of its linear solvers, of which
 "full" is the conventional one, a dense LU of all coordinates in each iteration, and "low_rank" condenses the local
 modes; without options only the latter, and no errors. *Layers*: "hyper" against "semi" under laws whose yield is no
-constant, which are evaluated at points. See `warpffrf/study/evaluations.py`.
+constant, which are evaluated at points. See `bench/studies/contact/evaluations.py`.
 """
 
 from __future__ import annotations
@@ -18,9 +18,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.laws import ExponentialAsperities, NonlinearLayer
-from warpffrf.output.result import Result
-from warpffrf.study.evaluations import (
+from scenes.rollers import PAIR
+from studies.contact.evaluations import (
     SEPARATED,
     STEP,
     STIFFER,
@@ -34,8 +33,10 @@ from warpffrf.study.evaluations import (
     surface_norm,
     tread,
 )
-from warpffrf.study.step_time import RADIUS, machine
-from warpffrf.verification.scenes.rollers import PAIR
+from studies.speed.step_time import RADIUS
+from warpffrf.model.laws import ExponentialAsperities, NonlinearLayer
+from warpffrf.output.result import Result
+from warpffrf.study.machine import machine
 
 SAMPLING_ERROR = 0.01
 HARD = 300.0  # a layer that is hardly there; `STIFFER` is one as penalties are chosen

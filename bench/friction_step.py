@@ -3,7 +3,7 @@
 Two rollers roll on each other at a constant load, the upper one a little slower, so that part of the patch sticks and
 part slips. Rows: the same pair without friction, with friction at a creepage that leaves half of it sticking, and in
 gross sliding; on cells of a fine grid bound to the material, and on cells that travel with the patch over a mesh of
-4 mm. Fastest of a few runs, in one process; U as everywhere (`warpffrf.study.unit_time`).
+4 mm. Fastest of a few runs, in one process; U as everywhere (`warpffrf.study.machine`).
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import warpffrf as wf
-from warpffrf.study.step_time import machine
-from warpffrf.study.unit_time import unit_seconds
+from warpffrf.study.machine import machine, unit_seconds
 
 RADIUS, BORE = 0.05, 0.015  # m
 STEEL = wf.Material(210e9, 0.3, 7850.0, name="steel")

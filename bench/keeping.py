@@ -15,12 +15,12 @@ import time
 from pathlib import Path
 from statistics import median
 
-from warpffrf.demos import two_rollers
+from demos import two_rollers
 from warpffrf.model.keeping import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 from warpffrf.output.outputs import KEEP_EVERY
 from warpffrf.output.simulate import simulate
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 
 EVERY = {"not kept": None, "as it is": KEEP_EVERY, "as often as it may": 1e-3}  # s
 NEVER = 1e9  # s

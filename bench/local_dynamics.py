@@ -1,6 +1,6 @@
 """Step time against local modes with inertia: `python bench/local_dynamics.py [--json FILE] [--steps N] [--counts N]`.
 
-Two rollers swing to and fro on each other at a constant approach (`warpffrf.study.step_time`). The lowest n local modes
+Two rollers swing to and fro on each other at a constant approach (`studies.speed.step_time`). The lowest n local modes
 of each contact surface get inertia, by HHT or by the exact step; the others follow the load without, as all do with
 `quasi_static`, whose cost does not depend on how many there are. All runs of a round follow one another, so that other
 work on the machine hits them alike; the fastest of the rounds counts.
@@ -12,8 +12,9 @@ import argparse
 import json
 from pathlib import Path
 
+from studies.speed.step_time import StepTime, time_swing, tread_body
 from warpffrf.online import LocalDynamics
-from warpffrf.study.step_time import StepTime, machine, time_swing, tread_body
+from warpffrf.study.machine import machine
 
 SECTORS = 480  # 4,320 local modes of each roller, 9 a sector
 COUNTS = (0, 50, 100, 200, 500, 1000, 2000)

@@ -39,15 +39,15 @@ def falls(rows: int) -> None:
 
 def rolls(file: str) -> None:
     """Two rollers of the file in contact."""
+    from studies.speed.step_time import time_swing
     from warpffrf.model.reduced_body import ReducedBody
-    from warpffrf.study.step_time import time_swing
 
     time_swing(ReducedBody.load(file), approach=APPROACH, steps=STEPS, step=STEP)
 
 
 def make(columns: int, file: str) -> int:
     """Reduce a roller to a file; its local modes."""
-    from warpffrf.study.step_time import tread_body
+    from studies.speed.step_time import tread_body
 
     body = tread_body(columns)
     body.save(file)
@@ -83,7 +83,7 @@ def main() -> None:
         counts = f"{row.get('local_modes', '-')!s:>12s} {row.get('saved', '-')!s:>11s}"
         print(f"{row['case']:17s}{counts} {row['peak_bytes'] / 1e6:8.1f} {own:12.1f}")
     if given.json:
-        from warpffrf.study.step_time import machine
+        from warpffrf.study.machine import machine
 
         given.json.write_text(json.dumps({**machine(), "rows": rows}, indent=1) + "\n")
 

@@ -167,7 +167,7 @@ def main() -> None:
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
     from warpffrf.model.reduced_body import library_versions
-    from warpffrf.study.step_time import machine
+    from warpffrf.study.machine import machine
 
     rows = []
     context = multiprocessing.get_context("spawn")

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+
 from offline import peak_memory
 
 ROWS = [
@@ -81,7 +82,7 @@ def main() -> None:
     parser.add_argument("--large", action="store_true", help="all rows; left out: the first two")
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
-    from warpffrf.study.step_time import machine
+    from warpffrf.study.machine import machine
 
     about, rows = machine(), []
     print(f"{'case':28} {'dofs':>9} {'local':>7} {'global':>7} {'harmonics':>10} {'seconds':>8} {'GiB':>6}")

@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+
 from offline import peak_memory
 
 # path, series, sectors, layers, axial, columns that carry hats; a whole rim where they are all sectors
@@ -33,11 +34,11 @@ MODES = 10
 
 def measure(row: tuple[str, str, int, int, int, int]) -> dict:
     """Reduce one roller and return its figures."""
+    from scenes.rollers import STEEL
+    from studies.speed.step_time import BORE, RADIUS, WIDTH
     from warpffrf.model.mesh import roller
     from warpffrf.model.surfaces import Cylinder
     from warpffrf.offline import reduce
-    from warpffrf.study.step_time import BORE, RADIUS, WIDTH
-    from warpffrf.verification.scenes.rollers import STEEL
 
     path, series, sectors, layers, axial, columns = row
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, order=1)
@@ -64,7 +65,7 @@ def main() -> None:
     parser.add_argument("--large", action="store_true", help="add the rows that take minutes")
     given = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
-    from warpffrf.study.step_time import machine
+    from warpffrf.study.machine import machine
 
     about, rows = machine(), []
     before: dict | None = None

@@ -17,8 +17,9 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.core import control as k
 
+from scenes.planets import planets
+from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
@@ -27,9 +28,8 @@ from warpffrf.online.device import chosen_device
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.warp_start import start_warp
-from warpffrf.study.step_time import machine
-from warpffrf.verification.scenes.planets import planets
-from warpffrf.verification.scenes.rollers import guided_pair, roller_body
+from warpffrf.study.machine import machine
+from warpffrf_kernels.core import control as k
 
 STEP, STEPS = 1e-4, 100
 ROUNDS = 2  # the first finds the device cold

@@ -18,15 +18,15 @@ from typing import Any
 
 import numpy as np
 
+from scenes.user_meshes import gmsh_roller
+from studies.contact import coarse_rollers as cr
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate
-from warpffrf.study.step_time import machine
-from warpffrf.verification import coarse_rollers as cr
-from warpffrf.verification.scenes.user_meshes import gmsh_roller
+from warpffrf.study.machine import machine
 
 LOAD = 9e3  # N
 STEP, SPEED = 1e-4, 0.8  # s, rad/s: an element of 4 mm in 1000 steps

@@ -15,7 +15,7 @@ from pathlib import Path
 import psutil
 
 import warpffrf as wf
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 
 RUNS = 150
 EVERY = 50

@@ -18,7 +18,7 @@ import numpy as np
 from warpffrf.model import joints
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 
 LENGTH, MASS = 0.1, 0.2  # m, kg: a slender link
 INERTIA = (2e-5, MASS * LENGTH**2 / 12.0, MASS * LENGTH**2 / 12.0)  # kg m2

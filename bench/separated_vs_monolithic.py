@@ -28,14 +28,15 @@ from typing import Any
 import numpy as np
 from scipy.linalg import blas, lapack
 
+from scenes.rollers import PAIR
+from studies.speed.step_time import swinging_pair, tread_body
 from warpffrf import monolithic
-from warpffrf.demos import two_rollers
+from demos import two_rollers
 from warpffrf.monolithic.core import linear
 from warpffrf.monolithic.core.linear import VARIANTS
 from warpffrf.monolithic.line_of_centres.pair import LAWS, STIFFER, default_layer
 from warpffrf.online import GeneralizedAlpha, run
-from warpffrf.study.step_time import machine, swinging_pair, tread_body
-from warpffrf.verification.scenes.rollers import PAIR
+from warpffrf.study.machine import machine
 
 SECTORS, LAYERS, AXIAL = 1920, 18, 4  # near-square cells, about five elements a half-width, as in the demo
 COLUMNS = 100  # with 5 hats each: 495 local modes a roller

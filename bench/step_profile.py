@@ -26,7 +26,7 @@ from typing import Any
 
 import warp as wp
 
-from warpffrf.demos import two_rollers as demo
+from demos import two_rollers as demo
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
@@ -36,7 +36,7 @@ from warpffrf.online.step import program
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.online.step.launches import Launch
 from warpffrf.online.warp_start import quiet
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 
 LOAD_STEP = 0.008  # s, into the spin-up
 DURATION = 0.024  # s

@@ -10,8 +10,9 @@ import argparse
 import json
 from pathlib import Path
 
+from studies.speed.step_time import time_swing, tread_body
 from warpffrf.online import Settings
-from warpffrf.study.step_time import machine, time_swing, tread_body
+from warpffrf.study.machine import machine
 
 APPROACHES = (15e-6, 30e-6, 60e-6, 90e-6, 120e-6)  # m
 MODES = (0, 36)  # vibration modes of each roller, beside 6 attachment modes: 12 + 12 and about 12 + 84 outer columns

@@ -13,12 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from studies.speed.step_time import RADIUS, tread_body
 from warpffrf.model import joints, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
-from warpffrf.study.step_time import RADIUS, machine, tread_body
+from warpffrf.study.machine import machine
 
 SECTORS, LAYERS, AXIAL = 480, 8, 4
 APPROACH = 40e-6  # m of each pair

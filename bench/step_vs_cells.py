@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+from scenes.rollers import PAIR, STEEL
+from studies.speed.step_time import StepTime, measured
 from warpffrf.model import joints, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import roller
@@ -20,8 +22,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import run
-from warpffrf.study.step_time import StepTime, machine, measured
-from warpffrf.verification.scenes.rollers import PAIR, STEEL
+from warpffrf.study.machine import machine
 
 RADIUS, BORE, WIDTH = 0.05, 0.015, 0.02  # m
 SECTORS = 40

@@ -21,7 +21,7 @@ from warpffrf.model.bearings import Pockets
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.output.simulate import simulate
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 
 DIAMETER, LENGTH, SPACING, CLEARANCE = 0.01, 0.0096, 14.4e-3, 20e-6  # m; spacing along the pitch circle
 LOAD, SPEED = 4000.0, 1000.0 * np.pi / 30.0  # N, rad/s

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from scenes.rollers import STEEL
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.laps import Lap
 from warpffrf.model.mesh import box
@@ -21,8 +22,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import run
-from warpffrf.study.step_time import machine
-from warpffrf.verification.scenes.rollers import STEEL
+from warpffrf.study.machine import machine
 
 SIZE = (0.2, 0.15, 0.01)  # m
 GRAVITY = 2e5  # m/s2: presses with some 15 MPa

@@ -22,7 +22,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.run import run
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 
 SIDE, THICK, CELLS, MODES = 0.4, 4e-3, 6, 20  # m
 MATERIAL = Material(210e9, 0.316, 7850.0)

@@ -10,7 +10,8 @@ import argparse
 import json
 from pathlib import Path
 
-from warpffrf.study.step_time import StepTime, machine, time_swing, tread_body
+from studies.speed.step_time import StepTime, time_swing, tread_body
+from warpffrf.study.machine import machine
 
 SECTORS, COLUMNS = 960, (56, 222, 889)  # with 9 hats each: 504, 1,998 and 8,001 local modes
 LARGE_SECTORS, LARGE_COLUMNS = 1920, (56, 222, 889, 1778)  # to 16,002

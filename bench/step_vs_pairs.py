@@ -14,15 +14,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+from scenes.planets import planets
+from scenes.rollers import STEEL
+from scenes.two_rings import two_rings
 from warpffrf.model import mesh
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Bore, Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import run
-from warpffrf.study.step_time import machine
-from warpffrf.verification.scenes.planets import planets
-from warpffrf.verification.scenes.rollers import STEEL
-from warpffrf.verification.scenes.two_rings import two_rings
+from warpffrf.study.machine import machine
 
 LOAD, FRICTION, CREEPAGE = 100e3, 0.3, 2e-3  # N on a width of 10 mm, -, -
 RADIUS, ROLLER, INTERFERENCE, WIDTH = 0.05, 0.009, 2e-4, 0.01  # m

@@ -12,9 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
-from warpffrf.model.laws import NonlinearLayer
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.study.evaluations import (
+from scenes.rollers import PAIR
+from studies.contact.evaluations import (
     STEP,
     layer_of,
     on_grid,
@@ -25,8 +24,9 @@ from warpffrf.study.evaluations import (
     surface_norm,
     tread,
 )
-from warpffrf.study.step_time import machine
-from warpffrf.verification.scenes.rollers import PAIR
+from warpffrf.model.laws import NonlinearLayer
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.study.machine import machine
 
 SECTORS, LAYERS, AXIAL, COLUMNS = 960, 14, 8, 60
 APPROACH = 60e-6  # m: about 45 active hats

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.job import Answer
 from warpffrf.study.sweeps.outputs import Value

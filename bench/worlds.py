@@ -19,13 +19,13 @@ from typing import Any
 
 import numpy as np
 
+from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 from warpffrf.output.worlds import simulate_worlds
-from warpffrf.study.step_time import machine
-from warpffrf.verification.scenes.rollers import guided_pair, roller_body
+from warpffrf.study.machine import machine
 
 WORLDS, ROUNDS = 64, 2
 LINKS, LENGTH = 10, 0.1  # of the chain; m

@@ -9,7 +9,7 @@ against the first; layers of compliance E (3 c,) [m/N]; slip so far w (c, 2) [m]
 Pressures and friction are solved in turn, each a convex program: pressures by non-negative least squares on a Cholesky
 factor (Lawson and Hanson), friction with the bounds mu p by an interior point method on discs. The states so found are
 made exact by Newton's method on the equations of all cells together. Nothing of it is shared with
-`warpffrf.verification.laps.contact_program`.
+`references.small_sliding.contact_program`.
 """
 
 from __future__ import annotations

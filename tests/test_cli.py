@@ -154,7 +154,7 @@ def test_quiet_demos_print_no_figures(capsys: pytest.CaptureFixture, monkeypatch
         print(f"figures {progress}")
         return 1
 
-    monkeypatch.setattr("warpffrf.demos.two_rollers.main", main)
+    monkeypatch.setattr("demos.two_rollers.main", main)
     said = []
     for level in ([], ["-q"]):
         assert cli.main([*level, "demo", "two-rollers"]) == 1  # the code says how it went

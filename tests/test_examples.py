@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from printed import printed
 from scipy.integrate import solve_ivp
 
 import warpffrf as wf
+from printed import printed
 from warpffrf import cli
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from printed import commands, python_blocks
 from typer.testing import CliRunner
 
 import warpffrf as wf
+from printed import commands, python_blocks
 from warpffrf.cli import app
 
 ROOT = Path(__file__).resolve().parents[1]

@@ -9,9 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from printed import python_blocks
 
 import warpffrf as wf
+from printed import python_blocks
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")

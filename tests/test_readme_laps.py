@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from printed import python_blocks
 
 ROOT = Path(__file__).parents[1]

@@ -10,13 +10,13 @@ import numpy as np
 from hypothesis import strategies as st
 from joint_scenes import KINDS, make_joint
 
+from scenes.rollers import roller_body
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.verification.scenes.rollers import roller_body
 
 GROUND = -1
 NUMBERS = st.integers(0, 2**20)  # seeds of what is drawn evenly

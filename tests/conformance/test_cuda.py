@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
+
 import warpffrf_kernels
 from warpffrf_kernels.core.scalars import BLOCK
 
@@ -60,7 +61,7 @@ import warp as wp
 
 wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
 from warpffrf.online import run
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
+from scenes.rollers import PAIR, guided_pair, roller_body
 
 @wp.kernel
 def count_lanes(lanes: wp.array(dtype=int)):
@@ -90,8 +91,8 @@ import warp as wp
 wp.config.enable_cpu_blocks = sys.argv[1] == "blocks"
 import warpffrf as wf
 from warpffrf.online import run
-from warpffrf.verification.scenes.planets import planets
-from warpffrf.verification.scenes.rollers import roller_body
+from scenes.planets import planets
+from scenes.rollers import roller_body
 
 body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3,
                    tangential=True, patch_grid=False, cache=False)

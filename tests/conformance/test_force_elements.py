@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.constraints import geometric_stiffness, rows
 
 from warpffrf.model import forces, joints
 from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.constraints import geometric_stiffness, rows
 
 STEP = 1e-5  # of the central differences: truncation 1e-10, round-off 1e-11
 RNG = np.random.default_rng(3)

@@ -6,10 +6,6 @@ import numpy as np
 import pytest
 import warp as wp
 from joint_scenes import FREE, KINDS, PLACE, SPAN, make_joint, moved, pair
-from warpffrf_kernels.bodies import interfaces
-from warpffrf_kernels.constraints import rows as row_kernels
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.model import joints
 from warpffrf.model import rotation as rot
@@ -24,6 +20,10 @@ from warpffrf.model.redundancy import (
 )
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine
+from warpffrf_kernels.bodies import interfaces
+from warpffrf_kernels.constraints import rows as row_kernels
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.scalars import BLOCK
 
 STEP = 1e-6  # of central differences: truncation 1e-12, round-off 1e-10
 DERIVATIVE_TOLERANCE = 1e-8
@@ -225,7 +225,7 @@ def test_flexible_interfaces(kind: str, flexible_body) -> None:
 @pytest.fixture(scope="module")
 def flexible_body():
     """A small roller with a rigid bore and a few modes."""
-    from warpffrf.verification.scenes.rollers import roller_body
+    from scenes.rollers import roller_body
 
     return roller_body(24, layers=2, axial=2, grading=1.0, order=1, max_frequency=30e3, cache=False)
 

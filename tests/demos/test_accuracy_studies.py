@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from warpffrf.demos.accuracy_studies.machines import MACHINES
-from warpffrf.demos.accuracy_studies.measured import FINER, RATIOS, measure, others, page
+from studies.accuracy.machines import MACHINES
+from studies.accuracy.measured import FINER, RATIOS, measure, others, page
 
 
 def test_other_steps_meet_those_of_the_reference() -> None:

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from warpffrf.demos import ball_bearing as demo
-from warpffrf.verification.closed_forms.ball_bearing import BallBearing
+from references.closed_forms.ball_bearing import BallBearing
+from demos import ball_bearing as demo
 
 
 @pytest.mark.slow

@@ -9,7 +9,7 @@ import pytest
 from demo_files import left_behind
 from scipy.integrate import solve_ivp
 
-from warpffrf.demos import ball_impact as demo
+from demos import ball_impact as demo
 
 
 def test_the_whole_demo_passes_and_writes_its_files(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import ball_in_ring as demo
+from demos import ball_in_ring as demo
 
 SMALL = demo.Size(ball_sectors=230, ring_sectors=1150, layers=6, axial=4, frames=5)
 

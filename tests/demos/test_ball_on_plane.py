@@ -9,7 +9,7 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import ball_on_plane as demo
+from demos import ball_on_plane as demo
 
 
 @pytest.mark.slow

@@ -9,8 +9,8 @@ import pytest
 
 import warpffrf as wf
 from warpffrf import cli
-from warpffrf.demos import DEMOS
-from warpffrf.demos.checks import Check, table, writable_folder
+from demos import DEMOS
+from demos.checks import Check, table, writable_folder
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -32,7 +32,7 @@ def test_the_table_shows_units_and_what_failed() -> None:
 
 @pytest.mark.parametrize("module", DEMOS)
 def test_every_demo_is_whole(module: str, capsys: pytest.CaptureFixture) -> None:
-    demo = importlib.import_module(f"warpffrf.demos.{module}")
+    demo = importlib.import_module(f"demos.{module}")
     assert callable(demo.build) and callable(demo.main) and demo.__doc__
     assert (ROOT / "demos" / f"{module}.py").is_file()
     assert cli.main(["demo", module.replace("_", "-"), "--help"]) == 0

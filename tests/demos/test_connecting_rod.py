@@ -11,7 +11,7 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import connecting_rod as demo
+from demos import connecting_rod as demo
 
 THETA = np.linspace(0.0, 4.0 * np.pi, 7201)
 SOME_ROD: Any = SimpleNamespace(mass=0.7, center_of_mass=np.array([0.05, 0.0, 0.0]), inertia=np.diag([1.0, 3e-3, 1.0]))

@@ -10,7 +10,7 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import creep_curves as demo
+from demos import creep_curves as demo
 
 SMALL = demo.Size(cells=15, columns=13, every=3, frames=5, kalker_error=0.04)
 # CONTACT's Eurosprinter: force over mu N at a longitudinal creepage of 1.2e-3

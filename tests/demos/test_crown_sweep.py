@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from warpffrf.demos import crown_sweep as demo
+from demos import crown_sweep as demo
 
 
 def test_the_rollers_of_every_row_just_touch() -> None:

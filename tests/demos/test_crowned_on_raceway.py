@@ -6,7 +6,7 @@ from pathlib import Path
 
 from demo_files import left_behind
 
-from warpffrf.demos import crowned_on_raceway as demo
+from demos import crowned_on_raceway as demo
 
 
 def test_the_whole_demo_passes_and_writes_its_files(tmp_path: Path) -> None:

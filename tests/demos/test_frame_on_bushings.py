@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.demos import frame_on_bushings as demo
-from warpffrf.demos import frame_reference as reference
+from demos import frame_on_bushings as demo
+from demos import frame_reference as reference
 
 SMALL = demo.Cells(along=2, across=3, up=1, frames=5)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from warpffrf.demos import heavy_top as demo
+from demos import heavy_top as demo
 
 
 def test_the_error_falls_with_the_square_of_the_step() -> None:

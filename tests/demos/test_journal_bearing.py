@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from warpffrf.demos import journal_bearing as demo
+from demos import journal_bearing as demo
 
 OPPOSITE = 0.5 * demo.COLUMNS  # the column of a groove opposite the load
 

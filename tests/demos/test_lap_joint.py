@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from warpffrf.demos import lap_joint as demo
-from warpffrf.demos import lap_loops
+from demos import lap_joint as demo
+from demos import lap_loops
 
 SLIDES, STIFF = 3.0, 2.0  # of an element that sticks until it slides: force, stiffness
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from warpffrf.demos import leaf_spring as demo
+from demos import leaf_spring as demo
 
 BONDED = 0.02  # softer than beams with leaves that are bonded in the clamp: 1.7 % was seen
 SHARE = 0.29  # of the loss of the tips: what the clamp adds

@@ -9,7 +9,7 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import piston as demo
+from demos import piston as demo
 
 MASS = 0.25  # kg, of some piston
 

@@ -10,8 +10,8 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import press_fit as demo
-from warpffrf.verification.closed_forms import TurnedFit
+from references.closed_forms import TurnedFit
+from demos import press_fit as demo
 
 
 @pytest.fixture(scope="module")

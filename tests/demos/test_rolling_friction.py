@@ -9,7 +9,7 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import rolling_friction as demo
+from demos import rolling_friction as demo
 
 SMALL = demo.Size(sectors=750, layers=8, frames=5)
 BIG_CELLS = demo.Size(sectors=78, layers=8, axial=2, frames=5, patch=(11, 5))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.demos import slider_crank as demo
+from demos import slider_crank as demo
 
 SHORT = demo.Size(cells=10, turns=1, frames=5)
 

@@ -9,7 +9,7 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from warpffrf.demos import snapping_arch as demo
+from demos import snapping_arch as demo
 
 
 def test_the_whole_demo_passes_and_writes_its_files(tmp_path: Path) -> None:

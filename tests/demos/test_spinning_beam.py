@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.demos import spinning_beam as demo
+from demos import spinning_beam as demo
 
 SHORT = demo.Size(cells=10, at_speed=2.0, frames=5)
 FIRST = 3.516015  # lambda of a clamped beam, omega = lambda sqrt(EI / (rho A L^4))

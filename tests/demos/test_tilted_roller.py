@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from warpffrf.demos import tilted_roller as demo
+from demos import tilted_roller as demo
 
 SMALL = demo.Size(sectors=600, layers=7, axial=8, frames=5)
 

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.demos import two_rollers as demo
-from warpffrf.study.unit_time import ONE_THREAD, unit_seconds
+from demos import two_rollers as demo
+from warpffrf.study.machine import ONE_THREAD, unit_seconds
 
 # A higher load widens the patch, so that a coarser mesh still has five elements a half-width.
 SMALL = demo.Size(sectors=1600, layers=18, axial=2, frames=5)

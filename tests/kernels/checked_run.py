@@ -26,6 +26,7 @@ from typing import Any
 import numpy as np
 import warp as wp
 import warp._src.build as build  # where the headers of kernels are found is no public option
+
 import warpffrf_kernels
 
 POINTERS = Path(__file__).with_name("checked_pointers.h")

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
+from scenes.rollers import Path, prescribed_pair, roller_body
 from warpffrf.online import Engine, Settings
-from warpffrf.verification.scenes.rollers import Path, prescribed_pair, roller_body
+from warpffrf_kernels.core import control as k
 
 
 @pytest.fixture(scope="session")

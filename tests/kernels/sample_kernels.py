@@ -2,6 +2,7 @@
 # pyright: reportInvalidTypeForm=false
 
 import warp as wp
+
 from warpffrf_kernels.core.access import inout, out
 
 real = wp.float64

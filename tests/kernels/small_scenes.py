@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
+from scenes.rollers import STEEL, Path, guided_pair, roller_body, solve_path
 from warpffrf.model import films, forces, joints, laws, mesh, oils, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.films import Film
@@ -27,7 +27,7 @@ from warpffrf.online.load_steps import run_static
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.eigenmodes import find_modes
-from warpffrf.verification.scenes.rollers import STEEL, Path, guided_pair, roller_body, solve_path
+from warpffrf_kernels.core import control as k
 
 STEP, STEPS = 2e-5, 5
 RESISTANCE = laws.RollingLever(1e-4, 1.0)

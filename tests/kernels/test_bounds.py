@@ -16,6 +16,7 @@ import pytest
 from checked_run import SAMPLE_SIZE, with_checked_pointers
 from small_scenes import CASES
 from test_signatures import KERNELS
+
 from warpffrf_kernels.core.scalars import BLOCK
 
 RUN = Path(__file__).with_name("checked_run.py")

@@ -7,14 +7,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.constraints.characteristics import characteristic
-from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 from warpffrf.model import forces
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.scene import CompiledScene, compile_scene, models_of
 from warpffrf.online.settings import Settings
+from warpffrf_kernels.constraints.characteristics import characteristic
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 

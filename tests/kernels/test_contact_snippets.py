@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import numpy as np
 import warp as wp
+
+from warpffrf.online import Engine
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics import line_of_centres_weights
-
-from warpffrf.online import Engine
 
 ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
 

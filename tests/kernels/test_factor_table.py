@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 import warp as wp
 from scipy.interpolate import CubicHermiteSpline
-from warpffrf_kernels.core.model import Elements, Films, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
-from warpffrf_kernels.films.roughness import factors_at
 
 from warpffrf.model.films import Roughness
 from warpffrf.model.films.roughness import factor_table, flow_factors
+from warpffrf_kernels.core.model import Elements, Films, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.films.roughness import factors_at
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -8,12 +8,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
 from warpffrf.online import Engine, Settings
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
+from warpffrf_kernels.core import control as k
 
 ROUND_OFF = 1e-9  # of the largest entry: a solve with the pressures' matrix, of condition 1e4 and more
 SKEW = 1e-3  # of the largest entry: H of bodies that turn is not quite symmetric, the matrix of the tractions is

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import warp as wp
+
+from references.half_space.friction_program import residual, solve
+from warpffrf.online.arrays.declaration import host_structs
+from warpffrf.online.compile.outer_pattern import find_pattern, on_device
+from warpffrf.online.device import chosen_device
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.friction import stick_slip_solve
-
-from warpffrf.online.arrays.declaration import host_structs
-from warpffrf.online.compile.outer_pattern import find_pattern, on_device
-from warpffrf.online.device import chosen_device
-from warpffrf.verification.half_space.friction_program import residual, solve
 
 SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
 STIFF = 1e-8  # of the same, where one motion common to all raises the condition to 1e7

@@ -7,13 +7,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.bodies import interfaces
-from warpffrf_kernels.core.scalars import BLOCK, dot, weighted
 
+from studies.speed import against_exudyn as study
 from warpffrf.model import joints
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine
-from warpffrf.study import against_exudyn as study
+from warpffrf_kernels.bodies import interfaces
+from warpffrf_kernels.core.scalars import BLOCK, dot, weighted
 
 ROUND_OFF = 1e-14  # of the sum of absolute values: machine precision times the terms of a partial sum
 

@@ -12,15 +12,15 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.core.model import Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
-from warpffrf_kernels.layers import layer_laws
 
 from warpffrf.model import laws
 from warpffrf.model.laws import curves
 from warpffrf.online.compile.constants import Constants
 from warpffrf.online.compile.layers import fill_layers
 from warpffrf.online.settings import Settings
+from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.layers import layer_laws
 
 wp.set_module_options(MODULE_OPTIONS)
 

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+
 import warpffrf_kernels
 
 FOLDER = Path(warpffrf_kernels.__file__).parent

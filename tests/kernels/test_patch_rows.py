@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
 from warpffrf.online import Engine
+from warpffrf_kernels.core import control as k
 
 RADIUS, APPROACH, TILT = 0.05, 20e-6, 2e-4
 ROUND_OFF = 1e-12  # of the largest entry: sums of some hundred terms

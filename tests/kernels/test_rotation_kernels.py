@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import warp as wp
 from scipy.linalg import expm
+
 from warpffrf_kernels.core.rotation import exponential, matrix, tangent_inverse
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, vec3
 

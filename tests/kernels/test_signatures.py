@@ -12,8 +12,9 @@ from typing import Any
 import pytest
 import sample_kernels
 import warp as wp
-import warpffrf_kernels
 from kernel_access import access_of
+
+import warpffrf_kernels
 from warpffrf_kernels.core.access import is_read, is_written
 from warpffrf_kernels.core.model import Elements, Model
 

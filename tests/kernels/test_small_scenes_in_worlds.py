@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from same_histories import unlike
 from small_scenes import CASES, STEPS, Case
 
+from same_histories import unlike
 from warpffrf.online import run
 from warpffrf.online.history.history import History
 from warpffrf.online.worlds.side_by_side import side_by_side

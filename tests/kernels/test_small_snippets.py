@@ -7,14 +7,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import warp as wp
+
+from warpffrf.online.compile.outer_pattern import find_pattern, on_device
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
 from warpffrf_kernels.linear import block_elimination, general_elimination
 from warpffrf_kernels.linear.outer_solve import PIVOT_TOLERANCE, invert
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.pair_elimination import block_at, gather_block, gather_lines, lines_at
-
-from warpffrf.online.compile.outer_pattern import find_pattern, on_device
 
 wp.set_module_options(MODULE_OPTIONS)
 DEVICE = "cpu"

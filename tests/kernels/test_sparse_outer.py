@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import BLOCK
-from warpffrf_kernels.linear import outer_solve
 
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.compile.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
 from warpffrf.online.device import chosen_device
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.scalars import BLOCK
+from warpffrf_kernels.linear import outer_solve
 
 DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import warp as wp
 from scipy.optimize import minimize_scalar
+
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.surfaces import surface

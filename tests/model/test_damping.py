@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from scenes.rollers import roller_body
 from warpffrf.model.damping import DampingBands, Rayleigh, damping_ratios
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.scene_file import load_scene
-from warpffrf.verification.scenes.rollers import roller_body
 
 FREQUENCIES = np.array([20.0, 99.999, 100.0, 640.0, 1000.0, 5e4])
 

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references.closed_forms.elliptic import EllipticContact
+from references.closed_forms.hertz import contact_modulus
 from warpffrf.model import films, laws, surfaces
 from warpffrf.model.bearings.geometry import BallRaceways
 from warpffrf.model.bearings.parts import Losses, contact_of
@@ -20,8 +22,6 @@ from warpffrf.model.lumped_contact import LumpedContact, refuse_lumped_overlap
 from warpffrf.model.material import Material
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.verification.closed_forms.elliptic import EllipticContact
-from warpffrf.verification.closed_forms.hertz import contact_modulus
 
 STEEL, BRASS = Material(210e9, 0.3, 7800.0), Material(100e9, 0.35, 8500.0)
 ORIGIN, Y = (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)

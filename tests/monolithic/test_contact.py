@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 from warpffrf import monolithic
 from warpffrf.model import signals
 from warpffrf.model.contact import Contact
@@ -15,7 +16,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.monolithic.core.linear import VARIANTS
 from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Settings, run
-from warpffrf.verification.scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 
 INTEGRATOR = GeneralizedAlpha(0.8)
 # the separated solver leaves the grids where they are while an iteration turns them by less than 2e-7 columns, and a

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from studies.films.film_engine import CLEARANCE, GROOVE, SPEED, VISCOSITY, bearing, bore
 from warpffrf import monolithic
 from warpffrf.model import films, joints, laws, oils, signals, surfaces
 from warpffrf.model.errors import InputError
@@ -24,7 +25,6 @@ from warpffrf.online import GeneralizedAlpha, Settings, run
 from warpffrf.online.run import find_equilibrium
 from warpffrf.output.monolithic_run import to_history
 from warpffrf.output.simulate import simulate
-from warpffrf.study.film_engine import CLEARANCE, GROOVE, SPEED, VISCOSITY, bearing, bore
 
 HATS = (32, 7)
 TIGHT = 1e-11  # tolerance of both solvers

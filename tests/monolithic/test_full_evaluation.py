@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 from warpffrf import monolithic
 from warpffrf.model import laws
 from warpffrf.model.errors import InputError
@@ -14,7 +15,6 @@ from warpffrf.model.friction import Coulomb
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import run
-from warpffrf.verification.scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 
 STIFF = 0.3  # of the default layer of nodes, which is 300 times the surface under it
 

@@ -7,7 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.demos import ball_on_plane
+from scenes.rollers import PAIR as ROLLERS
+from scenes.rollers import Path, prescribed_pair, roller_body
+from studies.rolling.full_friction import PAIR, rolled, shifted
+from demos import ball_on_plane
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
@@ -16,9 +19,6 @@ from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.full_friction import PAIR, rolled, shifted
-from warpffrf.verification.scenes.rollers import PAIR as ROLLERS
-from warpffrf.verification.scenes.rollers import Path, prescribed_pair, roller_body
 
 ACROSS = (0.0, 1.0, 0.0)
 RADIUS = 0.05  # m, of the rollers

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from mass_point_body import mass_point_body
 
+from scenes.rollers import PAIR, guided_pair
 from warpffrf import monolithic
 from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic.core import local_coordinates
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair
 
 
 def falling() -> Scene:

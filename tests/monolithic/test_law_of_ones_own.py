@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from scenes.rollers import roller_body
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
@@ -17,7 +18,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.scenes.rollers import roller_body
 
 RADIUS, ACROSS = 0.05, (0.0, 1.0, 0.0)
 BEGINS = 4.0  # standard deviations: no asperity is higher

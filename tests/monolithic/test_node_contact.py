@@ -8,6 +8,10 @@ import numpy as np
 import pytest
 from node_bodies import PAIR, on_half_space
 
+from references.half_space.bodies import half_space
+from references.stick_slip import BeltOscillator
+from scenes.rollers import roller_body
+from studies.rolling.full_friction import with_nodes
 from warpffrf import monolithic
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
@@ -23,10 +27,6 @@ from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Newmark
 from warpffrf.online.stages import Stage
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.full_friction import with_nodes
-from warpffrf.verification.half_space.bodies import half_space
-from warpffrf.verification.scenes.rollers import roller_body
-from warpffrf.verification.stick_slip import BeltOscillator
 
 RIGID = Material(2.1e20, 0.3, 7850.0)  # yields a billionth of what steel does: only the layer is left
 STEEL = Material(210e9, 0.3, 7850.0)

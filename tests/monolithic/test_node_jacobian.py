@@ -9,6 +9,7 @@ import pytest
 from jacobian import differences, worst_entry
 from node_bodies import PAIR, on_ground
 
+from scenes.rollers import roller_body
 from warpffrf.model import laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.friction import RegularisedCoulomb
@@ -29,7 +30,6 @@ from warpffrf.monolithic.nodal.tangent import LinearisedPair
 from warpffrf.monolithic.run import build
 from warpffrf.monolithic.start import standing
 from warpffrf.offline import reduce
-from warpffrf.verification.scenes.rollers import roller_body
 
 AGREE = 1e-5  # of the largest entry of a row: how the lean turns with the place is left out (`nodal.gap`)
 LAYER = laws.LinearLayer(1e13)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, guided_pair
 from warpffrf import monolithic
 from warpffrf.model import signals
 from warpffrf.model.material import Material
@@ -16,7 +17,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import HHT, LocalDynamics, Settings, run
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair
 
 DURATION = 1e-3  # s: two periods of the contact, which carries eight kilograms, while the load rises
 STEPS = (50, 100, 200)

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import roller_body
 from warpffrf import monolithic
 from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, Settings, run
-from warpffrf.verification.scenes.rollers import roller_body
 
 LOAD, STEP, STEPS = 1000e3, 1e-5, 30  # N, s
 TIGHT = 1e-12  # tolerance of both, of the forces

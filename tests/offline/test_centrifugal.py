@@ -9,6 +9,8 @@ from interface_bodies import box, free_body
 from offline_bodies import STEEL, reduced
 from reference_fe import free_response, matrices
 
+from scenes.rotating_disc import INNER, OUTER, THICKNESS, closed_form
+from scenes.rotating_disc import STEEL as DISC_STEEL
 from warpffrf.model import bases
 from warpffrf.model.errors import InputError
 from warpffrf.model.inertia import PRODUCTS, modal_forces
@@ -27,8 +29,6 @@ from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.inertia.centrifugal import BEYOND, TurningResponse, covering_turning, left_out
 from warpffrf.offline.inertia.stiffening import centrifugal_acceleration
 from warpffrf.offline.products import Limits
-from warpffrf.verification.scenes.rotating_disc import INNER, OUTER, THICKNESS, closed_form
-from warpffrf.verification.scenes.rotating_disc import STEEL as DISC_STEEL
 
 EXACT = 1e-8  # what the product promises
 SINGLE = 2e-7  # the display modes are stored in single precision

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from scenes.user_meshes import cut_into_tets, serendipity, straight
+from studies.contact import coarse_rollers as cr
 from warpffrf.model.errors import InputError
 from warpffrf.online.run import find_equilibrium
-from warpffrf.verification import coarse_rollers as cr
-from warpffrf.verification.scenes.user_meshes import cut_into_tets, serendipity, straight
 
 APPROACH = 2e-5
 ESTIMATE = 1e-3  # of the force: other half-widths and pressures along the surface; 0.2 to 0.9e-3 measured

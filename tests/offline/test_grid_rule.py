@@ -8,6 +8,17 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import nnls
 
+from references.half_space.compliances import (
+    EllipsePatch,
+    LinePatch,
+    facing,
+    plane_table,
+    space_table,
+    toeplitz,
+)
+from studies.contact.contact_grid import DEPTH
+from studies.contact.grid_errors import contact_pressures, grid_errors
+from studies.contact.grid_on_roller import approach_for, press, pressed_roller
 from warpffrf.model.errors import InputError
 from warpffrf.offline.contact.cell_depth import DEEPEST
 from warpffrf.offline.contact.grid_rule import (
@@ -20,17 +31,6 @@ from warpffrf.offline.contact.grid_rule import (
     contact_spacing,
     grid_error,
     mesh_advice,
-)
-from warpffrf.study.contact_grid import DEPTH
-from warpffrf.study.grid_errors import contact_pressures, grid_errors
-from warpffrf.study.grid_on_roller import approach_for, press, pressed_roller
-from warpffrf.verification.half_space.compliances import (
-    EllipsePatch,
-    LinePatch,
-    facing,
-    plane_table,
-    space_table,
-    toeplitz,
 )
 
 CASES = [(t, p) for t in TRACTIONS for p in PATCHES]

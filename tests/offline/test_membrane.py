@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from offline_bodies import STEEL
 from plates import plate
 
+from references.large_deflections.body import StVenantKirchhoffBody
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.membrane import membrane_energy, membrane_gradient, membrane_tangent
@@ -33,7 +34,6 @@ from warpffrf.offline.inertia.stiffening import Prestress, prestress_stiffness
 from warpffrf.offline.interfaces.kinds import AverageInterface, body_interfaces
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.output.geometry.scene_view import BodyView
-from warpffrf.verification.large_deflections.body import StVenantKirchhoffBody
 
 SIDE, THICK = 0.4, 4e-3  # m
 BEAM = (1.0, 0.03, 0.01)  # m

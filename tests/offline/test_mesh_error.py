@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from studies.contact.grid_on_roller import RADIUS, STEEL, LayerState, layer_states
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import ball, box, roller
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.grid_rule import GridChoice, grid_error
-from warpffrf.study.grid_on_roller import RADIUS, STEEL, LayerState, layer_states
 
 SECTORS = 720  # half as fine as the study
 LINEAR = (0.85, 1.35)  # estimate over error: what the fit is good for

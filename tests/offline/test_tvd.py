@@ -10,13 +10,13 @@ import scipy.sparse as sp
 from interface_bodies import free_body
 from offline_bodies import STEEL
 
+from references.small_sliding.sheets import ROOT, one_body, stack
 from warpffrf.model import bases
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline import reduce
 from warpffrf.offline.bases.tvd import joint_modes, node_pairs
 from warpffrf.offline.elastic import free_model
-from warpffrf.verification.laps.sheets import ROOT, one_body, stack
 
 LOWER, UPPER = "sheet0_z_max", "sheet1_z_min"
 ROUND_OFF = 1e-8  # of products of vectors of unit energy, and with the base

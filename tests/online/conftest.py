@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from scenes.rollers import roller_body
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.verification.scenes.rollers import roller_body
 
 
 @pytest.fixture(scope="session")

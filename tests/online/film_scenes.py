@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from references.films.elastic import ElasticJournal, held_compliance
 from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.films import Film
 from warpffrf.model.material import Material
@@ -16,7 +17,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History
-from warpffrf.verification.films.elastic import ElasticJournal, held_compliance
 
 STEEL = Material(210e9, 0.3, 7850.0)
 RADIUS, WALL, LENGTH, CLEARANCE = 0.025, 0.0125, 0.025, 25e-6  # m

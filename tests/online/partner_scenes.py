@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
+from scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, StaticPath
 from warpffrf.model import joints, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.gap import smallest_gap
 from warpffrf.model.scene import Scene
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
-from warpffrf.verification.scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, StaticPath
 
 PAIR = "pair"
 TOUCHES = 60  # moves until a body touches; each leaves the error of the direction

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import roller_body
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
@@ -15,7 +16,6 @@ from warpffrf.model.sampling import Sampling
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.training import all_points
 from warpffrf.online import History, run
-from warpffrf.verification.scenes.rollers import roller_body
 
 RADIUS, WIDTH, ROWS = 0.05, 0.02, 4  # m
 SKEW = 1e-3  # rad: places opposite stand 50 um further out than the stations on the line of centres

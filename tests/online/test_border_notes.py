@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from scenes.rollers import STEEL, StaticPath, roller_body
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Settings
 from warpffrf.online.diagnosis.border_notes import BORDER, border_notes
 from warpffrf.online.history.history import ContactHistory
-from warpffrf.verification.scenes.rollers import STEEL, StaticPath, roller_body
 
 ROW = re.compile(r"the end of (\S+), whose last (row|column) had (\d+)% of the largest pressure")
 

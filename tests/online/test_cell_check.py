@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from studies.contact import coarse_rollers as cr
 from warpffrf.model.box_means import Boxes, squares
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile.patch_plan import CROWNED_ERROR, STRIPS_ERROR, PatchPlan
@@ -14,7 +15,6 @@ from warpffrf.online.diagnosis.cell_check import MANY, check_cells
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.online.run import find_equilibrium, run
-from warpffrf.verification import coarse_rollers as cr
 
 APPROACH = 2e-5
 AGAIN = 1e-5  # of forces at poses, modes and times put back: 1e-6 by the width of the patch, which settles in steps

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 from warpffrf.model import joints, laws
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
@@ -25,7 +26,6 @@ from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.eigenmodes import null_space
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.result import Result
-from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from reference_contact import Pose, Problem, contact_problem, gauss

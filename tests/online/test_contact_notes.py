@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from scenes.rollers import StaticPath, guided_pair, roller_body
 from warpffrf.model.errors import InputError
 from warpffrf.online import Settings
 from warpffrf.online.compile import pairs
 from warpffrf.online.diagnosis.contact_notes import MOST_SKEW, angle_between_axes, energy_notes
-from warpffrf.verification.scenes.rollers import StaticPath, guided_pair, roller_body
 
 SECOND_MOMENT = 2.0 / 4**2  # hats on n = 4 cells take z^2, W^2/12 in the mean, too large by W^2/(6 n^2)
 

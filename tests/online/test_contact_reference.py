@@ -8,11 +8,11 @@ from pathlib import Path as FilePath
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, Path, StaticPath, prescribed_pair
 from warpffrf.model import rotation as rot
 from warpffrf.model.gap import undeformed_gap
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
-from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, prescribed_pair
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from reference_contact import Pose, Problem, contact_problem

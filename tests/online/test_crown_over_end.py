@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from patch_reference import Patch, line_edges, pressed
 
 import warpffrf as wf
+from patch_reference import Patch, line_edges, pressed
+from scenes.rolling_pairs import STEEL, WIDTH, R, reduced, roller
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import find_equilibrium, run
 from warpffrf.online.compile.patch_plan import common_width, crowned_edges, end_places, is_crowned
 from warpffrf.online.compile.patch_plan import line_edges as rows_of_lines
 from warpffrf.online.diagnosis.border_notes import BORDER
-from warpffrf.verification.scenes.rolling_pairs import STEEL, WIDTH, R, reduced, roller
 
 CROWN = 2.0  # m: on both, 1/m of relative curvature along the axis, an ellipse of aspect 10 and more
 TILT = 9e-3  # rad: two crowns touch at CROWN TILT/2 from their middles, 9 mm of 10

@@ -9,6 +9,7 @@ import pytest
 import scipy.linalg
 import scipy.sparse.linalg as spla
 
+from scenes.rollers import STEEL, guided_pair
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
@@ -26,7 +27,6 @@ from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.scenes.rollers import STEEL, guided_pair
 
 GRAVITY = 9.81
 CLOSED = 1e-9  # of a frequency: differences of forces, 1e-11 of them, and the static state, 1e-12 m

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from partner_scenes import pressed, solved
 
+from scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 from warpffrf.model import signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.contact_grid import ContactGrid
@@ -22,7 +23,6 @@ from warpffrf.online import Engine, Settings, run
 from warpffrf.online.compile.sampling_rules import on_stations
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.start.settle import settle
-from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01
 STEP = 2.5e-5  # s: contact that bounces at some 2 kHz is resolved

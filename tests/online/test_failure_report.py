@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
+from scenes.rollers import PAIR, guided_pair
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.diagnosis.failure_report import _fullest, failure_owner, row_owners
 from warpffrf.online.start.consistent import start_consistently
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair
+from warpffrf_kernels.core import control as k
 
 
 def chain() -> Scene:

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from studies.films.film_acceptance import FACE, above, of_x, plate, sliding
+from studies.films.film_engine import CLEARANCE, GROOVE, LENGTH, RADIUS, SPEED, TURN, VISCOSITY, Load, bearing, bore
 from warpffrf.model import films, joints, oils, signals, surfaces
 from warpffrf.model.films import Film
 from warpffrf.model.scene import Scene
@@ -15,8 +17,6 @@ from warpffrf.online.diagnosis.film_check import SAMPLED, FilmCheck
 from warpffrf.online.history.films import narrowest
 from warpffrf.online.run import find_equilibrium
 from warpffrf.output.budget.films import film_lines
-from warpffrf.study.film_acceptance import FACE, above, of_x, plate, sliding
-from warpffrf.study.film_engine import CLEARANCE, GROOVE, LENGTH, RADIUS, SPEED, TURN, VISCOSITY, Load, bearing, bore
 
 HATS = (32, 17)
 SAME = 2e-3  # of a quantity: two iterations that end at 1e-4 of the pressure, and a load that shear carries c/R of

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from film_scenes import CLEARANCE, LENGTH, RADIUS, SPEED, VISCOSITY, bearing, bore_body, place
 
+from references.films.journal import JournalFilm
 from warpffrf.model import films
 from warpffrf.online import find_equilibrium
 from warpffrf.output.result import Result
-from warpffrf.verification.films.journal import JournalFilm
 
 TRUE = 3.0  # an estimate is good for the figure's order: within this factor
 

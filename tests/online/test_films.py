@@ -27,6 +27,8 @@ from film_scenes import (
     turning_load,
 )
 
+from references.films.grid import FilmGrid
+from references.films.journal import JournalFilm
 from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
@@ -40,8 +42,6 @@ from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes
 from warpffrf.online.history.films import narrowest
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.vibrations.eigenmodes import find_modes
-from warpffrf.verification.films.grid import FilmGrid
-from warpffrf.verification.films.journal import JournalFilm
 
 SOLVED = 1e-8  # of the flows: the iteration ends at 1e-9
 

@@ -22,6 +22,7 @@ from film_scenes import (
 )
 from scipy.spatial import KDTree
 
+from references.films.elastic import held_compliance
 from warpffrf.model import films
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.films.film import places_around
@@ -31,7 +32,6 @@ from warpffrf.online.diagnosis.film_notes import film_notes
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf.output.result import Result
-from warpffrf.verification.films.elastic import held_compliance
 
 STIFFER = 1e5  # times steel
 DIRECTIONS = CLEARANCE / RADIUS  # both surfaces' normals and hats, which the reference does not tell apart

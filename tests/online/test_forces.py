@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import STEEL
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
@@ -17,7 +18,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
-from warpffrf.verification.scenes.rollers import STEEL
 
 MASS, INERTIA = 2.0, (0.1, 0.2, 0.25)
 STIFFNESS = np.array([800.0, 1000.0, 1200.0, 30.0, 50.0, 70.0])

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model import forces, joints
 from warpffrf.model.material import Material
@@ -17,6 +16,7 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine
+from warpffrf_kernels.core import control as k
 
 STEP = 1e6  # s: inertia is nothing beside
 DIFFERENCE = 1e-5  # m, rad; modes move the tip by as much

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 from impact_reference import Half, collide
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.step.commit import LEAST_GAIN, MOST_GAINED, decide
 
+from references.closed_forms import BarImpact
+from studies.contact.colliding_bars import LENGTH, SPEED, bar
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import default_damping
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
@@ -24,8 +24,8 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import run
 from warpffrf.online.settings import Settings
-from warpffrf.verification.closed_forms import BarImpact
-from warpffrf.verification.colliding_bars import LENGTH, SPEED, bar
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.step.commit import LEAST_GAIN, MOST_GAINED, decide
 
 MODES, GAP = 6, 1e-7
 UNGATED = Settings(energy_tolerance=1e9)

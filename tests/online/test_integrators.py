@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from point_mass_body import PointMasses, momenta, point_masses, reduced_points
 
+from references.oscillator import errors, roots
+from studies.bodies.free_flight import deviations
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
@@ -30,8 +32,6 @@ from warpffrf.online.free_flight import check_run
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.free_flight.free_bodies import Motion, free_body
 from warpffrf.scene_file.forms import snake_case
-from warpffrf.verification.free_flight import deviations
-from warpffrf.verification.oscillator import errors, roots
 
 STEPPERS = [
     GeneralizedAlpha(0.0), GeneralizedAlpha(0.5), GeneralizedAlpha(0.8), GeneralizedAlpha(1.0),

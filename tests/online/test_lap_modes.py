@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from lap_scenes import LOAD, one_block, two_blocks
-from warpffrf_kernels.laps.words import ANEW, READY
 
 from warpffrf.model import signals
 from warpffrf.online.engine import Engine
@@ -13,6 +12,7 @@ from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import linearise
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.simulate import simulate
+from warpffrf_kernels.laps.words import ANEW, READY
 
 TRUNCATED = 1e-3  # of a frequency: what modes of the blocks above HIGHEST have of inertia
 CELLS = (6, 2, 2), (12, 4, 4)

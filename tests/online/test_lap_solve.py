@@ -9,18 +9,18 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lap_reference import solve_increment, violations
 
+from lap_reference import solve_increment, violations
+from references.small_sliding.cells import facet_cells
+from references.small_sliding.full_model import FullModel, Part
+from references.small_sliding.quasi_static import StaticLap
+from references.small_sliding.sheets import ROOT, graded_stack, one_body
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.laps import Lap, LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.laps.cells import facet_cells
-from warpffrf.verification.laps.full_model import FullModel, Part
-from warpffrf.verification.laps.quasi_static import StaticLap
-from warpffrf.verification.laps.sheets import ROOT, graded_stack, one_body
 
 STEEL = Material(210e9, 0.3, 7850.0)
 STEPS = 14

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.study.lap_cases import FIT, LEAVES, TURNED, pressed_on, two_leaves
-from warpffrf.study.lap_rows import cycle, loads, static
+from studies.small_sliding.lap_cases import FIT, LEAVES, TURNED, pressed_on, two_leaves
+from studies.small_sliding.lap_rows import cycle, loads, static
 
 
 def test_leaves_begin_pressed_and_turn_back_without_small_steps() -> None:

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 from lap_scenes import two_blocks
-from warpffrf_kernels.laps.forms import OPEN, SLIP, STICK
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.vibrations.rubbing import LapForces
+from warpffrf_kernels.laps.forms import OPEN, SLIP, STICK
 
 FRICTION = 0.3
 ROUND_OFF = 1e-9  # of forces and of T_zz: G has a condition of 1e4

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 from lap_scenes import two_blocks
-from warpffrf_kernels.laps.words import ANEW, READY, STANDS
 
 from warpffrf.model import signals
 from warpffrf.model.keeping import Source, Unfinished
@@ -20,6 +19,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.load_steps import run_static
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
+from warpffrf_kernels.laps.words import ANEW, READY, STANDS
 
 AGREES = 1e-8  # of the largest: steps balance to 1e-9, and what they leave adds up
 CYCLE, STEPS = 1e-3, 40  # s, load steps or steps of a cycle that slides

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels.normal.lasting import AGE
 
 import warpffrf as wf
 from warpffrf.online import run
 from warpffrf.online.checkpoint import restore
 from warpffrf.online.compile import patches
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.normal.lasting import AGE
 
 RADIUS, STEP, STEPS = 0.05, 1e-4, 60
 SPEED = 40.0  # rad/s: the patch travels over an element of 8 mm in 40 steps

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 from warpffrf.model import laws, signals
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.reduced_body import ReducedBody
@@ -22,7 +23,6 @@ from warpffrf.online.compile.sampling_rules import chosen_rule
 from warpffrf.online.diagnosis.sampling_check import check_sampling
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import slot_flexibility
-from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 
 WANTED = 0.01
 STEP = 1e-4

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from lumped_scenes import HERTZ, ORIGIN, STEEL
 
+from scenes.rollers import roller_body
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
-from warpffrf.verification.scenes.rollers import roller_body
 
 RADIUS = 0.01
 MASS = STEEL.density * 4.0 / 3.0 * np.pi * RADIUS**3

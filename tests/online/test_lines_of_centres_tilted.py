@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR
+from studies.hard_cases.cases.misaligned import LOAD, RADIUS, TILT, scene_of
 from warpffrf.model.errors import InputError
 from warpffrf.online import run
 from warpffrf.output.accuracy.demands import contact_choices
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.budget.contacts import GAPS
 from warpffrf.output.simulate import simulate
-from warpffrf.study.hard_cases.cases.misaligned import LOAD, RADIUS, TILT, scene_of
-from warpffrf.verification.scenes.rollers import PAIR
 
 SAID = "gaps along the line of centres leave about"
 

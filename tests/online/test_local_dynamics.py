@@ -99,6 +99,7 @@ def exact(omega: float, zeta: float, t: np.ndarray, rise: float, h: float) -> np
 def test_exponential_is_exact_for_a_linear_load(zeta: float, product: float) -> None:
     """The kernel's formula, from omega h = 0.05 to 50, damped and not."""
     import warp as wp
+
     from warpffrf_kernels.bodies.motion import exact_step, write_exact
 
     @wp.kernel

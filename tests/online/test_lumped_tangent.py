@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from lumped_scenes import MEETINGS, STEEL, pair
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model import laws
 from warpffrf.online import Engine
+from warpffrf_kernels.core import control as k
 
 STEP, BETA, GAMMA = 1e-4, 0.3, 0.6  # of the step in time whose tangent it is
 APPROACH = 4e-6  # m

@@ -8,6 +8,7 @@ import functools
 import numpy as np
 import pytest
 
+from references.closed_forms import pinned_beam_frequency
 from warpffrf.model import joints
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.model.material import Material
@@ -17,7 +18,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.stages import Stage
 from warpffrf.output.simulate import equilibrium, simulate
-from warpffrf.verification.closed_forms import pinned_beam_frequency
 
 MATERIAL = Material(210e9, 0.3, 7850.0)
 SIDE, THICK = 0.4, 4e-3  # m, of the plate

@@ -6,8 +6,9 @@ import functools
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
+from references.large_deflections.body import StVenantKirchhoffBody
+from references.large_deflections.statics import by_load
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import EnergyMomentum
@@ -19,8 +20,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine
 from warpffrf.output.simulate import equilibrium, simulate
-from warpffrf.verification.large_deflections.body import StVenantKirchhoffBody
-from warpffrf.verification.large_deflections.statics import by_load
+from warpffrf_kernels.core import control as k
 
 SIDE, THICK = 0.4, 4e-3  # m
 MATERIAL = Material(210e9, 0.316, 7850.0)

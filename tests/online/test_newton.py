@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
+from scenes.rollers import PAIR, Path, guided_pair, prescribed_pair
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.start.settle import settle
-from warpffrf.verification.scenes.rollers import PAIR, Path, guided_pair, prescribed_pair
+from warpffrf_kernels.core import control as k
 
 ROUND_OFF = 1e-10  # residuals below this are round-off of the joint equations
 # the tangent leaves out how the grids' phases follow a tilt: then the tail is linear, with this factor at most

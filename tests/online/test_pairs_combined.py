@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from scipy.linalg import null_space
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model import forces, joints, laws, surfaces
 from warpffrf.model import rotation as rot
@@ -27,6 +26,7 @@ from warpffrf.online.history.history import History
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import linearise
+from warpffrf_kernels.core import control as k
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 

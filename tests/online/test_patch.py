@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from patch_reference import Patch, press_both
 from scipy.linalg import null_space
 
 import warpffrf as wf
+from patch_reference import Patch, press_both
+from references.closed_forms import LineContact, PointContact, contact_modulus
 from warpffrf.model.errors import InputError
 from warpffrf.model.far_field import UNUSABLE
 from warpffrf.online import run
@@ -18,7 +19,6 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import linearise
-from warpffrf.verification.closed_forms import LineContact, PointContact, contact_modulus
 
 STEEL = wf.Material(210e9, 0.3, 7800.0)
 RADIUS, WIDTH = 0.05, 0.02

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import STEEL, Path, StaticPath, prescribed_pair, roller_body
 from warpffrf.model import joints, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
@@ -18,7 +19,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
-from warpffrf.verification.scenes.rollers import STEEL, Path, StaticPath, prescribed_pair, roller_body
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings
+from warpffrf_kernels.core import control as k
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import MODES, made_body

@@ -10,12 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
-from warpffrf_kernels.bodies import motion
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.declaration import Declaration, integers, parts, reals, vectors
-from warpffrf_kernels.core.model import Model
 
 import warpffrf as wf
+from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import laws
 from warpffrf.model.friction import StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
@@ -34,7 +31,10 @@ from warpffrf.online.step import phases, snapshot
 from warpffrf.online.step.launches import DECLARED, blocks, threads
 from warpffrf.online.step.phases import Participant
 from warpffrf.online.step.program import PARTICIPANTS, WHOLE
-from warpffrf.verification.scenes.rollers import guided_pair, roller_body
+from warpffrf_kernels.bodies import motion
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.declaration import Declaration, integers, parts, reals, vectors
+from warpffrf_kernels.core.model import Model
 
 STEP, STEPS = 2e-5, 8
 IMPACT_STEP = 1e-4  # s: a step that is taken again, with impulsive pairs

@@ -8,15 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from rolling_reference import Cells, Side, near
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.friction.cell_blocks import COUNT
 
 import warpffrf as wf
+from rolling_reference import Cells, Side, near
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Engine, run
 from warpffrf.online.compile.patch_plan import PatchPlan
 from warpffrf.online.engine import KEPT_MARK
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.friction.cell_blocks import COUNT
 
 RADIUS, WIDTH, BALL = 0.05, 0.02, 0.03
 STEEL, ALUMINIUM = wf.Material(210e9, 0.3, 7800.0), wf.Material(70e9, 0.34, 2700.0)

@@ -8,10 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from same_histories import unlike
-from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
+from same_histories import unlike
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
@@ -21,6 +20,7 @@ from warpffrf.online.arrays.scratch import Scratch, scratch_for
 from warpffrf.online.compile import room
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.vibrations.eigenmodes import find_modes
+from warpffrf_kernels.core import control as k
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body

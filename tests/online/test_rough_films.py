@@ -19,12 +19,12 @@ from film_scenes import (
     turning_load,
 )
 
+from references.films.rough_walls import RoughWalls
 from warpffrf.model.films import Roughness
 from warpffrf.model.films.roughness import flow_factors
 from warpffrf.model.laws import GreenwoodTripp
 from warpffrf.online import run
 from warpffrf.online.run import find_equilibrium
-from warpffrf.verification.films.rough_walls import RoughWalls
 
 STEP = 2.0 * np.pi / SPEED / 60.0
 ACROSS, AROUND = Roughness(0.7e-6, 1 / 3), Roughness(0.4e-6, 6.0)

@@ -8,12 +8,12 @@ import functools
 import numpy as np
 import pytest
 
+from scenes.rollers import roller_body
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
-from warpffrf.verification.scenes.rollers import roller_body
 
 SIZES = (1e-4, 1e4)
 STEP, STEPS = 1e-5, 30  # s, of the scene of size 1

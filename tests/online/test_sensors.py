@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import STEEL
 from warpffrf.model import forces, joints, sensors, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
@@ -18,7 +19,6 @@ from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.scenes.rollers import STEEL
 
 MASS, INERTIA = 2.0, (0.1, 0.2, 0.25)
 SPEED, ARM = 12.0, np.array([0.3, 0.1, 0.0])

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, Path, StaticPath, prescribed_pair, roller_body
 from warpffrf.model import forces, joints
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
-from warpffrf.verification.scenes.rollers import PAIR, Path, StaticPath, prescribed_pair, roller_body
 
 GRAVITY = 9.81
 

@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model import rotation as rot
@@ -24,6 +23,7 @@ from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.compile import room
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
+from warpffrf_kernels.core import control as k
 
 sys.path.insert(0, str(FilePath(__file__).parent))
 from made_bodies import made_body

@@ -10,7 +10,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import warpffrf as wf
-from warpffrf.demos import snapping_arch as arch
+from demos import snapping_arch as arch
 from warpffrf.online import snap_through
 from warpffrf.online.engine import Engine
 

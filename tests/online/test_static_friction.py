@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
+from scenes.rollers import roller_body
 from warpffrf.model import forces, joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.friction import RegularisedCoulomb
@@ -17,7 +17,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Ramp, Table
 from warpffrf.online.engine import Engine
-from warpffrf.verification.scenes.rollers import roller_body
+from warpffrf_kernels.core import control as k
 
 ORIGIN = (0.0, 0.0, 0.0)
 STIFFNESS, BOUND, LOAD = 1000.0, 20.0, 50.0  # N/m, N, N

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from film_scenes import bearing
-from warpffrf_kernels.core import control as k
 
 import warpffrf as wf
+from scenes.rollers import Path, guided_pair, prescribed_pair
 from warpffrf.model import forces, joints, sensors
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
@@ -21,7 +21,7 @@ from warpffrf.model.signals import Constant, Ramp, Table
 from warpffrf.offline import reduce
 from warpffrf.online.engine import Engine
 from warpffrf.output.simulate import StagedResult
-from warpffrf.verification.scenes.rollers import Path, guided_pair, prescribed_pair
+from warpffrf_kernels.core import control as k
 
 LENGTH, WIDTH, HEIGHT, YOUNG, DENSITY = 1.0, 0.03, 0.01, 210e9, 7850.0  # m, Pa, kg/m3
 MOST_ITERATIONS = 5  # of a load step: it takes 4, of Newton's method that converges quadratically

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from warpffrf_kernels.core import control as k
 
+from scenes.rollers import PAIR, guided_pair, roller_body
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
@@ -17,7 +17,7 @@ from warpffrf.online.run import MESSAGES, coarser, describe
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle
 from warpffrf.online.step.graph import StepGraph
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
+from warpffrf_kernels.core import control as k
 
 LOAD = 200e3  # N: some columns of hats
 

@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from scenes.rollers import roller_body
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Table
-from warpffrf.verification.scenes.rollers import roller_body
 
 ORIGIN = (0.0, 0.0, 0.0)
 RADIUS, FRICTION, PRESS, GRAVITY = 0.05, 0.3, 3e4, 9.81  # m, -, N, m/s2

@@ -12,9 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from same_histories import unlike
 
 import warpffrf as wf
+from same_histories import unlike
+from scenes.rollers import guided_pair, roller_body
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online.arrays.views import Views
@@ -26,7 +27,6 @@ from warpffrf.online.step.graph import StepGraph
 from warpffrf.online.turn import TURN
 from warpffrf.online.worlds.engines import SharedEngine
 from warpffrf.online.worlds.meeting import Ended, Meeting
-from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 STEP, STEPS = 1e-3, 8
 LEDGER = 1e-4  # of the energy: second order in the step, 4e-5 is found

@@ -7,10 +7,10 @@ import lap_runs
 import numpy as np
 
 import warpffrf as wf
+from scenes.rollers import STEEL, guided_pair, roller_body
 from warpffrf.model import films, forces, joints, oils, surfaces
 from warpffrf.model.mesh import sleeve
 from warpffrf.output.result import Result
-from warpffrf.verification.scenes.rollers import STEEL, guided_pair, roller_body
 
 STEPS, STEP, SPEED = 24, 1e-4, 200.0  # -, s, rad/s reached at the end
 RADIUS, CLEARANCE = 0.025, 25e-6  # m, of the bore, and of the shaft in it

@@ -12,6 +12,9 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from scenes.rollers import PAIR, guided_pair, roller_body
+from studies.accuracy.budget_check import driven_mass, pendulum
+from studies.hard_cases.suite import CASES
 from warpffrf.model import joints, signals
 from warpffrf.model.errors import InputError
 from warpffrf.online.history.budget_line import BudgetLine
@@ -31,9 +34,6 @@ from warpffrf.output.budget import time_step
 from warpffrf.output.budget.energy import OF, SOURCE, energy_lines
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.simulate import simulate
-from warpffrf.study.budget_check import driven_mass, pendulum
-from warpffrf.study.hard_cases.suite import CASES
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
 
 REFERENCE = 8  # times the steps of the run: its own error is 1/64 of the run's
 

@@ -8,6 +8,7 @@ import matplotlib
 import numpy as np
 import pytest
 
+from references.closed_forms.elliptic import EllipticContact
 from warpffrf.model import forces, laws
 from warpffrf.model.bearings import Pockets
 from warpffrf.model.errors import InputError
@@ -15,7 +16,6 @@ from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
-from warpffrf.verification.closed_forms.elliptic import EllipticContact
 
 matplotlib.use("Agg")
 MM = 1e-3

@@ -13,12 +13,12 @@ import pytest
 from matplotlib.figure import Figure
 
 import warpffrf as wf
+from scenes.rollers import STEEL
 from warpffrf.model import forces, joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import box
 from warpffrf.output.campbell import Campbell, Crossing, whirl_of
 from warpffrf.output.result import Result
-from warpffrf.verification.scenes.rollers import STEEL
 
 M, J_T, J_P = 10.0, 0.08, 0.12  # kg, kg m2
 BEARINGS = ((-0.2, 2e6), (0.25, 2.5e6))  # m, N/m

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from references.closed_forms import PointContact, contact_modulus
+from studies.accuracy.figure_errors import FACTOR, KINDS, compare, cover, nip
+from studies.contact import coarse_points as points
+from studies.contact import coarse_rollers as rollers
+from studies.films import film_acceptance as films
 from warpffrf.model.mesh_error import own_mesh_error
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget import budget
 from warpffrf.output.budget.balance import given_by_loads
 from warpffrf.output.budget.figures import UNKNOWN, figure_text, figures, total
-from warpffrf.study import film_acceptance as films
-from warpffrf.study.figure_errors import FACTOR, KINDS, compare, cover, nip
-from warpffrf.verification import coarse_points as points
-from warpffrf.verification import coarse_rollers as rollers
-from warpffrf.verification.closed_forms import PointContact, contact_modulus
 
 PAIR = f"contact {rollers.PAIR!r}"
 APPROACH = 2e-5

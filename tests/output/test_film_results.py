@@ -11,9 +11,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from recordings import columns
-from warpffrf_kernels.films.keeping import NUMBERS
 
+from recordings import columns
 from warpffrf.model import films, oils, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact_grid import ContactGrid
@@ -35,6 +34,7 @@ from warpffrf.output.plots.figure import write_figure
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
+from warpffrf_kernels.films.keeping import NUMBERS
 
 R, CLEARANCE, WALL = 0.03, 40e-6, 1.5  # m, m, outer over inner radius
 COLUMNS, ROWS, STEPS = 24, 7, 6

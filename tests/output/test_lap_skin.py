@@ -11,6 +11,9 @@ from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 import warpffrf as wf
+from references.small_sliding.cells import facet_cells
+from references.small_sliding.full_model import FullModel, Part
+from references.small_sliding.sheets import graded_stack
 from warpffrf import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.mesh import Mesh, box
@@ -18,9 +21,6 @@ from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.stress.plan import StressPlan
 from warpffrf.output.bodies.lap_loads import LapLoads
 from warpffrf.output.result import Result
-from warpffrf.verification.laps.cells import facet_cells
-from warpffrf.verification.laps.full_model import FullModel, Part
-from warpffrf.verification.laps.sheets import graded_stack
 
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)
 CORK = wf.Material(youngs_modulus=1e9, poisson_ratio=0.0, density=1000.0)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, guided_pair, roller_body
 from warpffrf.model import forces, joints, sensors, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
@@ -16,7 +17,6 @@ from warpffrf.online import GeneralizedAlpha, LocalDynamics, RungeKutta4
 from warpffrf.online.stages import Stage
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
 
 SAME = {"integrator": GeneralizedAlpha(0.8), "progress": False}
 HATS = Monolithic(law="hats", variant="low_rank")

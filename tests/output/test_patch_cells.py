@@ -13,9 +13,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from recordings import columns
 
 import warpffrf as wf
+from recordings import columns
+from references.closed_forms import LineContact
 from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.stress_field import rotated, to_tensor
@@ -30,7 +31,6 @@ from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.patch_map import map_window, pressure_map
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
-from warpffrf.verification.closed_forms import LineContact
 
 STEEL = wf.Material(210e9, 0.3, 7800.0)
 R, BORE, WIDTH, SECTORS, APPROACH = 0.05, 0.015, 0.02, 79, 19.74e-6

@@ -9,10 +9,10 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import warpffrf as wf
+from scenes.rollers import STEEL
 from warpffrf.model import rotation as rot
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.output.files import unfinished
-from warpffrf.verification.scenes.rollers import STEEL
 
 LENGTH, SIDE = 0.5, 0.02  # m
 DISC, OFF, J_P = 8.0, 1e-4, 5e-3  # kg, m of the disc's centre of mass from the axis, kg m2

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references.small_sliding.sheets import graded_stack, one_body
 from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.laps.cells import make_cells
 from warpffrf.output.geometry.skin_nodes import SkinNodes
-from warpffrf.verification.laps.sheets import graded_stack, one_body
 
 LINES = (np.array([0.0, 6.0, 11.0, 18.0]) * 1e-3, np.array([0.0, 5.0, 9.0]) * 1e-3, [0.0, 2e-4])  # thin sheets
 THICK = 2e-4  # m

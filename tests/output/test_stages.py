@@ -9,10 +9,10 @@ import pytest
 from numpy.lib.recfunctions import drop_fields
 
 import warpffrf as wf
+from scenes.rollers import guided_pair, roller_body
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.online.stages import Stage
 from warpffrf.output.simulate import StagedResult, simulate
-from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 STEP = 1e-4
 GRAVITY = (0.0, 0.0, -9.81)

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from patch_rubbing_run import make_patch_history, patch_contact
 from synthetic_run import make_history
 
+from references.closed_forms import LineContact, PointContact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.surfaces import Plane
@@ -19,7 +20,6 @@ from warpffrf.output.bodies.stress_below import stress_below
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint, hertz_line, hertz_point
 from warpffrf.output.contact.hertz_stress import largest_below, largest_of, stress_on_axis
 from warpffrf.output.result import Result
-from warpffrf.verification.closed_forms import LineContact, PointContact
 
 NU, MODULUS = 0.3, 1.1e11
 DEPTH = np.linspace(0.0, 3.0, 31)

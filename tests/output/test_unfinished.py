@@ -22,6 +22,7 @@ import unfinished_runs
 from unfinished_runs import FEW, OPTIONS, STEP, pendulum
 
 import warpffrf as wf
+from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import interruption
 from warpffrf.model.errors import InputError
 from warpffrf.model.keeping import Plan, Unfinished
@@ -30,7 +31,6 @@ from warpffrf.online.history.history import History
 from warpffrf.online.keeping import Keeping
 from warpffrf.output import outputs
 from warpffrf.output.files import unfinished
-from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 PROGRAM = Path(__file__).with_name("unfinished_runs.py")
 BEFORE_LONG = 100.0  # s, before a program has started and said something

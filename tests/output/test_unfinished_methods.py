@@ -9,6 +9,7 @@ import pytest
 from test_unfinished import first_rows, kept, same
 from unfinished_runs import CHECKS, STEP, top
 
+from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.scene import Scene
@@ -16,7 +17,6 @@ from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.scenes.rollers import guided_pair, roller_body
 
 METHODS = {
     "low rank": Monolithic(variant="low_rank"),

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from studies.bodies.bases import Entry, arm, by_size, full_body, measure, page
 from warpffrf.model import bases
 from warpffrf.offline.products import Limits
-from warpffrf.study.bases import Entry, arm, by_size, full_body, measure, page
 
 
 @pytest.fixture(scope="module")

@@ -6,9 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from warpffrf.model.errors import InputError
-from warpffrf.model.material import Material
-from warpffrf.verification.closed_forms import (
+from references.closed_forms import (
     BarImpact,
     CarterRolling,
     HertzImpact,
@@ -23,7 +21,9 @@ from warpffrf.verification.closed_forms import (
     persson,
     tangential_compliance,
 )
-from warpffrf.verification.half_space.influence import strip_displacement
+from references.half_space.influence import strip_displacement
+from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
 
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 SOFT = Material(70e9, 0.2, 2700.0, name="soft")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.special import zeta
 
-from warpffrf.verification.colliding_bars import EXACT, LENGTH, SPEED, STEEL, bar, collide, measured
+from studies.contact.colliding_bars import EXACT, LENGTH, SPEED, STEEL, bar, collide, measured
 
 TIME = IMPULSE = MEAN = 0.02  # promised
 RMS = {20: 0.05, 50: 0.01}  # promised

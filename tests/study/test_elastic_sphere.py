@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.special import eval_legendre
 
+from references.closed_forms.elastic_sphere import approach_correction, harmonic
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.verification.closed_forms.elastic_sphere import approach_correction, harmonic
 
 STEEL = Material(210e9, 0.3, 7800.0)
 STEP = 1e-3  # of the differences, on a unit sphere

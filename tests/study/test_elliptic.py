@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from warpffrf.verification.closed_forms import PointContact
-from warpffrf.verification.closed_forms.elliptic import EllipticContact
+from references.closed_forms import PointContact
+from references.closed_forms.elliptic import EllipticContact
 
 LOAD, MODULUS = 300.0, 1.1e11
 

@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.model.errors import InputError
-from warpffrf.verification.closed_forms import LineContact, contact_modulus
-from warpffrf.verification.finite_elements.free_end import (
+from references.closed_forms import LineContact, contact_modulus
+from references.finite_elements.free_end import (
     LINE_LOAD,
     STEEL_ROLLER,
     EndPressure,
     press_pair,
     press_roller,
 )
+from warpffrf.model.errors import InputError
 
 LINE = LineContact(LINE_LOAD, STEEL_ROLLER.outer_radius, contact_modulus(STEEL_ROLLER.material))
 END_CHANGE = 0.02  # between the levels

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from studies.bodies.flexible_bearings import CASES, HEAD, main, page, row
 from warpffrf.model.errors import InputError
-from warpffrf.study.flexible_bearings import CASES, HEAD, main, page, row
 
 
 def test_rigid_cases_are_the_published_ones(capsys: pytest.CaptureFixture[str]) -> None:

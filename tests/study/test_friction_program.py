@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from references.half_space.friction_program import project, residual, solve, sweep
+from references.half_space.influence import coupling_2d, coupling_3d, influence_2d, influence_3d, normal_3d
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.verification.half_space.friction_program import project, residual, solve, sweep
-from warpffrf.verification.half_space.influence import coupling_2d, coupling_3d, influence_2d, influence_3d, normal_3d
 
 STEEL = Material(210e9, 0.3, 7800.0)
 SOFT = Material(3e9, 0.1, 1000.0)

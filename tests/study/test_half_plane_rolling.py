@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.verification.carter import FRICTION, LINE, POINT, SHARES, STEEL, creepage_error, mindlin_errors, settled
-from warpffrf.verification.closed_forms import CarterRolling, MindlinLine, MindlinPoint, tangential_compliance
-from warpffrf.verification.half_space.rolling import Rolling, settle
-from warpffrf.verification.half_space.tangential_loading import line_patch, point_patch
+from references.closed_forms import CarterRolling, MindlinLine, MindlinPoint, tangential_compliance
+from references.half_space.rolling import Rolling, settle
+from references.half_space.tangential_loading import line_patch, point_patch
+from studies.rolling.carter import FRICTION, LINE, POINT, SHARES, STEEL, creepage_error, mindlin_errors, settled
 
 LAW = 0.01  # of Q at 8 cells in a half-width and 16 steps a crossing: promised
 ANY_PHASE = 0.005  # of Q at 8 cells, at one and two cells a step; the constants of the softness are rounded

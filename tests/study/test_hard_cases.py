@@ -11,19 +11,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from studies.hard_cases import stability
+from studies.hard_cases import suite as suites
+from studies.hard_cases.case import Case, Finding, Ledger, Setting
+from studies.hard_cases.cases import CASES
+from studies.hard_cases.classes import DEGRADED, FAIL, JOINTS, PASS, REFUSED, SILENT, joint_violation, judge
+from studies.hard_cases.memory import STATM, MemoryWatch, resident
+from studies.hard_cases.run import run_case
+from studies.hard_cases.suite import chosen, run_suite
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online.run import run
 from warpffrf.output.result import Result
-from warpffrf.study.hard_cases import stability
-from warpffrf.study.hard_cases import suite as suites
-from warpffrf.study.hard_cases.case import Case, Finding, Ledger, Setting
-from warpffrf.study.hard_cases.cases import CASES
-from warpffrf.study.hard_cases.classes import DEGRADED, FAIL, JOINTS, PASS, REFUSED, SILENT, joint_violation, judge
-from warpffrf.study.hard_cases.memory import STATM, MemoryWatch, resident
-from warpffrf.study.hard_cases.run import run_case
-from warpffrf.study.hard_cases.suite import chosen, run_suite
 
 RIGHT, ROUGH, WRONG = (Finding("place", error, 1e-3, 1e-1) for error in (1e-4, 1e-2, 1.0))
 STEP = 1e-3

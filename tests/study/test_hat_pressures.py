@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from references.closed_forms import LineContact, PointContact, contact_modulus
+from references.half_space.hat_pressures import bounding, edge_beyond, line_pressures, point_pressures
+from references.half_space.influence import influence_3d, mean_2d, mean_3d, strip_displacement
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.verification.closed_forms import LineContact, PointContact, contact_modulus
-from warpffrf.verification.half_space.hat_pressures import bounding, edge_beyond, line_pressures, point_pressures
-from warpffrf.verification.half_space.influence import influence_3d, mean_2d, mean_3d, strip_displacement
 
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 LINE = LineContact(1e5, 0.025, contact_modulus(STEEL, STEEL))

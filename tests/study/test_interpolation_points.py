@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.study.interpolation_points import constant, deim, interpolation, qdeim, qdeim_bound
+from studies.contact.interpolation_points import constant, deim, interpolation, qdeim, qdeim_bound
 
 ROUND_OFF = 1e-11  # of sums of some ten numbers of size one, times constants c of about ten
 WAYS = {"deim": deim, "qdeim": qdeim}

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.study import joint_bases, joint_engine
-from warpffrf.study import joint_spaces as study
+from studies.small_sliding import joint_bases, joint_engine
+from studies.small_sliding import joint_spaces as study
 
 LOAD = {"partial slip": 60.0}
 

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from references.closed_forms import BarOnBase, BoltedJoint, PressFit, TwoLeaves, equivalent_damping
+from references.small_sliding.contact_program import solve
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.verification.closed_forms import BarOnBase, BoltedJoint, PressFit, TwoLeaves, equivalent_damping
-from warpffrf.verification.laps.contact_program import solve
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 ALUMINIUM = Material(70e9, 0.33, 2700.0, name="aluminium")

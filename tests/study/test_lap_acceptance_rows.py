@@ -6,9 +6,9 @@ from collections.abc import Callable
 
 import pytest
 
-from warpffrf.study.lap_cases import bolt_rows, leaf_rows, micro_slip_rows, press_fit_rows, press_rows
-from warpffrf.study.lap_motion import flight_rows
-from warpffrf.study.lap_rows import Row
+from studies.small_sliding.lap_cases import bolt_rows, leaf_rows, micro_slip_rows, press_fit_rows, press_rows
+from studies.small_sliding.lap_motion import flight_rows
+from studies.small_sliding.lap_rows import Row
 
 
 @pytest.mark.parametrize(

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.study import lap_nodes as study
-from warpffrf.study.lap_bolts import mean_turn, turning
-from warpffrf.study.lap_stacks import BOLTS, FRICTION, SIZE, Cycle, Sheets, difference, with_halves
-from warpffrf.verification.laps.quasi_static import StaticLap
+from references.small_sliding.quasi_static import StaticLap
+from studies.small_sliding import lap_nodes as study
+from studies.small_sliding.lap_bolts import mean_turn, turning
+from studies.small_sliding.lap_stacks import BOLTS, FRICTION, SIZE, Cycle, Sheets, difference, with_halves
 
 SAME = 1e-6  # Newton's method ends at 1e-9 of the forces, cells beside each other are stiffer than alone
 

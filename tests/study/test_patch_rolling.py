@@ -5,12 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.model.errors import InputError
-from warpffrf.verification.carter import FRICTION, LINE, SHARES
-from warpffrf.verification.closed_forms import CarterRolling
-from warpffrf.verification.closed_forms import rolling_tables as published
-from warpffrf.verification.half_space.influence import influence_2d, influence_3d
-from warpffrf.verification.half_space.patch_rolling import (
+from references.closed_forms import CarterRolling
+from references.closed_forms import rolling_tables as published
+from references.half_space.influence import influence_2d, influence_3d
+from references.half_space.patch_rolling import (
     HalfPlanes,
     HalfSpaces,
     PatchRolling,
@@ -18,7 +16,8 @@ from warpffrf.verification.half_space.patch_rolling import (
     settle,
     to_edge,
 )
-from warpffrf.verification.patch_rolling import (
+from studies.rolling.carter import FRICTION, LINE, SHARES
+from studies.rolling.patch_rolling import (
     ADVANCES,
     carter_error,
     cattaneo,
@@ -29,6 +28,7 @@ from warpffrf.verification.patch_rolling import (
     phases,
     swelling_error,
 )
+from warpffrf.model.errors import InputError
 
 LAW = 0.01  # of mu P: promised from 5 cells in a half-width on and to 2.5 cells a step
 FAST = 0.016  # of mu P: four cells a step, which are 0.8 half-widths of five cells

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from references.closed_forms import conformal_by_half_angle
+from references.finite_elements.contact import HalfRing, pressure_rows, quadratic_rows
+from references.finite_elements.pin_in_bore import STEEL, Pin, errors, graded, solve_pin
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.verification.closed_forms import conformal_by_half_angle
-from warpffrf.verification.finite_elements.contact import HalfRing, pressure_rows, quadratic_rows
-from warpffrf.verification.finite_elements.pin_in_bore import STEEL, Pin, errors, graded, solve_pin
 
 PEAK, ARC = 0.02, 0.03  # promised against Persson
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.planets import planets
+from scenes.rollers import STEEL
 from warpffrf.model import mesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.online import run
-from warpffrf.verification.scenes.planets import planets
-from warpffrf.verification.scenes.rollers import STEEL
 
 LOAD = 100e3  # N
 STEP = 1e-4  # s

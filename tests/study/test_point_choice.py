@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.rollers import STEEL
+from studies.contact import point_choice as pc
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.cubature import choose_sampling
-from warpffrf.study import point_choice as pc
-from warpffrf.verification.scenes.rollers import STEEL
 
 ROUND_OFF = 1e-12  # of sums of some hundred numbers
 CLOSED = 1e-4  # of the work in a cycle of 400 steps: forces linear by pieces, errors of 1/400^2 and some kinks

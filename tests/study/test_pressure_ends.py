@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.study.evaluations import PAIR, hat_means, layer_of, run_evaluation, scene_of, tread
-from warpffrf.study.patch_ends import OnPatch, hats_over
-from warpffrf.study.pressing import WAYS, Pressing, active_set, in_cells
-from warpffrf.study.step_time import RADIUS, WIDTH
+from studies.contact.evaluations import PAIR, hat_means, layer_of, run_evaluation, scene_of, tread
+from studies.contact.patch_ends import OnPatch, hats_over
+from studies.contact.pressing import WAYS, Pressing, active_set, in_cells
+from studies.speed.step_time import RADIUS, WIDTH
 
 APPROACH = 400e-6  # about three columns a half-width
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.study import large_deflections as study
-from warpffrf.study import reduced_energies as reduced
+from studies.bodies import large_deflections as study
+from studies.bodies import reduced_energies as reduced
 
 
 @pytest.fixture(scope="module")

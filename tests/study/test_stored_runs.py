@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from warpffrf.study.step_time import processor
-from warpffrf.study.stored_runs import compare, lines, machine_id, measured, read, store
+from studies.speed.stored_runs import compare, lines, machine_id, measured, read, store
+from warpffrf.study.machine import processor
 
 MACHINE = {"processor": "Maker(R) Chip-7 @ 3.0 GHz", "cores": 2}
 RUN = {

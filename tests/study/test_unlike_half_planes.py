@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from references.closed_forms import LineContact, SlidingLine, contact_modulus, coupling_ratio
+from references.half_space.unlike_half_planes import Pair
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.verification.closed_forms import LineContact, SlidingLine, contact_modulus, coupling_ratio
-from warpffrf.verification.half_space.unlike_half_planes import Pair
 
 STEEL, SOFT = Material(210e9, 0.3, 7800.0), Material(2e9, 0.1, 1000.0)
 LOAD, RADIUS = 1e4, 0.02  # N/m, m

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from references.closed_forms import BarImpact
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
@@ -16,7 +17,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.closed_forms import BarImpact
 
 STEEL = Material(210e9, 0.0, 7800.0)  # without lateral contraction: a rod
 LENGTH, SIDE, SPEED = 1.0, 0.02, 0.1  # m, m, m/s

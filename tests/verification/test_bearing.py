@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.bearing import RAMP, Bearing, angles, rings, run_up, sjovall
 from warpffrf.online import History, find_equilibrium, run
-from warpffrf.verification.scenes.bearing import RAMP, Bearing, angles, rings, run_up, sjovall
 
 GAINED, TAKEN = 0.01, 0.02  # of the work done: promised
 LOADS = 0.03  # of the largest load, against rings that keep their round shape but where they touch (Sjoevall)

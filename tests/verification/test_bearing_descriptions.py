@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq, root
 
+from references.closed_forms.ball_bearing import BallBearing
 from warpffrf.model import films, forces
 from warpffrf.model import rotation as rot
 from warpffrf.model.bearings import Bearing, Flanges, PreloadForce, PreloadOffset
@@ -15,7 +16,6 @@ from warpffrf.model.joints import Fixed
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, find_equilibrium
-from warpffrf.verification.closed_forms.ball_bearing import BallBearing
 
 MM, UM = 1e-3, 1e-6
 STEEL = Material(210e9, 0.3, 7850.0)

@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from references.closed_forms.ball_bearing import BallBearing
 from warpffrf.model import forces, laws
 from warpffrf.model.bearings import Bearing
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, find_equilibrium
-from warpffrf.verification.closed_forms.ball_bearing import BallBearing
 
 MM, UM = 1e-3, 1e-6
 E210, E206 = Material(210e9, 0.3, 7850.0), Material(206e9, 0.3, 7850.0)

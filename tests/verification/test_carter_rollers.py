@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.verification.carter import SHARES
-from warpffrf.verification.carter_rollers import roll, rolling_body
-from warpffrf.verification.scenes.rollers import PAIR
+from scenes.rollers import PAIR
+from studies.rolling.carter import SHARES
+from studies.rolling.carter_rollers import roll, rolling_body
 
 FORCE = 0.02  # 3 % is promised; docs/studies/carter_rollers.md has 1.5 % at most
 STEADY = 0.01  # of the creepage, between the last two crossings

@@ -14,12 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.model.mesh import block
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.surfaces import Plane
-from warpffrf.offline import reduce
-from warpffrf.output.result import Result
-from warpffrf.verification.closed_forms import (
+from references.closed_forms import (
     LineContact,
     MindlinLine,
     MindlinPoint,
@@ -27,7 +22,12 @@ from warpffrf.verification.closed_forms import (
     contact_modulus,
     tangential_compliance,
 )
-from warpffrf.verification.half_space.bodies import half_plane, half_space
+from references.half_space.bodies import half_plane, half_space
+from warpffrf.model.mesh import block
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.surfaces import Plane
+from warpffrf.offline import reduce
+from warpffrf.output.result import Result
 
 sys.path.insert(0, str(Path(__file__).parent))
 from half_space_scenes import PAIR, STEEL, ball, cylinder, pushed, simulated

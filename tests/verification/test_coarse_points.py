@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from warpffrf.verification import coarse_points as cp
-from warpffrf.verification.closed_forms import contact_modulus
+from references.closed_forms import contact_modulus
+from studies.contact import coarse_points as cp
 
 APPROACH = 0.01  # against closed forms: the mesh's own error and the spacing of the far field's splines
 HALF_WIDTH = 0.016  # strips at the rim count whole: ten in the patch make a line 1.5 % wide

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.demos.ball_on_plane import (
+from demos.ball_on_plane import (
     DOWN_ON_PLANE,
     FRICTION,
     HERTZ,

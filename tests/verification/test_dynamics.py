@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, guided_pair, roller_body
+from studies.contact.impact import Drop, drop, ledger_rise
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import Settings, find_equilibrium, run
-from warpffrf.verification.impact import Drop, drop, ledger_rise
-from warpffrf.verification.scenes.rollers import PAIR, guided_pair, roller_body
 
 RISE = 0.01  # of the energy at hand: the promise for the ledger
 BOUNCE = 0.03  # of the restitution with the finest step

@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from references.films.elastic import ElasticJournal, Settled, State, held_compliance
+from references.films.journal import JournalFilm
+from studies.films import elastic_film as sleeves
 from warpffrf.model import oils
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws import ExponentialAsperities
 from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.verification import elastic_film as sleeves
-from warpffrf.verification.films.elastic import ElasticJournal, Settled, State, held_compliance
-from warpffrf.verification.films.journal import JournalFilm
 
 RADIUS, LENGTH, CLEARANCE, VISCOSITY, SPEED = 0.025, 0.025, 25e-6, 0.01, 300.0  # m, m, m, Pa s, rad/s
 COLUMNS, ROWS, FEED = 64, 9, 32

@@ -8,9 +8,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from studies.speed import against_exudyn as study
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
-from warpffrf.study import against_exudyn as study
 
 pytestmark = pytest.mark.slow
 pytest.importorskip("exudyn", reason='EXUDYN is not installed: pip install -e ".[verify]", or make verify')

@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from studies.bodies.free_flight import RING_TIME, fly, orders, rigid_flight, ring, ring_flight, ring_scene
 from warpffrf.model.integrators import HHT, EnergyMomentum, GeneralizedAlpha, Newmark, RungeKutta4
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online import History
-from warpffrf.verification.free_flight import RING_TIME, fly, orders, rigid_flight, ring, ring_flight, ring_scene
 
 STEPPERS = [GeneralizedAlpha(0.8), HHT(-0.1), HHT(-0.3), Newmark()]
 CONSERVED = 1e-9  # of energy and angular momentum by the conserving update: what is promised; it does better

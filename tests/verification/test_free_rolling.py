@@ -18,9 +18,9 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from warpffrf.verification.closed_forms import LineContact, contact_modulus, coupling_ratio
-from warpffrf.verification.rolling_bodies import ALUMINIUM, unlike
-from warpffrf.verification.scenes.rolling_pairs import PAIR, STEEL, WIDTH, Drives, R, pair, roll
+from references.closed_forms import LineContact, contact_modulus, coupling_ratio
+from scenes.rolling_pairs import PAIR, STEEL, WIDTH, Drives, R, pair, roll
+from studies.rolling.rolling_bodies import ALUMINIUM, unlike
 
 FRICTION = 1e-4  # of which tractions strain the surfaces by 1e-3 of what pressures do
 ROWS_TOLERANCE = 0.01  # relative: 0.5 % of finite bodies at a/R = 0.003, 0.3 % of 11 cells in a half-width

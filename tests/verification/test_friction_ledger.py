@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import STEEL
 from warpffrf.model import forces, joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import roller
@@ -15,7 +16,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run
-from warpffrf.verification.scenes.rollers import STEEL
 
 RADIUS, FRICTION = 0.05, 0.3
 GAINED = 0.01  # of the energy that arrives, in one impact

@@ -8,6 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from references.closed_forms import LineContact, PointContact, contact_modulus
+from references.closed_forms.elastic_sphere import approach_correction
+from references.half_space.bodies import half_plane, half_space
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import ball as ball_mesh
@@ -18,9 +21,6 @@ from warpffrf.online import Engine, History
 from warpffrf.online.history.record import history_from_rows
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
-from warpffrf.verification.closed_forms import LineContact, PointContact, contact_modulus
-from warpffrf.verification.closed_forms.elastic_sphere import approach_correction
-from warpffrf.verification.half_space.bodies import half_plane, half_space
 
 sys.path.insert(0, str(Path(__file__).parent))
 from half_space_scenes import PAIR, STEEL, PatchMoments, ball, cylinder, pushed

@@ -11,6 +11,9 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg as spla
 
+from references.closed_forms import LineContact
+from scenes.rollers import PAIR, STEEL, Path, solve_path
+from studies.contact.ripple import approach_for, window_for
 from warpffrf.model.mesh import FacetSet, Mesh, box, roller
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.stress_field import max_shear
@@ -20,9 +23,6 @@ from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.stress.plan import StressPlan
-from warpffrf.verification.closed_forms import LineContact
-from warpffrf.verification.ripple import approach_for, window_for
-from warpffrf.verification.scenes.rollers import PAIR, STEEL, Path, solve_path
 
 SHEAR, DEPTH = 0.3003, 0.786
 HERTZ = LineContact(0.5 * np.pi, 1.0, 2.0)  # a = p0 = 1

@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.demos.two_rollers import Size
-from warpffrf.demos.two_rollers import build as two_rollers
+from scenes import rotating_bar, rotating_disc, spinning_ring
+from studies.bodies import free_flight
+from demos.two_rollers import Size
+from demos.two_rollers import build as two_rollers
 from warpffrf.model.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, Settings, run
 from warpffrf.online.compile.inertia_plan import InertiaPlan
 from warpffrf.online.diagnosis.indicator import FLAG, TermSize, recommended, term_sizes
-from warpffrf.verification import free_flight
-from warpffrf.verification.scenes import rotating_bar, rotating_disc, spinning_ring
 
 MESH_ORDER = 2.0  # of the linear cells of the bar
 EXTRAPOLATED = 1e-9  # relative: two meshes or steps extrapolated, what is left is of the next order

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from lap_reference import OPEN, SLIP, STICK, solve_increment, violations
 
+from lap_reference import OPEN, SLIP, STICK, solve_increment, violations
+from references.small_sliding import contact_program
 from warpffrf.model.errors import InputError
-from warpffrf.verification.laps import contact_program
 
 AGREE = 1e-9  # of the largest force: both meet the conditions to 1e-11, the flexibilities have conditions below 1e4
 

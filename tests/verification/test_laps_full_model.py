@@ -10,6 +10,13 @@ import pytest
 import scipy.sparse as sp
 from scipy.sparse.linalg import eigsh
 
+from references.closed_forms import TwoLeaves
+from references.finite_elements.meshes import matrices
+from references.small_sliding.cells import Cells, facet_cells, gathered, node_cells, together
+from references.small_sliding.dynamics import Scheme, peaks, released
+from references.small_sliding.full_model import FullModel, Part
+from references.small_sliding.quasi_static import StaticLap
+from references.small_sliding.sheets import ROOT, graded_stack, one_body, stack
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
@@ -17,13 +24,6 @@ from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
-from warpffrf.verification.closed_forms import TwoLeaves
-from warpffrf.verification.finite_elements.meshes import matrices
-from warpffrf.verification.laps.cells import Cells, facet_cells, gathered, node_cells, together
-from warpffrf.verification.laps.dynamics import Scheme, peaks, released
-from warpffrf.verification.laps.full_model import FullModel, Part
-from warpffrf.verification.laps.quasi_static import StaticLap
-from warpffrf.verification.laps.sheets import ROOT, graded_stack, one_body, stack
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 SLENDER = Material(210e9, 0.0, 7850.0, name="without Poisson's ratio")

@@ -8,10 +8,10 @@ import pytest
 import scipy.sparse as sp
 from scipy.sparse.linalg import eigsh
 
-from warpffrf.study.joint_spaces import FRICTION, two_sheets
-from warpffrf.verification.closed_forms import equivalent_damping
-from warpffrf.verification.laps.dynamics import Scheme, peaks, released
-from warpffrf.verification.laps.quasi_static import StaticLap
+from references.closed_forms import equivalent_damping
+from references.small_sliding.dynamics import Scheme, peaks, released
+from references.small_sliding.quasi_static import StaticLap
+from studies.small_sliding.joint_spaces import FRICTION, two_sheets
 
 STEPS = 60  # a period
 CYCLES = 8

@@ -7,21 +7,21 @@ import pytest
 from scipy.sparse.linalg import eigsh
 from scipy.spatial.transform import Rotation
 
-from warpffrf.model.errors import InputError
-from warpffrf.model.material import Material
-from warpffrf.model.mesh import Mesh, box, grid
-from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.verification.closed_forms import (
+from references.closed_forms import (
     LEVY_CLAMPED_SQUARE,
     Elastica,
     bar_force,
     pinned_beam_frequency,
 )
-from warpffrf.verification.closed_forms.large_deflections import LEVY_POISSON, LIMIT_STRETCH
-from warpffrf.verification.large_deflections import statics
-from warpffrf.verification.large_deflections.body import StVenantKirchhoffBody
-from warpffrf.verification.large_deflections.motion import released
-from warpffrf.verification.large_deflections.statics import by_displacement, by_load
+from references.closed_forms.large_deflections import LEVY_POISSON, LIMIT_STRETCH
+from references.large_deflections import statics
+from references.large_deflections.body import StVenantKirchhoffBody
+from references.large_deflections.motion import released
+from references.large_deflections.statics import by_displacement, by_load
+from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import Mesh, box, grid
+from warpffrf.model.mesh.elements import cell_kind
 
 STEEL = Material(210e9, 0.3, 7850.0)
 TETS_OF_HEX = ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0, 5, 1, 6))

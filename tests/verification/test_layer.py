@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from scenes.rollers import roller_body
 from warpffrf.model import joints, laws
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
@@ -15,7 +16,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import History
 from warpffrf.online.run import find_equilibrium, run
-from warpffrf.verification.scenes.rollers import roller_body
 
 WIDTH, RADIUS = 0.02, 0.05
 BED = 0.01  # of load and half-width: 8 hats a half-width; the rollers themselves yield by 0.1 % of the approach

@@ -8,13 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import roller_body
 from warpffrf.model import joints, laws, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run
-from warpffrf.verification.scenes.rollers import roller_body
 
 RADIUS = 0.05
 GAINED = 0.01  # of the energy, in one fall

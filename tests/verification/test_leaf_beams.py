@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from references.closed_forms import LeafSpring
 from warpffrf.model.errors import InputError
-from warpffrf.verification.closed_forms import LeafSpring
 
 E, B, H = 210e9, 0.06, 0.01
 FOUR = LeafSpring(lengths=(0.36, 0.27, 0.18, 0.09), width=B, thickness=H, youngs_modulus=E, friction=0.3)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.lumped_bearings import MM, Bearing, ball_209, roller_209
 from warpffrf.model import joints, laws
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, find_equilibrium
-from warpffrf.verification.scenes.lumped_bearings import MM, Bearing, ball_209, roller_209
 
 EXACT = 1e-7  # of the largest force: what the equilibrium's tolerance of 1e-9 and the closed forms leave
 PROMISED = 5e-3

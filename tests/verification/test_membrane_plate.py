@@ -8,6 +8,9 @@ import numpy as np
 import pytest
 from skfem import Basis
 
+from references.finite_elements.meshes import scalar_basis
+from references.large_deflections.body import StVenantKirchhoffBody
+from references.large_deflections.statics import by_load
 from warpffrf.model import joints
 from warpffrf.model.material import Material
 from warpffrf.model.membrane import membrane_amplitudes, membrane_gradient, membrane_tangent
@@ -17,9 +20,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.stress_field import von_mises
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import equilibrium
-from warpffrf.verification.finite_elements.meshes import scalar_basis
-from warpffrf.verification.large_deflections.body import StVenantKirchhoffBody
-from warpffrf.verification.large_deflections.statics import by_load
 
 SIDE, THICK = 0.4, 4e-3  # m
 MATERIAL = Material(210e9, 0.316, 7850.0)

@@ -10,6 +10,7 @@ from scipy.integrate import quad, solve_ivp
 from scipy.optimize import brentq
 from scipy.special import beta
 
+from scenes.rollers import STEEL, roller_body
 from warpffrf.model import joints, laws
 from warpffrf.model.contact import Contact
 from warpffrf.model.forces import PointForce
@@ -20,7 +21,6 @@ from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import History
 from warpffrf.online.run import find_equilibrium, run
-from warpffrf.verification.scenes.rollers import STEEL, roller_body
 
 WIDTH, RADIUS = 0.02, 0.05
 R = 0.5 * RADIUS  # relative radius

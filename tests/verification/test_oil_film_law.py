@@ -5,10 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.model.errors import InputError
-from warpffrf.verification import oil_film
-from warpffrf.verification.closed_forms.cavitation import PartingPlates, ruptured_slider
-from warpffrf.verification.closed_forms.films import (
+from references.closed_forms.cavitation import PartingPlates, ruptured_slider
+from references.closed_forms.films import (
     HALF_CYLINDER,
     REYNOLDS_CYLINDER,
     JournalBearing,
@@ -19,10 +17,12 @@ from warpffrf.verification.closed_forms.films import (
     squeezed_plate,
     stability_threshold,
 )
-from warpffrf.verification.films.finite_volumes import steady_journal
-from warpffrf.verification.films.journal import JournalFilm
-from warpffrf.verification.films.pads import pad, square_plate
-from warpffrf.verification.films.pads import plates as film_plates
+from references.films.finite_volumes import steady_journal
+from references.films.journal import JournalFilm
+from references.films.pads import pad, square_plate
+from references.films.pads import plates as film_plates
+from studies.films import oil_film
+from warpffrf.model.errors import InputError
 
 RADIUS, CLEARANCE, VISCOSITY, SPEED = 0.025, 25e-6, 0.01, 300.0  # m, m, Pa s, rad/s
 ROUND_OFF = 1e-9

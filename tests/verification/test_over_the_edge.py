@@ -5,16 +5,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.output.result import Result
-from warpffrf.output.simulate import simulate
-from warpffrf.verification.scenes.over_the_edge import (
+from scenes.over_the_edge import (
     DURATION,
     ball_over_slab,
     long_roller_body,
     roller_off_its_end,
     slab_body,
 )
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.output.result import Result
+from warpffrf.output.simulate import simulate
 
 REACTION = 1e-10
 BOUNDED = 2.5  # of the peak of the whole patch: half of the material is gone at an edge, three quarters at a corner

@@ -8,6 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references.large_deflections.body import StVenantKirchhoffBody
+from references.large_deflections.hinged import Hinge, HingedBody
 from warpffrf.model import joints
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.material import Material
@@ -16,8 +18,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import equilibrium, simulate
-from warpffrf.verification.large_deflections.body import StVenantKirchhoffBody
-from warpffrf.verification.large_deflections.hinged import Hinge, HingedBody
 
 SIDE, THICK, CELLS = 0.4, 4e-3, 4  # m, cells a side
 WIDTH = SIDE / CELLS

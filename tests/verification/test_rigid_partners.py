@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, StaticPath, roller_body
 from warpffrf.model import joints, signals, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
@@ -15,7 +16,6 @@ from warpffrf.model.scene import Scene
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, StaticPath, roller_body
 
 RADIUS = 0.05
 ACROSS = (0.0, 1.0, 0.0)

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from warpffrf.verification.closed_forms import LineContact, contact_modulus
-from warpffrf.verification.finite_elements.free_end import LINE_LOAD, STEEL_ROLLER, press_pair, press_roller
-from warpffrf.verification.roller_end import LENGTHS, PLACES, figures, pressed
+from references.closed_forms import LineContact, contact_modulus
+from references.finite_elements.free_end import LINE_LOAD, STEEL_ROLLER, press_pair, press_roller
+from studies.contact.roller_end import LENGTHS, PLACES, figures, pressed
 
 A = LineContact(LINE_LOAD, STEEL_ROLLER.outer_radius, contact_modulus(STEEL_ROLLER.material)).half_width
 LOAD = LINE_LOAD * STEEL_ROLLER.width

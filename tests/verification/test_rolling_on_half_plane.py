@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from warpffrf.verification.closed_forms import CarterRolling, LineContact, contact_modulus
-from warpffrf.verification.half_space.bodies import half_plane
+from references.closed_forms import CarterRolling, LineContact, contact_modulus
+from references.half_space.bodies import half_plane
 
 sys.path.insert(0, str(Path(__file__).parent))
 from half_space_scenes import PAIR, STEEL, rolling, simulated

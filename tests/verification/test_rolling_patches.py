@@ -7,16 +7,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf import laws
-from warpffrf.model.friction import FrictionLaw
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online.compile.patch_plan import span_of
-from warpffrf.verification import rolling_bodies, rolling_changes, rolling_steady
-from warpffrf.verification.closed_forms import CarterRolling
-from warpffrf.verification.closed_forms import rolling_tables as published
-from warpffrf.verification.half_space.unlike_rolling import free_rolling
-from warpffrf.verification.rolling_bodies import ALUMINIUM
-from warpffrf.verification.scenes.rolling_pairs import (
+from references.closed_forms import CarterRolling
+from references.closed_forms import rolling_tables as published
+from references.half_space.unlike_rolling import free_rolling
+from scenes.rolling_pairs import (
     FRICTION,
     PAIR,
     PLANE_STEEL,
@@ -30,6 +24,12 @@ from warpffrf.verification.scenes.rolling_pairs import (
     roller,
     run,
 )
+from studies.rolling import rolling_bodies, rolling_changes, rolling_steady
+from studies.rolling.rolling_bodies import ALUMINIUM
+from warpffrf import laws
+from warpffrf.model.friction import FrictionLaw
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.online.compile.patch_plan import span_of
 
 Array = np.ndarray
 

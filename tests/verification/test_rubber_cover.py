@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from plane_strain_cover import pressed_cover
 
+from scenes.user_meshes import cut_into_tets
 from warpffrf.model import joints, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
@@ -19,7 +20,6 @@ from warpffrf.online.diagnosis.undeformed_normal import MOST, SECOND_ORDER, line
 from warpffrf.output.contact.hertz import THIN
 from warpffrf.output.contact.hertz_patch import hertz_line
 from warpffrf.output.simulate import equilibrium
-from warpffrf.verification.scenes.user_meshes import cut_into_tets
 
 RADIUS, CORE, WIDTH, APPROACH = 0.05, 0.045, 0.1, 1e-4  # m
 LOAD, PEAK = 0.02, 0.03  # promised, of the line load at mid-width and the peak pressure

@@ -8,6 +8,7 @@ import meshio
 import numpy as np
 import pytest
 
+from references.closed_forms.large_deflections import Elastica
 from warpffrf.model import joints, sensors
 from warpffrf.model.forces import PointForce
 from warpffrf.model.interface_motion import interface_motion
@@ -22,7 +23,6 @@ from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium
-from warpffrf.verification.closed_forms.large_deflections import Elastica
 
 LENGTH, WIDTH, THICK = 1.0, 0.03, 0.01  # m
 MATERIAL = Material(210e9, 0.0, 7850.0)  # as a beam: sections are not stiffened by their width

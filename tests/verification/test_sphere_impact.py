@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from references.closed_forms import HertzImpact, contact_modulus
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
@@ -13,7 +14,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate
-from warpffrf.verification.closed_forms import HertzImpact, contact_modulus
 
 RADIUS, SPEED = 0.01, 0.1  # m, m/s
 # half the modulus on a rigid plane is E* of two steels

@@ -15,7 +15,7 @@ import pytest
 from planar_beam import PlanarBeam
 
 import warpffrf as wf
-from warpffrf.demos import spinning_beam as demo
+from demos import spinning_beam as demo
 
 LENGTH, SPEED, SPIN_UP, END = demo.LENGTH, 6.0, 15.0, 20.0  # m, rad/s, s
 SAVED = 0.02  # s

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references.stick_slip import BeltOscillator, two_coefficients
+from scenes.block_on_belt import LOAD, MASS, SPEED, STIFFNESS, block, on_belt, wheel_body
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run
-from warpffrf.verification.scenes.block_on_belt import LOAD, MASS, SPEED, STIFFNESS, block, on_belt, wheel_body
-from warpffrf.verification.stick_slip import BeltOscillator, two_coefficients
 
 STEP = 1e-3  # s: a hundredth of a cycle
 CYCLE = 0.01  # of amplitude and period: what is asked for; found are 0.3 % and 0.5 %

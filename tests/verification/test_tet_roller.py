@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from scenes.rollers import PAIR, STEEL, roller_body
 from warpffrf import examples
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
@@ -14,7 +15,6 @@ from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium, run
-from warpffrf.verification.scenes.rollers import PAIR, STEEL, roller_body
 
 FILE = examples.path("roller") / "roller.msh"
 LOAD = 400e3  # N: a half-width of some millimetres, as the 7 mm elements need

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from references.closed_forms import PressFit, TurnedFit
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.verification.closed_forms import PressFit, TurnedFit
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
 FIT = PressFit(radius=0.02, outer_radius=0.03, interference=1e-5, width=0.04, friction=0.15, shaft=STEEL)

@@ -9,22 +9,21 @@ nothing but tell, print what they are asked for.
 
 from __future__ import annotations
 
-import importlib
 import logging
 import os
 import sys
 from collections.abc import Sequence
-from contextlib import nullcontext, redirect_stdout
-from io import StringIO, TextIOBase
-from pathlib import Path
-from typing import Annotated, Any, TextIO
+from contextlib import redirect_stdout
+from io import TextIOBase
+from typing import Annotated, TextIO
 
 import typer
 
 import warpffrf
 from warpffrf.cli.asked import Asked
 from warpffrf.cli.bodies import reduce_mesh
-from warpffrf.cli.errors import know_options, one_line_errors
+from warpffrf.cli.demos import demo
+from warpffrf.cli.errors import know_options
 from warpffrf.cli.examples import add_example_commands
 from warpffrf.cli.info import info
 from warpffrf.cli.pictures import add_picture_commands
@@ -32,7 +31,6 @@ from warpffrf.cli.results import add_result_commands
 from warpffrf.cli.scenes import campbell_of_scene_file, modes_of_scene_file, run_scene_file
 from warpffrf.cli.study import study_app
 from warpffrf.cli.sweep import add_sweep_command, add_sweep_plot_command
-from warpffrf.demos import DEMOS
 from warpffrf.model.printable import printable
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
@@ -73,19 +71,6 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
-demo = typer.Typer(
-    help="Run a complete example, print its figures beside what they must be, and write its results to a folder.",
-    rich_markup_mode=None,
-)
-app.add_typer(demo, name="demo")
-
-
-@demo.callback(invoke_without_command=True)
-def list_demos(context: typer.Context) -> None:
-    if context.invoked_subcommand is None:
-        print(context.get_help())
-
-
 def _version(wanted: bool) -> None:
     if wanted:
         print(f"warpffrf {warpffrf.__version__}")
@@ -125,29 +110,7 @@ def options(
 app.add_typer(study_app(), name="study")
 
 
-def _add_demo(module: str, about: str) -> None:
-    """A command `demo NAME` that runs `warpffrf.demos.MODULE.main`."""
-
-    def command(
-        out: Annotated[Path, typer.Option("--out", help="Folder for the results; made if missing.")] = Path(
-            f"out/{module}"
-        ),
-        quick: Annotated[bool, typer.Option("--quick", help="A coarser, shorter version.")] = False,
-    ) -> None:
-        with one_line_errors():
-            run: Any = importlib.import_module(f"warpffrf.demos.{module}")
-            with redirect_stdout(StringIO()) if Asked.quiet else nullcontext():
-                code = run.main(out, quick=quick, progress=not Asked.quiet)
-        raise typer.Exit(code)
-
-    files = f"{module}.h5 (results), {module}.rrd (open it with: rerun FILE), {module}.png and summary.json"
-    demo.command(module.replace("_", "-"), help=f"{about}\n\nWrites {files}.", short_help=about)(command)
-
-
-for _module, _about in DEMOS.items():
-    _add_demo(_module, _about)
-
-
+app.command("demo")(demo)
 app.command("run")(run_scene_file)
 app.command("modes")(modes_of_scene_file)
 app.command("campbell")(campbell_of_scene_file)

@@ -65,9 +65,7 @@ def _made(name: str, value: Any) -> Any:
 
 def study_app() -> typer.Typer:
     """The commands."""
-    app = typer.Typer(
-        help="Speed against error, and stability on hard cases.", no_args_is_help=True, rich_markup_mode=None
-    )
+    app = typer.Typer(help="Speed against error.", no_args_is_help=True, rich_markup_mode=None)
     app.callback()(lambda: None)
 
     @app.command("speed-error")
@@ -93,20 +91,6 @@ def study_app() -> typer.Typer:
                 measures=measure or None, rounds=rounds, out=folder, overwrite=overwrite, progress=not Asked.quiet,
             )  # fmt: skip
             found.write(folder, overwrite=True)
-            print(found.report())
-
-    @app.command("stability")
-    def stability(
-        case: Annotated[list[str] | None, typer.Option("--case", help="A case by name. Repeat; all if none.")] = None,
-        quick: Annotated[bool, typer.Option("--quick", help="Some of the cases, at two steps each.")] = False,
-        out: Annotated[Path, typer.Option("--out", help="Folder; made if missing.")] = Path("out/stability"),
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew.")] = False,
-    ) -> None:
-        """Run hard cases over steps and tolerances. A suite that was stopped goes on in its folder."""
-        with one_line_errors():
-            from warpffrf.study import stability as run
-
-            found = run(out, cases=case or None, quick=quick, overwrite=overwrite, progress=not Asked.quiet)
             print(found.report())
 
     return app

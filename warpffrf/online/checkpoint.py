@@ -16,12 +16,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.engine import OFF_END, Engine
+from warpffrf_kernels.core import control as k
 
 SAME_STEP = 1e-9  # relative: steps that differ by less were meant to be the same
 

@@ -6,9 +6,6 @@ from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.declaration import DeviceArray
-from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import GeneralizedAlpha, Integrator
@@ -26,6 +23,9 @@ from warpffrf.online.step import kernel_cache
 from warpffrf.online.step.graph import Parts, StepGraph
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.declaration import DeviceArray
+from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
 
 ROOM_GROWTH = 2  # of the slots, each time they are too few
 OF_AN_ATTEMPT = ("attempt", "accept", "record")  # words of `Control` that the next one begins with at zero

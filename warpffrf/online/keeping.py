@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.keeping import Keeper, Plan, Rows, Source, Unfinished
@@ -18,6 +17,7 @@ from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.settings import Settings
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
+from warpffrf_kernels.core import control as k
 
 METHOD = "separated"
 MOST_ATTEMPTS = 1000  # to end a step that an interruption has cut

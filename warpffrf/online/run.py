@@ -7,8 +7,6 @@ import time
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.bearings.bearing import loose_ring, without_cage
 from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
@@ -66,6 +64,8 @@ from warpffrf.online.start.settle import ROUND_OFF, settle
 from warpffrf.online.start.slow_films import slide_time
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 log = logging.getLogger("warpffrf")
 

@@ -22,7 +22,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.friction import rubbing
 from warpffrf.model.rotation import matrix
@@ -30,6 +29,7 @@ from warpffrf.model.second_order_motion import skin_displacement
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
 from warpffrf.online.start.settle import LEAST, settle
+from warpffrf_kernels.core import control as k
 
 Array = np.ndarray
 LOST = int(k.NOT_CONVERGED | k.NOT_FINITE | k.ENERGY | k.RESTLESS | k.UNDERFLOW)  # failures at a limit point

@@ -1,6 +1,5 @@
-"""Speed against error: refinement, contact grids, bases, inertia levels, evaluations, step times, another program;
-`speed_error` studies any scene, `stability` the hard cases, `sweep` runs a scene at many values of its parameters. They
-are loaded when first used."""
+"""Many runs of one scene: `speed_error` weighs the time of settings against their errors, `sweep` runs the scene at many
+values of its parameters. They are loaded when first used."""
 
 from __future__ import annotations
 
@@ -8,18 +7,16 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from warpffrf.study.hard_cases import stability
     from warpffrf.study.speed_against_error.study import speed_error
     from warpffrf.study.sweeps.outcome import open_sweep
     from warpffrf.study.sweeps.sweep import sweep
 
-__all__ = ["open_sweep", "speed_error", "stability", "sweep"]
+__all__ = ["open_sweep", "speed_error", "sweep"]
 
 # public name -> module; rooms have other names than what they give, or importing one would hide the other
 _WHERE = {
     "open_sweep": "warpffrf.study.sweeps.outcome",
     "speed_error": "warpffrf.study.speed_against_error.study",
-    "stability": "warpffrf.study.hard_cases",
     "sweep": "warpffrf.study.sweeps.sweep",
 }
 

@@ -17,7 +17,7 @@ goes with the force. Inside the patch the mean over a function misses s^2 times 
 pressure*, p = 2. The *pressure* as a field, in the L2 norm: a square root that ends inside a length s is missed by
 sqrt(s) over s, which is s^2 in the square of the norm, p = 1.
 
-**Factors** c are the largest found by `warpffrf.study.contact_grid`, which sweeps sizes, positions and positions of
+**Factors** c are the largest found by `studies.contact.contact_grid`, which sweeps sizes, positions and positions of
 the opposite grid (docs/studies/contact_grid.md), rounded up. They hold for b/s >= 1; the rule gives no coarser grid.
 On an ellipse b is the half-width *in the direction of the spacing*: ask once for each semi-axis, or take the smaller
 one for both directions, which is safer. Errors of compliance and force of a line contact depend on how deep the body

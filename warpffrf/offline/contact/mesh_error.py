@@ -10,7 +10,7 @@ the energy of the radial stress under the load (Flamant), phi the angle of the r
 
 is how much too high the force at a given approach is: n_1 = 1.5, c_1 = 0.2 of linear cells, n_2 = 2, c_2 = 0.014 of
 quadratic ones, fitted to hexahedra in rollers whose layers grow by 1.15 to 3 from one to the next
-(`warpffrf.study.grid_on_roller.layer_states`, docs/studies/contact_grid.md). Point loads are not judged: their energy
+(`studies.contact.grid_on_roller.layer_states`, docs/studies/contact_grid.md). Point loads are not judged: their energy
 lies within a few half-widths.
 """
 

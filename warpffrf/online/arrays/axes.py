@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from warpffrf.online.compile.outer_pattern import OuterPattern
+from warpffrf.online.compile.scene import CompiledScene
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics.at_points import LINE
-
-from warpffrf.online.compile.outer_pattern import OuterPattern
-from warpffrf.online.compile.scene import CompiledScene
 
 Sizes = Mapping[str, int]
 RESIDUALS_KEPT = 32

@@ -13,10 +13,10 @@ from typing import Any, ClassVar
 import numpy as np
 import warp as wp
 from numpy.lib.recfunctions import structured_to_unstructured
-from warpffrf_kernels.core.declaration import Declaration
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.settings import LARGEST_INDEX
+from warpffrf_kernels.core.declaration import Declaration
 
 
 def allocate(declaration: Declaration, sizes: Mapping[str, int], device: str) -> Any:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+from warpffrf.online.arrays.declaration import Arrays
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals
 from warpffrf_kernels.laps.words import WORDS as LAP_WORDS
-
-from warpffrf.online.arrays.declaration import Arrays
 
 
 class Laps(Arrays):

@@ -8,12 +8,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
+
+from warpffrf.online.arrays.declaration import Arrays
 from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, vectors
 from warpffrf_kernels.films.keeping import NUMBERS as FILM_NUMBERS
 from warpffrf_kernels.laps.keeping import NUMBERS as LAP_NUMBERS
 from warpffrf_kernels.lumped.forces import NUMBERS
-
-from warpffrf.online.arrays.declaration import Arrays
 
 SavedRows = dict[str, np.ndarray]
 """Saved rows of one world by the names of the arrays, time first."""

@@ -7,6 +7,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+
+from warpffrf.online.arrays.axes import Sizes
+from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.arrays.lap_scratch import Laps
+from warpffrf.online.arrays.state import State
+from warpffrf.online.compile.scene import CompiledScene
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, structs, vectors
 from warpffrf_kernels.films.sampling import HAT_LINE, PULL
 from warpffrf_kernels.films.sampling import LINE as FILM_LINE
@@ -14,12 +20,6 @@ from warpffrf_kernels.kinematics.contact_wrench import Held
 from warpffrf_kernels.lumped.forces import Load
 from warpffrf_kernels.lumped.moments import Moment
 from warpffrf_kernels.patch.cells import Row
-
-from warpffrf.online.arrays.axes import Sizes
-from warpffrf.online.arrays.declaration import Arrays
-from warpffrf.online.arrays.lap_scratch import Laps
-from warpffrf.online.arrays.state import State
-from warpffrf.online.compile.scene import CompiledScene
 
 FORCE, MODAL = "N, N m", "N/kg^1/2"
 

@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, structs, vectors
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.axes import Sizes
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.compile.scene import CompiledScene
+from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import DeviceArray, integers, quaternions, reals, structs, vectors
 
 
 class MotionState(Arrays, carried=True):

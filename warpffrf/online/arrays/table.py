@@ -5,14 +5,13 @@ from __future__ import annotations
 import inspect
 from typing import Any
 
-from warpffrf_kernels.core.declaration import Declaration, parts
-from warpffrf_kernels.core.model import Elements, Films, Model
-
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.arrays.ring import Ring
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
+from warpffrf_kernels.core.declaration import Declaration, parts
+from warpffrf_kernels.core.model import Elements, Films, Model
 
 TYPES = {"float64": "real", "int32": "integer", "vec3d": "vector", "mat33d": "matrix", "quatd": "quaternion"}
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-from warpffrf_kernels.core.model import Elements, Films, Laps
 
 from warpffrf.model.bodies import Body, Ground, Port
 from warpffrf.model.contact import Contact
@@ -25,6 +24,7 @@ from warpffrf.online.compile.patches import patch_plans
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
+from warpffrf_kernels.core.model import Elements, Films, Laps
 
 Surface = ContactSurface | RigidSurface
 Compiled = ContactSurface | RigidSurface | PatchSide

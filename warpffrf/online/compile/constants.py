@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.core.declaration import Declaration, parts
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.settings import LARGEST_INDEX
+from warpffrf_kernels.core.declaration import Declaration, parts
 
 WITHIN = {wp.vec3d: (3,), wp.mat33d: (3, 3)}  # numbers of an entry
 

@@ -10,15 +10,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from warpffrf_kernels.constraints.forces import MOST_COUPLED
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad, SpringLaw
 from warpffrf.model.forces.characteristics.characteristic import TERMS
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.joints import JointTable
+from warpffrf_kernels.constraints.forces import MOST_COUPLED
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import Model
 
 ROW_KINDS = {
     "translation": k.TRANSLATION,

@@ -6,7 +6,6 @@ A scene without friction gets empty tables. What tractions displace is among the
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
@@ -15,6 +14,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.room import CellRoom, slots_of
 from warpffrf.online.compile.windows import Extent, between_axes, sine_between
+from warpffrf_kernels.core.model import Model
 
 CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `cell_shares.spread_cells`
 ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one

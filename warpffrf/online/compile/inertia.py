@@ -6,12 +6,12 @@ from collections import Counter
 from collections.abc import Sequence
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.bodies import Body
 from warpffrf.model.inertia import PRODUCTS
 from warpffrf.model.reduced_body import ReducedBody
 from warpffrf.online.compile.collector import Collector
+from warpffrf_kernels.core.model import Model
 
 
 def fill_inertia(collector: Collector, m: Model) -> None:

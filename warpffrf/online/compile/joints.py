@@ -10,12 +10,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from warpffrf_kernels.core import control as k
-
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.redundancy import ConstraintRow, Redundancy, find_redundancy, undetermined
 from warpffrf.online.compile.collector import Collector
+from warpffrf_kernels.core import control as k
 
 ROW_KINDS = {
     "translation": k.TRANSLATION,

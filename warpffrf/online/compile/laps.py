@@ -15,9 +15,6 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from scipy.linalg import get_lapack_funcs
-from warpffrf_kernels.core.model import Laps
-from warpffrf_kernels.laps import motion
-from warpffrf_kernels.laps.tableau import MOST
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
@@ -27,6 +24,9 @@ from warpffrf.model.laps.lap import LapCellsOf
 from warpffrf.model.laps.preload import lap_notes
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.inertia import outer_modes
+from warpffrf_kernels.core.model import Laps
+from warpffrf_kernels.laps import motion
+from warpffrf_kernels.laps.tableau import MOST
 
 Array = np.ndarray
 RIGID = int(motion.RIGID)

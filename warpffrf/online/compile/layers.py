@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.layers import layer_laws as device
 
 from warpffrf.model.laws.curves import Curve
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.points import PointRule
 from warpffrf.online.compile.sampling_rules import layer_rule
+from warpffrf_kernels.layers import layer_laws as device
 
 LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities span decades, a decade an iteration
 

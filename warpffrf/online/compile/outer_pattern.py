@@ -36,11 +36,11 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.linear.sparse_factor import Pattern
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.settings import LARGEST_INDEX
+from warpffrf_kernels.linear.sparse_factor import Pattern
 
 GROUND = -1
 

@@ -3,9 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, PATCH, Model
-from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
@@ -28,6 +25,9 @@ from warpffrf.online.compile.windows import (
     half_window,
     second_reach,
 )
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, PATCH, Model
+from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
 SOFT, SOFT_STRAIN = 2e8, 0.3  # Pa, of elastomers: half of their default window over the effective radius

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
 
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.online.compile.collector import Collector
+from warpffrf_kernels.core.model import Model
 
 
 @dataclass(frozen=True, eq=False)

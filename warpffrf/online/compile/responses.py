@@ -10,7 +10,6 @@ from collections import Counter
 from typing import NamedTuple
 
 import numpy as np
-from warpffrf_kernels.core.model import Model, Window
 
 from warpffrf.model.bodies import Ground
 from warpffrf.model.contact_surface import ContactSurface
@@ -24,6 +23,7 @@ from warpffrf.online.compile.compliance_tables import (
     response_table,
     transposed,
 )
+from warpffrf_kernels.core.model import Model, Window
 
 SPARE = 2  # columns that a window may have moved since the sources were counted
 NORMAL, RUBBED, PRESSED, TANGENTIAL = "normal", "rubbed", "pressed", "tangential"

@@ -23,8 +23,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.rolling.shear import COUPLED_KINDS, KINDS, RINGS
 
 from warpffrf.model.cerruti import across, along_x, along_z, toward_x, toward_z
 from warpffrf.model.contact import Contact
@@ -32,6 +30,8 @@ from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.love import rectangle
 from warpffrf.online.compile.patch_plan import OnMeridian, PatchPlan, bodies_under
 from warpffrf.online.compile.patches import filled
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.rolling.shear import COUPLED_KINDS, KINDS, RINGS
 
 Array = np.ndarray
 UNLIKE = 1e-9  # of the larger coupling of both half-spaces: bodies that differ by less are alike to round-off

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import warp as wp
-from warpffrf_kernels.core.model import Elements, Films, Laps, Model
 
 from warpffrf.model.claims import refuse_claims_of
 from warpffrf.model.errors import InputError
@@ -42,6 +41,7 @@ from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
+from warpffrf_kernels.core.model import Elements, Films, Laps, Model
 
 
 @dataclass

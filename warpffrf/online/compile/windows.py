@@ -15,11 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 from warpffrf.model.contact import Contact
 from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
+from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
 MAX_HALF_WINDOW = 60  # columns: 121 in all; a patch that needs more has a contact grid finer than any use

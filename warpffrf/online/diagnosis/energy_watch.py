@@ -9,10 +9,10 @@ The device waits for some steps before it believes the numerical line; a run tha
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.online.checkpoint import restore
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.core import control as k
 
 KEPT_EVERY = 500  # steps between two states that are kept: copying one takes some milliseconds
 NOISE = 1e-11  # of force times distance: round-off of their product, a hundred thousand times

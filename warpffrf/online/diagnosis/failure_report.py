@@ -11,11 +11,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.friction.cell_forces import TRACTION_SLACK
 
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.friction.cell_forces import TRACTION_SLACK
 
 TOLD = 1e-8  # a share below it is converged
 MOST_LOST = 4  # names of what is not finite: it spreads through joints within an iteration

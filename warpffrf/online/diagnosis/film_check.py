@@ -20,14 +20,14 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.films.sampling import FILLING, FORCE
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.films import Film
 from warpffrf.online.compile.film_bases import Basis, basis_of
 from warpffrf.online.diagnosis.film_hats import HatFilm, HatState, Pose, Rates, transport
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.films.sampling import FILLING, FORCE
 
 SEEN, SAMPLED = 32, 8  # states of a run: kept, and looked at
 NOTED = {"force": 0.005, "gap": 0.01, "pressure": 0.03}  # larger differences are worth a cure

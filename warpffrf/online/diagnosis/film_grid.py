@@ -18,12 +18,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
-from warpffrf_kernels.films.sampling import FILLING, GAP, NORMAL
 
 from warpffrf.model.films import Film
 from warpffrf.online.compile.film_bases import ACROSS, ALONG, Basis, basis_of
 from warpffrf.online.diagnosis.film_hats import MOST_ITERATIONS, NO_VOID, SETTLED, transport
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.films.sampling import FILLING, GAP, NORMAL
 
 Array = np.ndarray
 NOTED = 0.01  # of the load: more is worth a finer grid

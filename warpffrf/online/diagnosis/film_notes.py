@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from warpffrf_kernels.films.sampling import GAP
 
 from warpffrf.model.films import Film
 from warpffrf.model.films.film import places_around
@@ -22,6 +21,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.films import TURNED_BACK
 from warpffrf.online.history.history import History
 from warpffrf.online.history.sensors import turned
+from warpffrf_kernels.films.sampling import GAP
 
 RULE, ERROR = 6.0, 0.01
 DAMPS = 0.55  # spectral radius at infinity, of 0.5 with round-off: what alternates is gone in a few steps

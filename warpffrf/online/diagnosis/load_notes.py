@@ -8,10 +8,10 @@ that snaps from one equilibrium to another, which no smaller step brings back; j
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.online.diagnosis.energy_watch import round_off_energy
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.core import control as k
 
 OFF = 0.01  # of the largest energy of the ledger
 IDLE = 1e-14  # of mass times (length over the longest proximal step)^2: where nothing acts, round-off works less

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.friction.slip_speed import COUNT, MILDER, WORST
 
 from warpffrf.model.scene import Scene
+from warpffrf_kernels.friction.slip_speed import COUNT, MILDER, WORST
 
 
 def steep_notes(scene: Scene, steep: np.ndarray) -> list[str]:

@@ -15,7 +15,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from warpffrf_kernels.core.control import Clock
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
@@ -37,6 +36,7 @@ from warpffrf.online.history.history import ENERGY_LINES, History
 from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf.online.history.user_frame import user_frame
 from warpffrf.online.warp_start import start_warp
+from warpffrf_kernels.core.control import Clock
 
 METHOD = "check"
 COUNTS = "check_counts"  # in the checkpoint of a run under way

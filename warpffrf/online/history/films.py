@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.films import keeping
 
 from warpffrf.model.films import Film
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.history.history import BodyHistory, FilmHistory
 from warpffrf.online.history.sensors import turned
+from warpffrf_kernels.films import keeping
 
 Array = np.ndarray
 FORCE, MOMENT, MOMENT_SECOND = (slice(3 * n, 3 * n + 3) for n in range(3))  # of the numbers saved of a film

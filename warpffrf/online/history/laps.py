@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.laps import keeping
 
 from warpffrf.model.laps import Lap
 from warpffrf.model.laps.lap import LapCellsOf
@@ -12,6 +11,7 @@ from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import BodyHistory, LapHistory
 from warpffrf.online.history.sensors import turned
+from warpffrf_kernels.laps import keeping
 
 
 def lap_histories(compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]) -> dict[str, LapHistory]:

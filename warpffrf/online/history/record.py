@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.online.arrays.ring import SavedContact, SavedRows
@@ -26,6 +25,7 @@ from warpffrf.online.history.lumped import lumped_histories
 from warpffrf.online.history.pretension import tension_histories, with_pulls
 from warpffrf.online.history.sensors import force_histories, sensor_histories, turned
 from warpffrf.online.history.user_frame import user_frame
+from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 
 def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:

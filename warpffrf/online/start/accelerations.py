@@ -23,13 +23,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.redundancy import scene_length
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.arrays.state import LUMPED
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.joint_friction import Friction
+from warpffrf_kernels.core import control as k
 
 TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
 CORRECTIONS = 12  # an inertia that deformation changes by a tenth is corrected to 1e-12

@@ -14,11 +14,11 @@ and no drive moves there, the accelerations are zero, as they are of an equilibr
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.joints import Drive
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.accelerations import refine
+from warpffrf_kernels.core import control as k
 
 # times that the first step is halved where there is friction: it acts only after the elastic slip, from the end of a
 # first step on, and motion at the start would go on for half a step without it

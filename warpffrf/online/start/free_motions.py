@@ -48,7 +48,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from warpffrf_kernels.core.model import AT_POINTS
 
 from warpffrf.model.bearings.bearing import loose_ring
 from warpffrf.model.bodies import Body
@@ -61,6 +60,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.bent_gaps import without_stiff
 from warpffrf.online.start.floating import lines_of, told_of
 from warpffrf.online.start.lap_motions import held_by_laps
+from warpffrf_kernels.core.model import AT_POINTS
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from warpffrf_kernels.laps import motion
-from warpffrf_kernels.laps.forms import OPEN
 
 from warpffrf.online.engine import Engine
+from warpffrf_kernels.laps import motion
+from warpffrf_kernels.laps.forms import OPEN
 
 Array = np.ndarray
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.step.commit import DRAGS
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.settle import LAST
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.step.commit import DRAGS
 
 
 def begin_loading(engine: Engine, step: float) -> None:

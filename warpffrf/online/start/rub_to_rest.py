@@ -32,7 +32,6 @@ Laws that give no force without a velocity are refused.
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
@@ -42,6 +41,7 @@ from warpffrf.online.start.free_motions import LEANS, FreeMotions
 from warpffrf.online.start.loading import begin_loading, restless, slides
 from warpffrf.online.start.pressed import PressedMotions, press
 from warpffrf.online.start.settle import LEAST
+from warpffrf_kernels.core import control as k
 
 TAKES = 1.0  # s, for what asks for a rate
 ATTEMPTS = 8  # more than a load step is taken with shorter proximal steps

@@ -19,12 +19,12 @@ what comes to rest is a steady state; it has no energy to go down."""
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.free_motions import FreeMotions
 from warpffrf.online.start.rest import creeping_notes, left_over
 from warpffrf.online.start.slow_films import stretch
+from warpffrf_kernels.core import control as k
 
 MOST_STEPS = 150  # a snap-through takes about a hundred
 GROWTH = 10.0  # of the proximal step from one to the next, ...

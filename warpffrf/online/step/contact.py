@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from warpffrf.online.step.launches import blocks, threads
+from warpffrf.online.step.outer import FACTOR
+from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.impulsive import impulsive_contact, impulsive_means, impulsive_memory
 from warpffrf_kernels.kinematics import (
     at_points,
@@ -24,10 +27,6 @@ from warpffrf_kernels.normal import (
 )
 from warpffrf_kernels.patch import between, cells, fields, near, place, spline_tables, system
 from warpffrf_kernels.step import leaps
-
-from warpffrf.online.step.launches import blocks, threads
-from warpffrf.online.step.outer import FACTOR
-from warpffrf.online.step.phases import Participant
 
 BESIDE = "pair_beside"  # bodies that several pairs load
 LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of geometry

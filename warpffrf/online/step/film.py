@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.films import flow, increments, keeping, sampling, second, system
-
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.films import flow, increments, keeping, sampling, second, system
 
 SECOND = Participant(
     "second surfaces of films that yield",

@@ -7,6 +7,9 @@ pressures.
 
 from __future__ import annotations
 
+from warpffrf.online.step.launches import Launch, blocks, once, threads
+from warpffrf.online.step.outer import FACTOR
+from warpffrf.online.step.phases import Loop, Participant
 from warpffrf_kernels.friction import (
     cell_compliance,
     cell_forces,
@@ -26,10 +29,6 @@ from warpffrf_kernels.friction import (
 )
 from warpffrf_kernels.rolling import couple, entering, fields, places, shear, spline_tables, system
 from warpffrf_kernels.rolling import history as rolling_history
-
-from warpffrf.online.step.launches import Launch, blocks, once, threads
-from warpffrf.online.step.outer import FACTOR
-from warpffrf.online.step.phases import Loop, Participant
 
 GRID = "grid_rubbing"  # pairs whose cells are bound to the material of the first surface
 ROLLING = "rolling_pair"  # where some travel with the patch

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.constraints import joint_friction
-
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.constraints import joint_friction
 
 JOINT_FRICTION = Participant(
     "joint friction",

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.laps import keeping, outer, solve
-
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.laps import keeping, outer, solve
 
 LAP = Participant(
     "laps",

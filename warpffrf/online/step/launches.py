@@ -13,14 +13,14 @@ from collections.abc import Mapping
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels.core.access import is_changed, is_read, is_written
-from warpffrf_kernels.core.declaration import Declaration
-from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.online.arrays.axes import NAMES
 from warpffrf.online.arrays.ring import Ring
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
+from warpffrf_kernels.core.access import is_changed, is_read, is_written
+from warpffrf_kernels.core.declaration import Declaration
+from warpffrf_kernels.core.scalars import BLOCK
 
 CONSTANTS = ("models", "patterns")  # of the scene, in structs
 

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.layers import layer_energy, weak_layer
-
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.layers import layer_energy, weak_layer
 
 BEFORE = {"depth_before": "layer_depth", "drag_before": "layer_drag", "column_before": "layer_column"}
 NOW = {"depth_now": "layer_now", "drag_now": "layer_drag_now"}

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.step import commit, energy_watch, ledger, record
-
 from warpffrf.online.step.launches import once, threads
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.step import commit, energy_watch, ledger, record
 
 LEDGER = Participant(
     "ledger",

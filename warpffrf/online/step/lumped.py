@@ -3,11 +3,10 @@ has some, their tangents, and what a step keeps of them."""
 
 from __future__ import annotations
 
-from warpffrf_kernels.lumped import forces, moments
-from warpffrf_kernels.step import leaps
-
 from warpffrf.online.step.launches import threads
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.lumped import forces, moments
+from warpffrf_kernels.step import leaps
 
 LUMPED = Participant(
     "lumped contacts",

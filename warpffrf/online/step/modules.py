@@ -9,11 +9,11 @@ from concurrent.futures import ThreadPoolExecutor, as_completed, wait
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels.core.scalars import BLOCK
 
 from warpffrf.model.progress import Progress
 from warpffrf.online.step import kernel_cache
 from warpffrf.online.warp_start import quiet
+from warpffrf_kernels.core.scalars import BLOCK
 
 MOST_AT_ONCE = 8  # a compiler takes some hundred megabytes
 READ_BY = 2.0  # s in which modules that are in the cache have been read

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.bodies import inertia, interfaces, mean_work, membrane, motion
-from warpffrf_kernels.constraints import forces, rows
-from warpffrf_kernels.step import accuracy, commit, proximal, record
-
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.bodies import inertia, interfaces, mean_work, membrane, motion
+from warpffrf_kernels.constraints import forces, rows
+from warpffrf_kernels.step import accuracy, commit, proximal, record
 
 START = {"v_rate": "v_rate0", "v_alg": "v_alg0", "omega_rate": "omega_rate0", "omega_alg": "omega_alg0"}
 START_MODES = {"qd_rate": "qd_rate0", "qd_alg": "qd_alg0"}

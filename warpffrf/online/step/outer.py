@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from warpffrf.online.step.launches import blocks, once, threads
+from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.bodies import inertia, mean_work, membrane
 from warpffrf_kernels.constraints import geometric_stiffness
 from warpffrf_kernels.impulsive import impulsive_contact
 from warpffrf_kernels.linear import outer, outer_solve
 from warpffrf_kernels.normal import contact_solve
 from warpffrf_kernels.step import balance
-
-from warpffrf.online.step.launches import blocks, once, threads
-from warpffrf.online.step.phases import Participant
 
 INTERFACES = {"motion": "interface_motion"}
 FACTOR = {"factor": "sparse_factor", "vector": "sparse_vector", "lines": "sparse_lines", "work": "elimination"}

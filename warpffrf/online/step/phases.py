@@ -14,9 +14,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import warp as wp
-from warpffrf_kernels.core.declaration import Declaration
 
 from warpffrf.online.step.launches import DECLARED, Launch
+from warpffrf_kernels.core.declaration import Declaration
 
 ATTEMPT = ("begin", "predict", "remember")
 MOVE_AND_LOAD = ("move", "load")

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from warpffrf_kernels.constraints import pretension
-
 from warpffrf.online.step.launches import blocks, threads
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.constraints import pretension
 
 PRETENSION = Participant(
     "pretension",

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import warp as wp
-from warpffrf_kernels.core.declaration import parts
-from warpffrf_kernels.step import snapshot
 
 from warpffrf.online.arrays.scratch import RESTORED
 from warpffrf.online.step.launches import Launch, blocks
 from warpffrf.online.step.phases import Participant
+from warpffrf_kernels.core.declaration import parts
+from warpffrf_kernels.step import snapshot
 
 COPY = {wp.float64: snapshot.copy_reals, wp.int32: snapshot.copy_integers}
 

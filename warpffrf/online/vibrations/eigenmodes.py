@@ -26,7 +26,6 @@ from typing import Any
 
 import numpy as np
 import scipy.linalg
-from warpffrf_kernels.core.control import LOADING, STATIC
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count
@@ -45,6 +44,7 @@ from warpffrf.online.vibrations.film_modes import film_modes
 from warpffrf.online.vibrations.linearise import Linearisation, linearise
 from warpffrf.online.vibrations.quadratic import quadratic_modes
 from warpffrf.online.vibrations.stuck_laps import stuck_notes
+from warpffrf_kernels.core.control import LOADING, STATIC
 
 Array = np.ndarray
 RANK = 1e-10  # of the largest singular value: rows that hold nothing; the compiler has taken dependent rows out

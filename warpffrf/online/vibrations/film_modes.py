@@ -36,11 +36,11 @@ import numpy as np
 import scipy.linalg
 from scipy import sparse
 from scipy.sparse.linalg import splu
-from warpffrf_kernels.films import unknowns
-from warpffrf_kernels.films.sampling import GAP
 
 from warpffrf.online.engine import Engine
 from warpffrf.online.vibrations.quadratic import quadratic_modes
+from warpffrf_kernels.films import unknowns
+from warpffrf_kernels.films.sampling import GAP
 
 Array = np.ndarray
 RATES = 100.0, 200.0  # 1/s: two coefficients of rates, of which J and B are linear functions

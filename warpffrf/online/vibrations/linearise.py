@@ -46,7 +46,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model import rotation as rot
 from warpffrf.online.arrays.scratch import Scratch
@@ -56,6 +55,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.lap_motions import gradients
 from warpffrf.online.vibrations import stuck_laps
 from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_systems, smallest_gap
+from warpffrf_kernels.core import control as k
 
 Array = np.ndarray
 LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m

@@ -25,8 +25,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from warpffrf_kernels.core import control as k
-from warpffrf_kernels.laps.forms import STICK
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.checkpoint import off_end_of
@@ -37,6 +35,8 @@ from warpffrf.online.step.lap import LAP
 from warpffrf.online.turn import TURN
 from warpffrf.online.vibrations.eigenmodes import SceneModes, free_basis
 from warpffrf.online.vibrations.linearise import Linearisation
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.laps.forms import STICK
 
 Array = np.ndarray
 BALANCED = 1e-9  # of the forces of a step on the modes: those of the cells are known to 1e-11 of the largest

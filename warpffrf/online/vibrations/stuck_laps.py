@@ -13,12 +13,12 @@ stiffness: they are held while the kernels are evaluated (`hold`), in the axes t
 from __future__ import annotations
 
 import numpy as np
-from warpffrf_kernels.laps.forms import OPEN
-from warpffrf_kernels.laps.words import HELD
 
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.lap_motions import gradients, lap_groups
+from warpffrf_kernels.laps.forms import OPEN
+from warpffrf_kernels.laps.words import HELD
 
 Array = np.ndarray
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from warpffrf_kernels.core import control as k
 
 from warpffrf.model.integrators import Integrator
 from warpffrf.model.scene import Scene
@@ -30,6 +29,7 @@ from warpffrf.online.step.launches import DECLARED
 from warpffrf.online.step.program import Program
 from warpffrf.online.worlds.meeting import Meeting
 from warpffrf.online.worlds.same_kind import refuse_other_kinds
+from warpffrf_kernels.core import control as k
 
 OF_WORLDS = ("models", *(name for name, declared in DECLARED.items() if declared.axes[0] == "world"))
 

@@ -24,7 +24,6 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.mesh_error import own_mesh_error
@@ -37,6 +36,7 @@ from warpffrf.output.budget.figures import WORK
 from warpffrf.output.budget.quantities import LIGHT, shares
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
 from warpffrf.output.contact.hertz import flexible_sides
+from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches that the rule knows
 FORCE, PRESSURE = "force", "pressure"

@@ -10,7 +10,7 @@ import os
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from warpffrf.study.step_time import machine
+from warpffrf.study.machine import machine
 
 BUSY = 1.5  # processes: this one, which may have reduced bodies before, and the odd job
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from warpffrf.model.errors import InputError
+from warpffrf.study.markdown import table
 from warpffrf.study.speed_against_error.errors import OWN
 from warpffrf.study.speed_against_error.front import WANTED, changed_names, label_in
 from warpffrf.study.speed_against_error.machine import stated, unit_of
 from warpffrf.study.speed_against_error.tables import UNITS, front_table, full_table, order_table, shortened
-from warpffrf.verification.markdown import table
 
 if TYPE_CHECKING:  # what it reports; it is imported there
     from warpffrf.study.speed_against_error.outcome import SpeedError

@@ -1,0 +1,1 @@
+"""Normal contact: Hertz, ends, coarse meshes, contact grids, sampling points, impacts."""

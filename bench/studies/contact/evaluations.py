@@ -1,0 +1,233 @@
+r"""The three evaluations of one contact side by side: "semi" and "hyper" against "full", and what a step of each costs.
+
+Two rollers with the mesh of the two-roller demo and hats on a part of their rims (a *tread*) roll on each other at a
+constant approach, with a stiff layer between them: the same in all three, in the hats of "semi" and "hyper" and
+at every FE node of "full", where all local modes are coordinates of one Newton system. Compared over the saved steps
+are
+
+    force      |F - F_full| over |F_full|, the largest
+    pressure   means over the hats of the first grid, `sum_j M_ij s_j / a_i`, and of "full" the node forces spread in
+               the same way: |p - p_full| over |p_full| in the L2 norm of the surface, the largest
+    stress     von Mises stress at points under the tread, from SHALLOWEST half-widths deep on: the largest difference
+               over the largest stress
+
+Step times are those of the graph, of "full" those of the loop; its systems are dense, and a few steps of it suffice.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from scenes.rollers import PAIR, STEEL
+from studies.speed.step_time import BORE, RADIUS, WIDTH, swinging_pair
+from warpffrf.model.laws import LinearLayer
+from warpffrf.model.mesh import roller
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.sampling import ALL_ALONG, ALL_AROUND
+from warpffrf.model.scene import Scene
+from warpffrf.model.stress_field import von_mises
+from warpffrf.model.surfaces import Cylinder
+from warpffrf.monolithic import Monolithic
+from warpffrf.monolithic.line_of_centres.pair import STIFFER as HARDEST
+from warpffrf.monolithic.line_of_centres.pair import default_layer
+from warpffrf.offline import reduce
+from warpffrf.online import GeneralizedAlpha
+from warpffrf.output.result import Result
+from warpffrf.output.simulate import simulate
+
+GRADING = 1.3
+POINTS = "under"  # name of the stress points
+ACROSS, DEEP = 21, 6  # stress points around and in depth
+SHALLOWEST, DEEPEST = 0.3, 2.0  # half-widths: the largest shear stress of a line contact lies at 0.78
+RHO = 0.8  # of the integrator, the same for all
+STEP = 1e-4  # s
+SEPARATED = ("semi", "hyper")
+STIFFER = 3.0  # layer over a hat: it yields by some per cent of the approach, as penalties are chosen
+
+
+@dataclass(frozen=True)
+class Errors:
+    """Differences of an evaluation from "full", as fractions (module docstring)."""
+
+    evaluation: str
+    points: int  # of a strip
+    half_width: float  # of the patch of "full" [columns]
+    force: float
+    pressure: float
+    stress: float
+
+    def row(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+
+def tread(
+    columns: int,
+    *,
+    sectors: int,
+    layers: int,
+    axial: int,
+    sampling_error: float | None = None,
+    half_width: float | None = None,
+    patch_grid: bool = False,
+) -> ReducedBody:
+    """A roller whose hats cover `columns` grid columns about the angle zero; `sampling_error`: with sampling points for
+    it; `half_width` [m]: with stress points below the middle of the tread, over two half-widths to each side;
+    `patch_grid`: with what cells that travel with the patch need."""
+    mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=GRADING, order=1)
+    half = 0.5 * (columns + 1) * 2.0 * np.pi / sectors
+    mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0])) < half)
+    stress = None if half_width is None else {POINTS: stress_points(half_width)}
+    return reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": Cylinder()}, modes=0, stress=stress,
+        sampling_error=sampling_error, patch_grid=patch_grid, progress=False,
+    )  # fmt: skip
+
+
+def stress_points(half_width: float) -> np.ndarray:
+    """Points (n, 3) [m] at mid-width under the angle zero of the tread, for patches of `half_width` [m]."""
+    depth = half_width * np.linspace(SHALLOWEST, DEEPEST, DEEP)
+    angle = np.linspace(-2.0, 2.0, ACROSS) * half_width / RADIUS
+    R, t = np.meshgrid(RADIUS - depth, angle, indexing="ij")
+    return np.stack([R * np.cos(t), np.zeros_like(R), -R * np.sin(t)], axis=-1).reshape(-1, 3)
+
+
+def layer_of(body: ReducedBody, stiffer: float = STIFFER) -> LinearLayer:
+    """A stiff layer: `stiffer` times the stiffness of the surface under a hat."""
+    return LinearLayer(stiffer / HARDEST * default_layer(body.contact_surfaces["tread"]))
+
+
+def scene_of(
+    body: ReducedBody,
+    evaluation: str,
+    approach: float,
+    swing: float,
+    rate: float,
+    duration: float,
+    stiffer: float = STIFFER,
+    second: ReducedBody | None = None,
+) -> Scene:
+    """The rolling pair with the stiff layer of `layer_of` the lower body; arguments as of `step_time.swinging_pair`."""
+    scene = swinging_pair(body, approach, swing, rate, duration, second)
+    contact = scene.contacts[0]
+    contact.law, contact.evaluation = layer_of(body, stiffer), evaluation
+    for item in scene.bodies:
+        item.level = "constant"
+    return scene
+
+
+def run_evaluation(scene: Scene, steps: int, *, start: Any = "equilibrium", variant: str = "low_rank") -> Result:
+    """`steps` steps of the scene by the method that its evaluation needs."""
+    full = scene.contacts[0].evaluation == "full"
+    method: Any = Monolithic(variant) if full else "separated"
+    result = simulate(
+        scene, steps * STEP, step=STEP, start=start, method=method, integrator=GeneralizedAlpha(RHO), progress=False
+    )
+    if result.status != "completed":
+        raise RuntimeError(f"{scene.contacts[0].evaluation}: {result.status}: {result.message}")
+    return result
+
+
+def compare(
+    body: ReducedBody,
+    approach: float,
+    swing: float,
+    rate: float,
+    steps: int,
+    stiffer: float = STIFFER,
+    second: ReducedBody | None = None,
+) -> list[Errors]:
+    """Errors of "semi" and "hyper" against "full" over `steps` steps of rolling; arguments as of `scene_of`."""
+    found = {
+        evaluation: run_evaluation(
+            scene_of(body, evaluation, approach, swing, rate, steps * STEP, stiffer, second), steps
+        )
+        for evaluation in ("full", *SEPARATED)
+    }
+    full = found["full"]
+    sizes = np.linalg.norm(full.history.contacts[PAIR].force, axis=1)
+    stress = under(body, full, True)
+    pressures = {name: hat_means(body, result, name == "full") for name, result in found.items()}
+    gram = np.asarray(body.contact_surfaces["tread"].gram_z)
+    out = []
+    for name in SEPARATED:
+        force = np.linalg.norm(found[name].history.contacts[PAIR].force, axis=1)
+        worst = 0.0
+        for p, reference in zip(pressures[name], pressures["full"], strict=True):
+            worst = max(worst, surface_norm(p - reference, gram) / surface_norm(reference, gram))
+        difference = np.abs(under(body, found[name], False) - stress).max()
+        out.append(
+            Errors(
+                name,
+                points_of(body, name),
+                patch_columns(body, pressures["full"]),
+                float(np.abs(force / sizes - 1.0).max()),
+                float(worst),
+                float(difference / stress.max()),
+            )  # fmt: skip
+        )
+    return out
+
+
+def patch_columns(body: ReducedBody, pressure: np.ndarray) -> float:
+    """Half-width [columns] of pressures (T, columns, rows): twice the root of the second moment, meaned over T."""
+    line = pressure @ np.asarray(body.contact_surfaces["tread"].gram_z).sum(axis=1)
+    j, total = np.arange(line.shape[1]), line.sum(axis=1)
+    middle = line @ j / total
+    second = np.einsum("tj,tj->t", line, (j - middle[:, None]) ** 2) / total
+    return float(2.0 * np.sqrt(second).mean())
+
+
+def points_of(body: ReducedBody, evaluation: str) -> int:
+    """Points of a strip that `evaluation` looks at."""
+    surface = body.contact_surfaces["tread"]
+    if evaluation == "hyper":
+        return 0 if surface.sampling is None else surface.sampling.count
+    return ALL_AROUND * ALL_ALONG * (surface.grid.rows - 1)
+
+
+def on_grid(body: ReducedBody, result: Result) -> np.ndarray:
+    """The recorded pressures (T, columns, rows) [Pa] on the whole grid."""
+    grid, record = body.contact_surfaces["tread"].grid, result.history.contacts[PAIR]
+    out = np.zeros((len(record.pressure), grid.columns, grid.rows))
+    for t, (first, values) in enumerate(zip(record.first_column, record.pressure, strict=True)):
+        columns = int(first) + np.arange(len(values))
+        known = (columns >= 0) & (columns < grid.columns)
+        out[t, columns[known]] = values[known]
+    return out
+
+
+def hat_means(body: ReducedBody, result: Result, nodes: bool) -> np.ndarray:
+    """Pressure (T, columns, rows) [Pa] on the whole grid, meaned over each hat; that of `nodes` was recorded so."""
+    pressure, surface = on_grid(body, result), body.contact_surfaces["tread"]
+    if nodes:
+        return pressure
+    gram, grid = np.asarray(surface.gram_z), surface.grid
+    return np.array([grid.along_theta(p) @ gram.T for p in pressure]) / (grid.pitch * gram.sum(axis=1))
+
+
+def under(body: ReducedBody, result: Result, nodes: bool) -> np.ndarray:
+    """Von Mises stress (T, p) [Pa] of the lower roller under the tread: of its modes and of the forces on its hats,
+    which of `nodes` are the recorded pressures times the areas of the hats."""
+    surface, grid = body.contact_surfaces["tread"], body.contact_surfaces["tread"].grid
+    pressure, gram = on_grid(body, result), np.asarray(surface.gram_z)
+    out = []
+    for q, p in zip(result.history.bodies["lower"].modal, pressure, strict=True):
+        force = p * (grid.pitch * gram.sum(axis=1)) if nodes else grid.along_theta(p) @ gram.T
+        out.append(von_mises(body.stress[POINTS].evaluate(q, {"tread": -force})))
+    return np.array(out)
+
+
+def surface_norm(p: np.ndarray, gram: np.ndarray) -> float:
+    """Root of the sum over columns of p.M_z p, p (columns, rows)."""
+    return float(np.sqrt(np.einsum("jk,kl,jl->", p, gram, p)))
+
+
+def step_seconds(result: Result) -> float:
+    """Wall time of a step [s] of a run."""
+    counters = result.history.counters
+    part = "seconds_in_graph" if "seconds_in_graph" in counters else "loop_seconds"
+    return float(counters[part]) / max(int(counters["steps"]), 1)

@@ -1,0 +1,1 @@
+"""Oil films: the law by itself, elastic walls, the engine's grids and its acceptance."""

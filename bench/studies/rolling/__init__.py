@@ -1,0 +1,1 @@
+"""Rolling and sliding contact with friction: Carter, Kalker, CONTACT, changes of creepage."""

@@ -1,0 +1,1 @@
+"""Small-sliding contact of joints: bases, bolts, sheets, loops, motion."""

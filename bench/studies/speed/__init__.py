@@ -1,0 +1,1 @@
+"""Times of steps, runs kept for comparison, another program beside."""

@@ -1,0 +1,5 @@
+"""Independent references: closed forms, half spaces, full finite elements, dense films, published numbers.
+
+They know neither engine nor reduction: of the package they import the model alone (`warpffrf.model`), as pyproject.toml
+says and `make lint` checks.
+"""

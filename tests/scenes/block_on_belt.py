@@ -1,0 +1,48 @@
+"""A block that slides along a guide under a load: on a floor, or on a belt that it is tied beside by a spring."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from scenes.rollers import STEEL
+from warpffrf.model import forces, joints, surfaces
+from warpffrf.model.contact import Contact
+from warpffrf.model.mesh import roller
+from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.scene import Scene
+from warpffrf.offline import reduce
+
+RADIUS, MASS, LOAD, STIFFNESS, SPEED = 0.05, 4.0, 200.0, 2e4, 0.1  # m, kg (of the slide), N, N/m, m/s
+
+
+def wheel_body(sectors: int = 720) -> ReducedBody:
+    """A wheel, used as a block that does not turn."""
+    mesh = roller(RADIUS, 0.015, 0.01, sectors=sectors, layers=4, axial=1, grading=1.8, order=1)
+    return reduce(
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, max_frequency=12e3,
+        tangential=True, patch_grid=False, cache=False, progress=False,
+    )  # fmt: skip
+
+
+def block(body: ReducedBody, speed: float, load: float = LOAD) -> tuple[Scene, Any, Any]:
+    """A scene with a block under a load [N] that slides along x at `speed` [m/s], and the joint that it slides in."""
+    scene = Scene(gravity=(0.0, 0.0, 0.0))
+    start: dict[str, Any] = {"position": (0.0, 0.0, RADIUS), "velocity": (speed, 0.0, 0.0)}
+    wheel = scene.add_body(body, name="block", **start)
+    slide = scene.add_rigid_body(MASS, (0.01,) * 3, name="slide", **start)
+    along = scene.add(joints.Prismatic(scene.ground, slide.at((0.0, 0.0, 0.0)), axis=(1, 0, 0), name="along"))
+    scene.add(joints.Prismatic(slide.at((0.0, 0.0, 0.0)), wheel["bore"], axis=(0, 0, 1), name="down"))
+    scene.add(forces.PointForce(wheel["bore"], (0.0, 0.0, -load)))
+    return scene, wheel, along
+
+
+def on_belt(body: ReducedBody, friction: Any, *, stiffness: float = STIFFNESS, load: float = LOAD) -> Scene:
+    """The block moves with the belt at the start, its spring [N/m] slack."""
+    scene, wheel, along = block(body, SPEED, load)
+    top = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0))
+    belt = scene.add_rigid_body(1.0, (1.0,) * 3, name="belt", velocity=(SPEED, 0.0, 0.0), surfaces={"top": top})
+    guide = scene.add(joints.Prismatic(scene.ground, belt.at((0.0, 0.0, 0.0)), axis=(1, 0, 0), name="guide"))
+    scene.add(joints.Drive(guide, SPEED, quantity="velocity"))
+    scene.add(forces.JointSpringDamper(along, stiffness=stiffness))
+    scene.add(Contact(wheel["rim"], belt["top"], friction=friction, name="pair"))
+    return scene

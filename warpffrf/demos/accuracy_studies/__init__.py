@@ -1,9 +1,0 @@
-"""Makes docs/studies/accuracy.md: `python -m warpffrf.demos.accuracy_studies [FOLDER] [NAME ...]`, an hour, most of it
-for the bearing.
-
-Machines are run with `simulate(accuracy=)`, and what it chose is held against runs of the same machine with other
-steps, contact grids, inertia levels and stiffening: whether the wanted error is kept, and how much faster the fastest
-of those is that keep it too. Errors are those of the studies of speed against error
-(`warpffrf.study.speed_against_error.errors`), beside a run with several times the steps, all inertia terms, and
-finer cells where bodies have what those need.
-"""

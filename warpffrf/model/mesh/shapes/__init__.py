@@ -1,0 +1,1 @@
+"""Meshes that are generated: rollers, balls, blocks, boxes, sleeves."""

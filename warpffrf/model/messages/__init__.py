@@ -1,0 +1,1 @@
+"""What the package says: messages, progress, interruptions, how objects show themselves."""

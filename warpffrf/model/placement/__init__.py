@@ -1,0 +1,1 @@
+"""Gaps of surfaces at the initial pose, and bodies moved to close them."""

@@ -1,0 +1,1 @@
+"""Oil films of a scene -> device tables."""

@@ -1,0 +1,364 @@
+r"""Oil films of a scene -> device tables of their points, functions and compliances (kernels of `films`).
+
+What a pressure is made of is in `film_bases`. With D the compliance of the surface's local modes, M the Gram matrix of
+its hats and T from functions to hats, pressures open the gap at the hats by G T p, G = D M; of pressures that are given
+that is constant, `lift`; those of asperities stand at the hats, and open by G.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from warpffrf.model import rotation as rot
+from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.errors import InputError
+from warpffrf.model.films import Film
+from warpffrf.model.films.film import places_around
+from warpffrf.model.films.roughness import factor_table
+from warpffrf.model.oils import Barus, Newtonian, Oil, Roelands
+from warpffrf.online.compile.collector import Collector
+from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments
+from warpffrf.online.compile.film_bases import Basis, basis_of
+from warpffrf_kernels.core.model import Films
+from warpffrf_kernels.films import asperities as asperity_kernels
+from warpffrf_kernels.films import oil as oil_kernels
+from warpffrf_kernels.films import sampling, unknowns
+
+Array = np.ndarray
+FORM_COLUMNS, FORM_ROWS = 720, 65  # of the table of the second surface's form: half a degree
+RULES = {
+    "mass_conserving": sampling.MASS_CONSERVING, "reynolds": sampling.REYNOLDS, "half": sampling.HALF,
+    "none": sampling.NONE,
+}  # fmt: skip
+MANY = 1000  # unknowns
+BY_PRESS = ("press_function", "press_value")
+BY_FUNCTION = ("function", "value", "slope_around", "slope_along", "void_value", "hat_support", "hat_value")
+
+
+class Tables:
+    """What is gathered of all films: one value each, or parts that stand one behind the other."""
+
+    def __init__(self) -> None:
+        self.ones: dict[str, list[Any]] = {}
+        self.parts: dict[str, list[Array]] = {}
+
+    def one(self, **values: Any) -> None:
+        """A value of a film."""
+        for name, value in values.items():
+            self.ones.setdefault(name, []).append(value)
+
+    def part(self, **values: Any) -> None:
+        """Entries of a film."""
+        for name, value in values.items():
+            self.parts.setdefault(name, []).append(np.asarray(value))
+
+    def length(self, name: str) -> int:
+        """Entries so far."""
+        return sum(map(len, self.parts.get(name, [])))
+
+    def starts(self, name: str) -> Array:
+        """Where the entries of each film begin, and their number."""
+        return np.cumsum([0, *map(len, self.parts.get(name, []))])
+
+    def values(self) -> dict[str, Any]:
+        """All of them, as the model takes them; functions at a place filled up to the most, with -1 and zeros."""
+        found: dict[str, Any] = {name: np.asarray(ones) for name, ones in self.ones.items()}
+        widths = {
+            name: max(part.shape[1] for part in self.parts[group[0]])
+            for group in (BY_FUNCTION, BY_PRESS)
+            for name in group
+            if name in self.parts
+        }
+        for name, parts in self.parts.items():
+            if name in widths:
+                fill = -1 if name in ("function", "hat_support", "press_function") else 0
+                gaps = [widths[name] - part.shape[1] for part in parts]
+                parts = [
+                    np.pad(part, ((0, 0), (0, gap)), constant_values=fill)
+                    for part, gap in zip(parts, gaps, strict=True)
+                ]
+            found[name] = np.concatenate(parts)
+        return found
+
+
+def fill_films(collector: Collector) -> None:
+    """Tables of all films. Raises `InputError` for what films do not do."""
+    films, topic = collector.scene.films, collector.films
+    declared: Any = Films
+    tables = Tables()
+    for number, film in enumerate(films):
+        _add_film(collector, film, number, tables)
+    collector.notes.extend(_alone(collector))
+    values = dict.fromkeys(declared.declarations, np.zeros(0)) | tables.values()
+    if films:
+        for name, of in (
+            ("hat", "lift"), ("function", "given"), ("point", "weight"), ("unknown", "function_of"),
+            ("press", "press_seat"),
+        ):  # fmt: skip
+            values[f"{name}_start"] = tables.starts(of)
+        for name in (
+            "compliance", "shape", "moment", "rough_moment", "table", "factor", "second_row", "second_shape",
+            "second_compliance",
+        ):  # fmt: skip
+            values[f"{name}_start"] = tables.starts(name)[:-1]
+        lines = values["unknowns"] + values["rough"]
+        columns = int(unknowns.RIGID) + values["modes"] + values["second_modes"]
+        hats = values["second_hats"]
+        for name, sizes in (
+            ("system", lines), ("matrix", lines * (lines + 1 + 2 * columns)), ("column", columns),
+            ("square", columns**2), ("second_hat", hats), ("load", lines * hats),
+            ("seat", np.where(hats > 0, np.diff(values["point_start"]) + np.diff(values["hat_start"]), 0)),
+        ):  # fmt: skip
+            values[f"{name}_start"] = np.concatenate([[0], np.cumsum(sizes)])
+        for name, of in (("entry", "entry_point"), ("near", "near"), ("press_entry", "press_entry")):
+            values[f"{name}_start"] = np.append(values[f"{name}_start"], tables.length(of))
+        values["rest_v"], values["rest_omega"] = _rest_velocities(collector)
+    collector.fill(topic, count=len(films), **values)
+
+
+def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> None:
+    surface, grid, body = film.a.surface, film.grid, film.a.body
+    hats = grid.columns * grid.rows
+    basis = basis_of(film)
+    free = np.flatnonzero(~basis.held)
+    unknown_of = np.full(basis.functions, -1)
+    unknown_of[free] = np.arange(len(free))
+    G = _opening(surface)
+    of_functions = G @ basis.to_hats
+    shape = np.asarray(surface.mode_normal).reshape(hats, -1)
+    moment = modal_moments(surface).reshape(hats, -1).T
+    theta, z = (v.ravel() for v in np.meshgrid(film.theta, grid.z, indexing="ij"))
+    entries = _entries(basis)
+    kind, numbers = _oil(film.oil, film.label)
+    table, ranges = _second_form(film)
+    travels = film.cavitation in ("mass_conserving", "reynolds")
+    law, law_numbers, law_table = _asperities(film)
+    rough = hats if film.law is not None else 0
+    factors = factor_table(film.roughness, film.roughness_second) if film.deviation else np.zeros((0, 13))
+    lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
+    tables.one(
+        first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
+        rule=int(RULES[film.cavitation]), oil_kind=kind, oil=numbers, unknowns=len(free),
+        thickness=film.clearance() or float(np.median(film.initial_gap())), second_range=ranges,
+        rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.friction,
+        table_count=len(law_table), factor_count=len(factors), second_counts=table.shape,
+        second_start=tables.length("second_form") if table.size else -1,
+    )  # fmt: skip
+    tables.part(
+        compliance=np.hstack([of_functions[:, free], G[:, :rough]]).ravel(), shape=shape.ravel(),
+        moment=(moment @ basis.to_hats).ravel(), table=law_table, rough_moment=moment[:, :rough].ravel(),
+        hat_area=hat_gram(surface, 1)[0].sum(axis=1), lift=lift,
+        hat_place=surface.shape.point(theta, z) - body.center_of_mass, hat_form=film.gap_form(theta, z),
+        hat_function=basis.hat_function, hat_support=basis.hat_support, hat_value=basis.hat_value, function_of=free,
+        unknown_of=unknown_of, given=basis.given, feeds=basis.fed.astype(int), voids=voids,
+        place=surface.shape.point(*basis.at.T) - body.center_of_mass, around=_around(surface, basis.at[:, 0]),
+        along=_along(surface, *basis.at.T), area=basis.area, second_form=table.ravel(), **basis.neighbours,
+    )  # fmt: skip
+    tables.part(factor=factors)
+    tables.part(
+        entry_start=tables.length("entry_point") + entries.start, near_start=tables.length("near") + entries.near_start,
+        entry_slot=entries.slot, entry_near=entries.near_at, near=entries.near,
+    )  # fmt: skip
+    tables.part(entry_point=tables.length("weight") + entries.point)
+    tables.part(
+        point_place=surface.shape.point(basis.theta, basis.z) - body.center_of_mass,
+        point_around=_around(surface, basis.theta), point_along=_along(surface, basis.theta, basis.z),
+        form=film.gap_form(basis.theta, basis.z), weight=basis.weight, function=basis.function, value=basis.value,
+        slope_around=basis.around, slope_along=basis.along, void_value=basis.void, hat=basis.hat, between=basis.between,
+        begin=_filling(film, basis, lift),
+    )  # fmt: skip
+    _add_second(film, basis, tables)
+    collector.notes.extend(film.notes)
+    if film.cavitation == "half":
+        collector.notes.append(
+            f"{film.label}: cavitation 'half' leaves pressures below zero out of the forces, which drive oil all the "
+            "same: the ledger does not close with it, and nothing watches over energy from nowhere"
+        )
+    if film.law is not None and film.law.remark:
+        collector.notes.append(f"{film.label}: {film.law.remark}")
+    if film.evaluation == "hyper":
+        collector.notes.append(
+            f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} hats, which balance "
+            "its oil in means along: flows through feeds and ends are not recorded"
+        )
+    elif len(free) > MANY:
+        collector.notes.append(
+            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; "
+            "evaluation='hyper' takes a profile along in place of rows, whose number the load errs by as its square"
+        )
+    if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
+        collector.notes.append(f"{film.label}: local modes move without inertia under its pressure")
+
+
+def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
+    """The grid of a second surface that yields, its compliance and the modes of its body; of a rigid one nothing."""
+    surface = film.b.surface
+    if not isinstance(surface, ContactSurface):
+        tables.one(second_modes=0, second_hats=0, second_grid=(0, 0, 0), second_pitch=(0.0, 1.0, 0.0))
+        empty = np.zeros(0)
+        tables.part(
+            second_row=empty, second_shape=empty, second_compliance=empty, press_seat=empty, press_entry=empty,
+            press_function=np.zeros((0, 1)), press_value=np.zeros((0, 1)), press_entry_value=empty,
+            press_entry_start=np.zeros(basis.functions),
+        )  # fmt: skip
+        return
+    grid = surface.grid
+    hats = grid.columns * grid.rows
+    shape = np.asarray(surface.mode_normal).reshape(hats, -1)
+    turn = 0.0 if surface.shape.profile().planar else 2.0 * np.pi / grid.pitch
+    tables.one(
+        second_modes=shape.shape[1], second_hats=hats, second_grid=(grid.columns, grid.rows, int(grid.periodic)),
+        second_pitch=(float(places_around(surface)[0]), grid.pitch, turn),
+    )  # fmt: skip
+    tables.part(
+        second_row=grid.z, second_shape=shape.ravel(),
+        second_compliance=surface.compliance(np.arange(grid.columns)).ravel(),
+    )  # fmt: skip
+    seat, function, value = _presses(film, basis)
+    place, slot = np.nonzero(function >= 0)
+    owner = function[place, slot]
+    order = np.argsort(owner, kind="stable")
+    start = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=basis.functions))])
+    tables.part(
+        press_entry_start=tables.length("press_entry") + start[:-1],
+        press_entry=tables.length("press_seat") + place[order], press_entry_value=value[place, slot][order],
+    )  # fmt: skip
+    tables.part(press_seat=seat, press_function=function, press_value=value)
+
+
+def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
+    """Places by which a film loads a second body that yields: seats (places,), functions that do, -1 for none, and the
+    area of each [m2] (places, some): points, or of profiles, which stand at few points, hats."""
+    points = len(basis.weight)
+    if film.evaluation != "hyper":
+        return np.arange(points), basis.function, basis.value * basis.weight[:, None]
+    forces = sp.csr_matrix(sp.csr_matrix(hat_gram(film.a.surface, 1)[0]) @ basis.to_hats)
+    counts = np.diff(forces.indptr)
+    slot = np.arange(forces.nnz) - np.repeat(forces.indptr[:-1], counts)
+    function, value = np.full((len(counts), counts.max()), -1), np.zeros((len(counts), counts.max()))
+    hat = np.repeat(np.arange(len(counts)), counts)
+    function[hat, slot], value[hat, slot] = forces.indices, forces.data
+    return points + np.arange(len(counts)), function, value
+
+
+def _alone(collector: Collector) -> list[str]:
+    """A note for each flexible body that a film loads beside other films or contacts."""
+    scene, notes = collector.scene, []
+    films = [port for film in scene.films for port in film.ports if not port.rigid]
+    others = [port for contact in scene.contacts for port in contact.ports if not port.rigid]
+    for body in scene.bodies:
+        names = [port.name for port in (*films, *others) if port.body is body]
+        if len(names) > 1 and any(port.body is body for port in films):
+            on = ", ".join(sorted(set(names)))
+            notes.append(
+                f"body {body.name!r}: {len(names)} films and contacts load it, on {on}; where there is a film, what "
+                "the others do goes through its global modes alone: more modes leave out less"
+            )
+    return notes
+
+
+def _rest_velocities(collector: Collector) -> tuple[Array, Array]:
+    """Velocity of each body's centre of mass, and angular velocity in its axes, as the scene begins."""
+    v, omega = [], []
+    for body in collector.scene.bodies:
+        A = rot.matrix(body.rotation)
+        v.append(body.velocity + np.cross(body.angular_velocity, A @ body.center_of_mass))
+        omega.append(A.T @ body.angular_velocity)
+    return np.array(v), np.array(omega)
+
+
+def _oil(oil: Oil, label: str) -> tuple[int, list[float]]:
+    """Kind and numbers of an oil. Raises `InputError` for one that kernels do not know."""
+    a, b = (0.0, 0.0) if oil.density is None else (oil.density.a, oil.density.b)
+    if isinstance(oil, Newtonian):
+        return int(oil_kernels.NEWTONIAN), [oil.viscosity, 0.0, 0.0, 0.0, a, b]
+    if isinstance(oil, Barus):
+        return int(oil_kernels.BARUS), [oil.viscosity, oil.coefficient, 0.0, 0.0, a, b]
+    if isinstance(oil, Roelands):
+        return int(oil_kernels.ROELANDS), [oil.viscosity, oil.coefficient, oil.rise, oil.exponent, a, b]
+    raise InputError(f"{label}: an oil of a kind of its own, {oil.label}, is not known to the kernels; take oils.Barus")
+
+
+def _asperities(film: Film) -> tuple[int, list[float], Array]:
+    """Kind, numbers and table of the law of asperities."""
+    if film.law is None:
+        return int(asperity_kernels.SMOOTH), [0.0] * 4, np.zeros((0, 3))
+    curve: Any = film.law.curve
+    if curve.form == "exponential":
+        return int(asperity_kernels.EXPONENTIAL), list(curve.numbers), np.zeros((0, 3))
+    return int(asperity_kernels.TABLE), [0.0] * 4, curve.table
+
+
+def _opening(surface: ContactSurface) -> Array:
+    """G = D M (hats, hats) [m/Pa]."""
+    D = surface.compliance(np.arange(surface.grid.columns))
+    return D @ hat_gram(surface, 1)[0]
+
+
+def _around(surface: ContactSurface, theta: Array) -> Array:
+    """Unit vectors (n, 3) along the first coordinate of the chart, whatever the side."""
+    found = np.asarray(surface.shape.around(theta))
+    if not surface.shape.profile().planar:
+        found = found * surface.shape.side
+    return np.broadcast_to(found, (len(theta), 3))
+
+
+def _along(surface: ContactSurface, theta: Array, z: Array) -> Array:
+    """Unit vectors (n, 3) along z."""
+    return np.broadcast_to(np.asarray(surface.shape.along(theta, z)), (len(theta), 3))
+
+
+@dataclass(frozen=True)
+class Entries:
+    """Points of each function: start (functions,), point and slot (entries,); the hats around them: near_start
+    (functions,), near, and where the four hats of an entry's point are among them, near_at (entries, 4)."""
+
+    start: Array
+    point: Array
+    slot: Array
+    near_start: Array
+    near: Array
+    near_at: Array
+
+
+def _entries(basis: Basis) -> Entries:
+    width = basis.function.shape[1]
+    owner = basis.function.ravel()
+    order = np.argsort(owner, kind="stable")
+    start = np.concatenate([[0], np.cumsum(np.bincount(owner, minlength=basis.functions))])
+    point, slot = order // width, order % width
+    near, near_start, near_at = [], [0], np.zeros((len(order), 4), dtype=int)
+    for f in range(basis.functions):
+        mine = slice(start[f], start[f + 1])
+        found, at = np.unique(basis.hat[point[mine]], return_inverse=True)
+        near.append(found)
+        near_start.append(near_start[-1] + len(found))
+        near_at[mine] = at.reshape(-1, 4)
+    return Entries(start[:-1], point, slot, np.asarray(near_start[:-1]), np.concatenate(near), near_at)
+
+
+def _filling(film: Film, basis: Basis, lift: Array) -> Array:
+    """Gap at the points [m] where the scene begins, opened by the pressures that are given, times rho/rho_0 there."""
+    pressure = np.sum(basis.value * basis.given[basis.function], axis=1)
+    opened = np.sum(basis.between * lift[basis.hat], axis=1)
+    return film.oil.density_at(pressure) * (film.gap_at(basis.theta, basis.z) + opened)
+
+
+def _second_form(film: Film) -> tuple[Array, Sequence[float]]:
+    """A table of what the form of the second surface adds [m], and where its places are: first theta and step, first z
+    and step."""
+    if film.form_second is None:
+        return np.zeros((0, 0)), [0.0, 1.0, 0.0, 1.0]
+    shape, grid = film.b.surface.shape, film.grid
+    half = 0.5 * float(grid.z[-1] - grid.z[0])
+    world = film.a.body.to_world(film.a.surface.shape.point(np.zeros(2), grid.z[[0, -1]]))
+    ends = np.sort(np.asarray(shape.chart(film.b.body.to_user(world))[1], dtype=float))
+    z = np.linspace(ends[0] - 0.1 * half, ends[1] + 0.1 * half, FORM_ROWS)
+    step = 2.0 * np.pi / FORM_COLUMNS
+    theta = step * np.arange(FORM_COLUMNS)
+    return film.second_form(theta[:, None], z[None, :]), [0.0, step, float(z[0]), float(z[1] - z[0])]

@@ -1,0 +1,1 @@
+"""Contact whose cells travel with the patch -> device tables."""

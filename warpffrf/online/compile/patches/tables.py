@@ -1,0 +1,210 @@
+"""Pairs whose pressures stand on cells that travel with the patch -> device tables (kernels of `patch`): which pairs
+these are, their cells (`patch_plan`), and the far fields of their surfaces."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.bodies import Body, Ground
+from warpffrf.model.claims import on_same_surfaces
+from warpffrf.model.contact import Contact
+from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.errors import InputError
+from warpffrf.online.compile.patch_plan import PatchPlan, radius_of, relative_curvatures
+from warpffrf.online.compile.patches_beside import fill_beside
+from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.normal.lagged import PATCHES_ALONE
+from warpffrf_kernels.patch.spline_tables import LINE
+
+Array = np.ndarray
+HUGGING = 0.2  # of the larger curvature: below it patches are wide beside the radius, and belong to material grids
+FAR_COLUMNS = 4  # splines beside those over 2 W
+TAPS = 3  # splines across that a window has room for at least, also where a surface has but two
+
+
+def patch_plans(
+    contacts: list[Contact], dynamic: Collection[int], *, off_end: bool = False
+) -> tuple[dict[int, PatchPlan], list[str]]:
+    """Plans by number of the contact, of those on patches, and notes on what grid="auto" has chosen. Raises
+    `InputError` where one of their bodies is loaded by a contact on a material grid too, and where another contact
+    stands on the same two surfaces. dynamic: indices of bodies whose local modes have inertia; off_end: as
+    `PatchPlan.of`."""
+    plans: dict[int, PatchPlan] = {}
+    notes = []
+    for i, contact in enumerate(contacts):
+        asked = contact.grid == "patch"
+        if contact.grid == "material":
+            continue
+        if asked and (reason := _on_its_surfaces(contact, contacts)):
+            raise InputError(f'contact {contact.name!r}: {reason}; use grid="material"')
+        if not asked and (reason := _why_not(contact, contacts, dynamic)):
+            if coarse := _spacing_beside_far_fields(contact):
+                notes.append(
+                    f"contact {contact.name!r}: pressures on the material grid, whose columns are {coarse:.2g} m "
+                    f"apart, though its bodies have what cells that travel with the patch need: {reason}"
+                )
+            continue
+        try:
+            plans[i] = PatchPlan.of(contact, off_end=off_end)
+        except InputError as error:
+            if asked:
+                raise
+            notes.append(f"{error}: pressures on the material grid, not on cells that travel with the patch")
+    while beside := next(_beside_a_grid(contacts, plans), None):  # one that goes may take others along
+        i, port, other = beside
+        if contacts[i].grid == "patch":
+            raise InputError(
+                f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose hats "
+                "and the cells of a patch do not feel each other by its local modes; give both the same grid="
+            )
+        del plans[i]
+        notes.append(
+            f"contact {contacts[i].name!r}: pressures on the material grid, as those of {other.name!r} on body "
+            f"{port.body.name!r} are"
+        )
+    notes += [
+        f"contact {contacts[i].name!r}: pressures on cells that travel with the patch, for which its bodies were "
+        'reduced (patch_grid); grid="material" takes the contact grid instead'
+        for i in plans
+        if contacts[i].grid == "auto"
+    ]
+    return plans, notes
+
+
+def _on_its_surfaces(contact: Contact, contacts: list[Contact]) -> str | None:
+    """That another contact stands on the surfaces of this one, whose pressure cells of its own do not share."""
+    for other in contacts:
+        if other is not contact and on_same_surfaces(contact, other):
+            return (
+                f"{other.name!r} stands on the same surfaces, and cells of two patches in one place share no pressure"
+            )
+    return None
+
+
+def _why_not(contact: Contact, contacts: list[Contact], dynamic: Collection[int]) -> str | None:
+    """Why grid="auto" takes no patch of cells: what they cannot do, or a conformal contact; None where it does."""
+    if reason := contact.without_patch() or _on_its_surfaces(contact, contacts):
+        return reason
+    if any(port.body.index in dynamic for port in contact.ports):
+        return "their local modes have inertia"
+    across, _ = relative_curvatures(contact)
+    radii = [radius_of(port.surface) for port in contact.ports]
+    sharpest = max((1.0 / radius for radius in radii if radius > 0.0), default=0.0)
+    return None if across > HUGGING * sharpest else "the surfaces are nearly as curved as each other"
+
+
+def _spacing_beside_far_fields(contact: Contact) -> float:
+    """Distance [m] of the columns of a contact whose flexible bodies all have far fields; 0 of others."""
+    if any(port.surface.far is None for port in contact.ports if not port.rigid):
+        return 0.0
+    surface = contact.a.surface
+    planar = surface.shape.profile().planar
+    return surface.grid.pitch * (1.0 if planar else float(np.max(surface.shape.radius_at(np.asarray(surface.grid.z)))))
+
+
+def _beside_a_grid(contacts: list[Contact], taken: Collection[int]) -> Any:
+    """Of those `taken` for patches, by number, the ones on a body that another contact loads on a material grid:
+    number, port, and the other."""
+    for i in sorted(taken):
+        for port in (port for port in contacts[i].ports if not port.rigid):
+            for j, other in enumerate(contacts):
+                if j not in taken and any(q.body is port.body for q in other.ports):
+                    yield i, port, other
+
+
+def filled(count: int) -> int:
+    """`count` numbers filled up to whole lines of LINE."""
+    return -(-count // LINE) * LINE
+
+
+def fill_patches(collector: Any, m: Model) -> None:
+    """Cells, near tables and far fields of all pairs on patches."""
+    plans, contacts = collector.patches, collector.scene.contacts
+    per_pair: dict[str, list] = {
+        name: [] for name in ("columns", "first", "second", "curvature", "follows", "aspect", "middle", "least_width",
+                              "most_width", "begins", "span", "layer", "row_start", "near_start", "near_levels",
+                              "near_first", "near_step", "near_power", "end_start")
+    }  # fmt: skip
+    z, length, near, end_z, strength = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)], [], []
+    for i, contact in enumerate(contacts):
+        plan = plans.get(i)
+        sides = [collector.surfaces[s].surface for s in collector.sides[2 * i : 2 * i + 2]]
+        values = dict.fromkeys(per_pair, 0)
+        values |= {"row_start": sum(map(len, z)), "near_start": sum(map(len, near)), "end_start": len(end_z)}
+        if plan is not None:
+            first, second = (side.number for side in sides)
+            values |= {
+                "columns": plan.columns, "first": first, "second": second, "curvature": plan.curvature,
+                "follows": int(plan.follows), "aspect": plan.aspect or 1.0,
+                "middle": float(np.mean(plan.z)), "least_width": plan.least, "most_width": plan.most,
+                "begins": plan.begins, "span": plan.span, "layer": contact.law.compliance,
+                "near_levels": len(plan.table), "near_first": plan.first,
+                "near_step": plan.step, "near_power": plan.power,
+            }  # fmt: skip
+            z.append(plan.z)
+            length.append(plan.length)
+            near.append(plan.table.ravel())
+            end_z += [at for at, _ in plan.ends]
+            strength += [value for _, value in plan.ends]
+        for name, value in values.items():
+            per_pair[name].append(value)
+    per_pair["end_start"].append(len(end_z))
+    far: dict[str, list] = {
+        name: [] for name in ("far_start", "far_sectors", "far_columns", "column_knots", "row_knots", "mode_start")
+    }
+    operators, knots, modes = [np.zeros(0)], [np.zeros(0)], [np.zeros(0)]
+    far_of, nodes = [], LINE
+    for body, _, surface in collector.surfaces:
+        if not plans or not isinstance(surface, ContactSurface) or surface.far is None:
+            far_of.append(-1)
+            continue
+        far_of.append(len(far["far_start"]))
+        splines, grid = surface.splines, surface.grid
+        column_knots = np.zeros(0)
+        if not splines.turn:
+            column_knots = (splines.theta_knots - grid.theta_start) / grid.pitch
+        values = {
+            "far_start": sum(map(len, operators)), "far_sectors": len(surface.far.lags),
+            "far_columns": grid.columns_per_sector, "column_knots": sum(map(len, knots)),
+            "row_knots": sum(map(len, knots)) + len(column_knots), "mode_start": sum(map(len, modes)),
+        }  # fmt: skip
+        for name, value in values.items():
+            far[name].append(value)
+        operators.append(surface.far.lags.ravel())
+        knots += [column_knots, splines.z_knots]
+        modes.append(_spline_modes(body, collector, surface).ravel())
+        widest = max((plan.most for plan in plans.values()), default=0.0)
+        radius = float(np.min(surface.shape.radius_at(np.asarray(grid.z))))
+        columns = min(int(np.ceil(2.0 * widest / (grid.pitch * radius))) + FAR_COLUMNS, splines.turn or grid.columns)
+        nodes = max(nodes, filled(max(columns, TAPS) * grid.rows))
+    places = max((plan.columns * filled(len(plan.z)) for plan in plans.values()), default=0)
+    beside = fill_beside(collector)
+    if beside["beside_side"]:
+        apart = m.pairs.beside or collector.elements.layers.count or m.modes.dynamic_count
+        m.pairs.beside = 1 if apart else int(PATCHES_ALONE)
+    collector.fill(
+        collector.elements.patches, **beside, count=len(plans), touching=len(beside["beside_side"]),
+        lasting=int(_rows_stand(collector, m)), far_nodes=nodes, places=places, **per_pair, **far, far_of=far_of,
+        row_z=np.concatenate(z), row_length=np.concatenate(length), near=np.concatenate(near), end_z=end_z,
+        end_strength=strength, far=np.concatenate(operators), knot=np.concatenate(knots), mode=np.concatenate(modes),
+    )  # fmt: skip
+
+
+def _rows_stand(collector: Any, m: Model) -> bool:
+    """Whether rows of the local compliance may stand from step to step: all pairs on patches, which answer to nothing
+    but their own pressures, by constants."""
+    alone = not (m.capacity.cells or collector.elements.layers.count or m.modes.dynamic_count or m.pairs.beside)
+    return alone and 0 < len(collector.patches) == len(collector.scene.contacts)
+
+
+def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) -> Array:
+    """Normal displacement (columns rows, modes) of the body's modes, as splines."""
+    if collector.local.count(body.index):
+        raise InputError(
+            f"body {body.name!r}: its local modes have inertia, and a patch of cells needs them quasi-static; use "
+            'local="quasi_static", or grid="material"'
+        )
+    return np.ascontiguousarray(surface.splines.of_hats(surface.mode_normal))

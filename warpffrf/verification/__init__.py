@@ -1,1 +1,0 @@
-"""What simulations are held against, and how they compare: closed forms, finite elements, exact half-spaces, scenes."""
