@@ -16,7 +16,7 @@ from pathlib import Path
 from statistics import median
 
 from demos import two_rollers
-from warpffrf.model.keeping import Unfinished
+from warpffrf.model.messages.checkpoints import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 from warpffrf.output.outputs import KEEP_EVERY
 from warpffrf.output.simulate import simulate

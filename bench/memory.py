@@ -40,7 +40,7 @@ def falls(rows: int) -> None:
 def rolls(file: str) -> None:
     """Two rollers of the file in contact."""
     from studies.speed.step_time import time_swing
-    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.reduced.body import ReducedBody
 
     time_swing(ReducedBody.load(file), approach=APPROACH, steps=STEPS, step=STEP)
 

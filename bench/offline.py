@@ -166,7 +166,7 @@ def main() -> None:
     parser.add_argument("--solvers", action="store_true", help="time the sparse solvers (with --large at full size)")
     options = parser.parse_args()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # inherited by the processes of the rows
-    from warpffrf.model.reduced_body import library_versions
+    from warpffrf.model.reduced.body import library_versions
     from warpffrf.study.machine import machine
 
     rows = []

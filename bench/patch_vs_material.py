@@ -22,7 +22,7 @@ from scenes.user_meshes import gmsh_roller
 from studies.contact import coarse_rollers as cr
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import simulate

@@ -28,10 +28,10 @@ from typing import Any
 import numpy as np
 from scipy.linalg import blas, lapack
 
+from demos import two_rollers
 from scenes.rollers import PAIR
 from studies.speed.step_time import swinging_pair, tread_body
 from warpffrf import monolithic
-from demos import two_rollers
 from warpffrf.monolithic.core import linear
 from warpffrf.monolithic.core.linear import VARIANTS
 from warpffrf.monolithic.line_of_centres.pair import LAWS, STIFFER, default_layer

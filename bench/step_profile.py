@@ -27,7 +27,7 @@ from typing import Any
 import warp as wp
 
 from demos import two_rollers as demo
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.online.checkpoint import restore

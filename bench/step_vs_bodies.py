@@ -16,7 +16,7 @@ import numpy as np
 from studies.speed.step_time import RADIUS, tread_body
 from warpffrf.model import joints, signals
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
 from warpffrf.study.machine import machine

@@ -18,7 +18,7 @@ from scenes.rollers import STEEL
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.laps import Lap
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import run

@@ -18,7 +18,7 @@ from warpffrf.model import joints
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.run import run

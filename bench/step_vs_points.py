@@ -25,7 +25,7 @@ from studies.contact.evaluations import (
     tread,
 )
 from warpffrf.model.laws import NonlinearLayer
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.study.machine import machine
 
 SECTORS, LAYERS, AXIAL, COLUMNS = 960, 14, 8, 60

@@ -30,8 +30,8 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms.ball_bearing import BallBearing
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms.ball_bearing import BallBearing
 from warpffrf.output.plots.panels import Panel, Polar
 
 log = logging.getLogger("warpffrf")

@@ -22,8 +22,8 @@ from pathlib import Path
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms import HertzImpact, PointContact, contact_modulus
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms import HertzImpact, PointContact, contact_modulus
 
 log = logging.getLogger("warpffrf")
 

@@ -23,8 +23,8 @@ from pathlib import Path
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms import MindlinPoint, PointContact, contact_modulus, tangential_compliance
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms import MindlinPoint, PointContact, contact_modulus, tangential_compliance
 
 log = logging.getLogger("warpffrf")
 

@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms import LineContact
 from demos import two_rollers as fine
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms import LineContact
 
 log = logging.getLogger("warpffrf")
 

@@ -43,9 +43,9 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from references.films.elastic import ElasticJournal, State
 from demos.checks import Check, finish, writable_folder
 from demos.journal_bearing import Round
+from references.films.elastic import ElasticJournal, State
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.output.plots import films as film_plots
 from warpffrf.output.plots.panels import Panel

@@ -34,11 +34,11 @@ from pathlib import Path
 import numpy as np
 
 import warpffrf as wf
+from demos.checks import Check, finish, writable_folder
 from references.closed_forms import contact_modulus
 from references.closed_forms import rolling_tables as published
 from references.closed_forms.elliptic import EllipticContact
 from references.half_space.patch_rolling import HalfSpaces, PatchRolling, settle
-from demos.checks import Check, finish, writable_folder
 from warpffrf.output.plots.friction import StickSlipMap
 from warpffrf.output.plots.panels import Panel
 

@@ -32,9 +32,9 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
+from demos.checks import Check, finish, writable_folder
 from references.closed_forms import contact_modulus
 from references.closed_forms.elliptic import EllipticContact
-from demos.checks import Check, finish, writable_folder
 from warpffrf.output.plots.panels import COLORS, Panel
 from warpffrf.study.sweeps.outcome import Sweep
 from warpffrf.study.sweeps.reading.plot import panels_of

@@ -23,9 +23,9 @@ from pathlib import Path
 import numpy as np
 
 import warpffrf as wf
+from demos.checks import Check, finish, writable_folder
 from references.closed_forms import LineContact, contact_modulus
 from references.closed_forms.elliptic import EllipticContact
-from demos.checks import Check, finish, writable_folder
 
 log = logging.getLogger("warpffrf")
 

@@ -30,8 +30,8 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms import Elastica
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms import Elastica
 from warpffrf.output.plots.panels import COLORS, Panel
 
 log = logging.getLogger("warpffrf")

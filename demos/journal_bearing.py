@@ -48,10 +48,10 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
+from demos.checks import Check, finish, writable_folder
 from references.films.elastic import ElasticJournal, State
 from references.films.journal import JournalFilm
 from studies.films.elastic_film import at_rest, journal
-from demos.checks import Check, finish, writable_folder
 from warpffrf.output.plots.panels import Panel
 
 log = logging.getLogger("warpffrf")

@@ -31,11 +31,11 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
+from demos.checks import Check, finish, writable_folder
 from references.closed_forms import LeafSpring
 from references.small_sliding.cells import facet_cells, together
 from references.small_sliding.full_model import FullModel, Part
 from references.small_sliding.quasi_static import Followed, StaticLap
-from demos.checks import Check, finish, writable_folder
 from warpffrf.output.plots.panels import COLORS, Panel
 
 log = logging.getLogger("warpffrf")

@@ -29,8 +29,8 @@ from pathlib import Path
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms import ConformalPin, LineContact, conformal_by_half_angle, contact_modulus
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms import ConformalPin, LineContact, conformal_by_half_angle, contact_modulus
 
 log = logging.getLogger("warpffrf")
 

@@ -35,12 +35,12 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
+from demos.checks import Check, finish, writable_folder
 from references.closed_forms import CLAMPED_SQUARE, LEVY_CLAMPED_SQUARE, clamped_plate_frequency
 from references.closed_forms.large_deflections import LEVY_POISSON
 from references.large_deflections.body import StVenantKirchhoffBody
 from references.large_deflections.motion import released
 from references.large_deflections.statics import by_load
-from demos.checks import Check, finish, writable_folder
 from warpffrf.output.plots.panels import Panel
 
 log = logging.getLogger("warpffrf")

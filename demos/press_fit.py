@@ -30,8 +30,8 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms import PressFit, TurnedFit
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms import PressFit, TurnedFit
 from warpffrf.output.plots import laps as plots
 from warpffrf.output.plots.panels import Panel
 

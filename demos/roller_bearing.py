@@ -27,8 +27,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 import warpffrf as wf
-from references.finite_elements.ring_on_feet import RingOnFeet, compliance
 from demos.checks import Check, finish, writable_folder
+from references.finite_elements.ring_on_feet import RingOnFeet, compliance
 from warpffrf.output.plots.panels import Panel, Polar
 
 log = logging.getLogger("warpffrf")

@@ -35,8 +35,8 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from references.closed_forms import CarterRolling, LineContact, contact_modulus
 from demos.checks import Check, finish, writable_folder
+from references.closed_forms import CarterRolling, LineContact, contact_modulus
 from warpffrf.output.plots.friction import StickSlipMap
 
 log = logging.getLogger("warpffrf")

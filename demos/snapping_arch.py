@@ -35,9 +35,9 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
+from demos.checks import Check, finish, writable_folder
 from references.large_deflections.body import StVenantKirchhoffBody
 from references.large_deflections.statics import by_displacement
-from demos.checks import Check, finish, writable_folder
 from warpffrf.output.plots.panels import COLORS, Panel
 
 log = logging.getLogger("warpffrf")

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from warpffrf.model.far_field import cutoff
 from warpffrf.model.laws.curves import Curve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.far_field import cutoff
 
 Array = np.ndarray
 LEAST = 1.0  # Pa: where the slope of a power's yield is taken at most

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 
 Array = np.ndarray
 

@@ -11,8 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import warpffrf as wf
-from warpffrf import cli
 from demos import two_rollers as demo
+from warpffrf import cli
 from warpffrf.scene_file import load_scene, run_scene
 from warpffrf.scene_file.document import document_of, to_toml
 from warpffrf.scene_file.forms import item_kinds

@@ -34,10 +34,10 @@ if TYPE_CHECKING:
     from warpffrf.model.laps import Lap, LapCells
     from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
-    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.messages.console import quiet
+    from warpffrf.model.reduced.body import ReducedBody
+    from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
-    from warpffrf.model.speech import quiet
-    from warpffrf.model.stress_field import StressPoints
     from warpffrf.offline import reduce
     from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
@@ -108,11 +108,11 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "LocalDynamics": ("warpffrf.online", "LocalDynamics"),
     "LumpedContact": ("warpffrf.model.lumped_contact", "LumpedContact"),
     "Material": ("warpffrf.model.material", "Material"),
-    "ReducedBody": ("warpffrf.model.reduced_body", "ReducedBody"),
+    "ReducedBody": ("warpffrf.model.reduced.body", "ReducedBody"),
     "Result": ("warpffrf.output.result", "Result"),
     "Scene": ("warpffrf.model.scene", "Scene"),
     "Stage": ("warpffrf.online.stages", "Stage"),
-    "StressPoints": ("warpffrf.model.stress_field", "StressPoints"),
+    "StressPoints": ("warpffrf.model.reduced.stress_field", "StressPoints"),
     "bases": ("warpffrf.model.bases", None),
     "bearings": ("warpffrf.model.bearings", None),
     "campbell": ("warpffrf.output.campbell", "campbell"),
@@ -130,7 +130,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "load_scene": ("warpffrf.scene_file", "load_scene"),
     "mesh": ("warpffrf.model.mesh", None),
     "oils": ("warpffrf.model.oils", None),
-    "quiet": ("warpffrf.model.speech", "quiet"),
+    "quiet": ("warpffrf.model.messages.console", "quiet"),
     "record": ("warpffrf.output.recording.recorder", "record"),
     "reduce": ("warpffrf.offline", "reduce"),
     "run_scene": ("warpffrf.scene_file", "run_scene"),

@@ -15,7 +15,7 @@ from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 
 GROUND = -1

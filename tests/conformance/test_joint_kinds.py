@@ -9,8 +9,7 @@ from joint_scenes import FREE, KINDS, PLACE, SPAN, make_joint, moved, pair
 
 from warpffrf.model import joints
 from warpffrf.model import rotation as rot
-from warpffrf.model.joints.rows import Row, gradient, value
-from warpffrf.model.redundancy import (
+from warpffrf.model.checks.redundancy import (
     Pose,
     constraint_jacobian,
     constraint_rows,
@@ -18,6 +17,7 @@ from warpffrf.model.redundancy import (
     marker_pose,
     scene_length,
 )
+from warpffrf.model.joints.rows import Row, gradient, value
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine
 from warpffrf_kernels.bodies import interfaces

@@ -69,7 +69,7 @@ def test_the_licence_is_spdx_and_no_classifier() -> None:
 
 @pytest.mark.parametrize("name", ["reduced bodies", "results"])
 def test_schemas_in_the_page_are_those_of_the_code(name: str) -> None:
-    from warpffrf.model.reduced_body_file import SCHEMA
+    from warpffrf.model.reduced.file import SCHEMA
     from warpffrf.output.files.results import SCHEMA_VERSION
 
     now = {"reduced bodies": SCHEMA, "results": SCHEMA_VERSION}[name]

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from references.closed_forms.ball_bearing import BallBearing
 from demos import ball_bearing as demo
+from references.closed_forms.ball_bearing import BallBearing
 
 
 @pytest.mark.slow

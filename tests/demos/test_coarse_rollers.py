@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from references.closed_forms import LineContact
 from demos import coarse_rollers as demo
 from demos import two_rollers as fine
+from references.closed_forms import LineContact
 
 # Johnson, section 4.2.1, nu = 0.3: the largest von Mises stress of a line contact, and where; to their digits.
 LARGEST, WHERE = 0.558, 0.70

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from references.closed_forms import Elastica
 from demos import elastica as demo
+from references.closed_forms import Elastica
 
 
 def test_the_whole_demo_passes_and_writes_its_files(tmp_path: Path) -> None:

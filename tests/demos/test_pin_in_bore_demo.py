@@ -9,9 +9,9 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
+from demos import pin_in_bore as demo
 from references.closed_forms import persson
 from references.finite_elements.pin_in_bore import Pin, solve_pin
-from demos import pin_in_bore as demo
 
 COARSE, COARSEST = demo.Size(sectors=96), demo.Size(sectors=48)
 PEAK, ARC = 0.01, 0.01  # beside full finite elements; six columns of the grid in the smallest half-angle

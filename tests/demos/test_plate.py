@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from references.closed_forms.large_deflections import clamped_plate_frequency
 from demos import plate as demo
+from references.closed_forms.large_deflections import clamped_plate_frequency
 
 SMALL = demo.Size(cells=4, loads=(402.0,), let_go=())
 

@@ -10,8 +10,8 @@ import pytest
 from demo_files import left_behind
 
 import warpffrf as wf
-from references.closed_forms import TurnedFit
 from demos import press_fit as demo
+from references.closed_forms import TurnedFit
 
 
 @pytest.fixture(scope="module")

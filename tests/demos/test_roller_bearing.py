@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from demo_files import left_behind
 
-from references.finite_elements.ring_on_feet import RingOnFeet
 from demos import roller_bearing as demo
+from references.finite_elements.ring_on_feet import RingOnFeet
 
 
 @pytest.mark.slow

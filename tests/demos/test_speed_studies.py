@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from demos import slider_crank, two_rollers
 from studies.speed_error_pages import STUDIES
 from studies.speed_error_pages import slider_crank as crank_study
 from studies.speed_error_pages.page import write_index, write_study
-from demos import slider_crank, two_rollers
 
 CRANK_RUN = 0.004  # s
 ORDER = 1.9  # 2.00 to 2.03 measured

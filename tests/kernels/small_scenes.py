@@ -18,7 +18,7 @@ from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.cubature import choose_sampling

@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from warpffrf.model import surfaces
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.data import DisplaySurface, Interface
+from warpffrf.model.reduced.recovery import Recovery
 
 
 def make_body(

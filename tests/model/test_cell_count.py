@@ -9,7 +9,7 @@ import pytest
 
 from warpffrf.model import mesh
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.cell_count import MOST_CELLS, require_cells
+from warpffrf.model.mesh.shapes.cell_count import MOST_CELLS, require_cells
 
 SLEEVE = {"outer_radius": 0.05, "width": 0.02, "sectors": 9, "layers": 2, "axial": 99_999_999}
 RING = {"groove_radius": 0.02, "groove_depth": 0.001, "lands": 2}

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from warpffrf.model.cerruti import across, along_x, along_z, toward_x, toward_z
-from warpffrf.model.love import rectangle
+from warpffrf.model.half_space.pressure import rectangle
+from warpffrf.model.half_space.traction import across, along_x, along_z, toward_x, toward_z
 
 WIDTH, LENGTH = 0.7, 1.9
 PLACES = ((2.1, 0.4), (-1.3, -2.2), (0.9, -0.3), (-0.5, 1.4))  # outside the rectangle

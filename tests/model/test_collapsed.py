@@ -13,8 +13,8 @@ from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.checks import inside_points
-from warpffrf.model.mesh.collapsed import left_over
 from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.files.collapsed import left_over
 from warpffrf.offline.fe.reference import STIFFNESS_DEGREE
 
 

@@ -9,10 +9,15 @@ import pytest
 
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
-from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities, velocity_defects
+from warpffrf.model.checks.consistency import (
+    refuse_positions,
+    refuse_singular_mass,
+    refuse_velocities,
+    velocity_defects,
+)
+from warpffrf.model.checks.signal_cover import refuse_short_tables
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
-from warpffrf.model.signal_cover import refuse_short_tables
 
 ARM = np.array([0.3, -0.4, 1.2])
 AXIS = np.array([1.0, 2.0, 2.0]) / 3.0

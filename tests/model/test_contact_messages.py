@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from warpffrf.model import laws, surfaces
+from warpffrf.model.checks.overlap import refuse_overlap
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import Coulomb, as_friction
-from warpffrf.model.gap import smallest_gap
-from warpffrf.model.overlap import refuse_overlap
+from warpffrf.model.placement.gap import smallest_gap
 from warpffrf.model.scene import Scene
 
 CUBE = (1.0, 1.0, 1.0)

@@ -10,7 +10,7 @@ import pytest
 from scenes.rollers import roller_body
 from warpffrf.model.damping import DampingBands, Rayleigh, damping_ratios
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.scene_file import load_scene
 

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.far_splines import FarSplines
+from warpffrf.model.half_space.far_splines import FarSplines
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.surfaces import CrownedCylinder, Plane
 
 ROUNDING = 1e-11  # of fields of order 1, after the solution with Gram matrices whose condition is below 100
@@ -128,7 +128,7 @@ def test_compliance_in_sectors(turn, sectors) -> None:
 
 
 def _dense(body, lags) -> np.ndarray:
-    from warpffrf.model.contact_surface import ContactSurface
+    from warpffrf.model.reduced.contact_surface import ContactSurface
 
     surface = ContactSurface.__new__(ContactSurface)
     object.__setattr__(surface, "grid", body.grid)

@@ -15,11 +15,11 @@ import warpffrf as wf
 from warpffrf.model import films, laws, oils, surfaces
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
+from warpffrf.model.files.object_arrays import from_arrays, to_arrays
 from warpffrf.model.films import Film
 from warpffrf.model.lumped_contact import LumpedContact
-from warpffrf.model.object_arrays import from_arrays, to_arrays
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.scene import Scene
 from warpffrf.scene_file import load_scene
 

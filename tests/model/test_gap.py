@@ -8,11 +8,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import surfaces
+from warpffrf.model.checks.overlap import OVERLAP_FRACTION, allowed_overlap, refuse_overlap
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import facing_gap, smallest_gap, undeformed_gap
-from warpffrf.model.overlap import OVERLAP_FRACTION, allowed_overlap, refuse_overlap
+from warpffrf.model.placement.gap import facing_gap, smallest_gap, undeformed_gap
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.scene import Scene
 
 CUBE = (1.0, 1.0, 1.0)

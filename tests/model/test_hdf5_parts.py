@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.hdf5_parts import COMPLEX, member, names, read, read_text
+from warpffrf.model.files.hdf5_parts import COMPLEX, member, names, read, read_text
 
 
 @pytest.fixture

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from warpffrf.model import inertia as terms_of
 from warpffrf.model.errors import InputError
-from warpffrf.model.inertia import LEVELS, PRODUCTS, GeometricStiffness, InertiaTerms
+from warpffrf.model.reduced import inertia as terms_of
+from warpffrf.model.reduced.inertia import LEVELS, PRODUCTS, GeometricStiffness, InertiaTerms
 
 MODES = 5
 J_STEP = 1e-5  # of central differences: third derivatives of a polynomial of degree 4 leave 1e-10

@@ -9,7 +9,7 @@ import pytest
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import FacetSet, Mesh
-from warpffrf.model.mesh.inp import read_inp
+from warpffrf.model.mesh.files.inp import read_inp
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 ASSEMBLY, FLAT = DATA / "assembly.inp", DATA / "flat.inp"

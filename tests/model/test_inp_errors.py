@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.inp import read_inp
+from warpffrf.model.mesh.files.inp import read_inp
 
 DATA = Path(__file__).resolve().parents[1] / "data"
 NODES = """*NODE, NSET=ALL

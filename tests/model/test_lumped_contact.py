@@ -20,7 +20,7 @@ from warpffrf.model.laws.lumped.base import Meeting
 from warpffrf.model.laws.lumped.iso_lamina import iso_profile
 from warpffrf.model.lumped_contact import LumpedContact, refuse_lumped_overlap
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 
 STEEL, BRASS = Material(210e9, 0.3, 7800.0), Material(100e9, 0.35, 8500.0)

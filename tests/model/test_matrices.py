@@ -14,9 +14,9 @@ from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh
-from warpffrf.model.mesh.matrices import from_matrices
-from warpffrf.model.mesh.matrices.checks import require_semidefinite
-from warpffrf.model.mesh.matrices.motion import RIGID
+from warpffrf.model.mesh.files.matrices import from_matrices
+from warpffrf.model.mesh.files.matrices.checks import require_semidefinite
+from warpffrf.model.mesh.files.matrices.motion import RIGID
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 

@@ -20,8 +20,8 @@ from scipy.io import mmwrite
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.matrices import from_matrices, read_matrix
-from warpffrf.model.mesh.matrices.files import completed
+from warpffrf.model.mesh.files.matrices import from_matrices, read_matrix
+from warpffrf.model.mesh.files.matrices.files import completed
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 

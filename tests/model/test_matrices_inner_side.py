@@ -13,7 +13,7 @@ from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind
-from warpffrf.model.mesh.matrices.inner_side import require_on_surface
+from warpffrf.model.mesh.files.matrices.inner_side import require_on_surface
 
 # a hexahedron's corners as six tetrahedra around one diagonal
 TETRAHEDRA = np.array([[0, 1, 2, 6], [0, 2, 3, 6], [0, 3, 7, 6], [0, 7, 4, 6], [0, 4, 5, 6], [0, 5, 1, 6]])
@@ -75,7 +75,7 @@ def test_a_dense_matrix_says_nothing() -> None:
     """A condensed K, every node coupled with every other, is taken as it is."""
     n = 1200
     points = np.random.default_rng(2).uniform(size=(n, 3))
-    from warpffrf.model.mesh.matrices import inner_side
+    from warpffrf.model.mesh.files.matrices import inner_side
 
     K = np.ones((9, 3 * n))
     rows = coo_matrix((K.ravel(), np.indices(K.shape).reshape(2, -1)), shape=(3 * n, 3 * n)).tocsr()

@@ -11,8 +11,8 @@ from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.matrices import from_matrices
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.mesh.files.matrices import from_matrices
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble

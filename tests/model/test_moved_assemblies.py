@@ -8,7 +8,7 @@ import pytest
 from warpffrf.model import joints
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import smallest_gap
+from warpffrf.model.placement.gap import smallest_gap
 from warpffrf.model.scene import Scene
 
 Z = (0.0, 0.0, 1.0)

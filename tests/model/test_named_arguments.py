@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.named_arguments import misfit, named_arguments
+from warpffrf.model.messages.named_arguments import misfit, named_arguments
 
 # descriptions of what other things are made of: no user calls them
 STRUCTURES = {

@@ -11,11 +11,11 @@ import pytest
 from scipy import sparse
 
 import warpffrf as wf
-from warpffrf.model import sealed_arrays
 from warpffrf.model.errors import InputError
-from warpffrf.model.object_arrays import from_arrays, to_arrays
-from warpffrf.model.sealed_arrays import read_arrays, write_arrays
-from warpffrf.model.sealed_file import seal
+from warpffrf.model.files import sealed_arrays
+from warpffrf.model.files.object_arrays import from_arrays, to_arrays
+from warpffrf.model.files.sealed_arrays import read_arrays, write_arrays
+from warpffrf.model.files.sealed_file import seal
 
 
 def machine() -> wf.Scene:
@@ -57,7 +57,7 @@ def test_what_is_no_plain_data_of_warpffrf_is_refused() -> None:
         to_arrays({"law": lambda x: x})
     with pytest.raises(InputError, match="it holds arrays of objects"):
         to_arrays([np.array([None])])
-    for name in ("os:system", "pathlib:Path", "warpffrf.model.output_paths:os", "warpffrf.model.scene:nothing"):
+    for name in ("os:system", "pathlib:Path", "warpffrf.model.files.output_paths:os", "warpffrf.model.scene:nothing"):
         with pytest.raises(InputError, match="of another version of warpffrf"):
             from_arrays([{"class": name, "has": {}}], {})
     for document in ([], [{"list": [{"at": 7}]}], [{"array": "0"}], [3.0], [{"tuple": [{"at": 0}]}]):

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from warpffrf.model.checks.plausibility import angle_doubts, friction_doubts, gravity_doubts, quaternion_doubts
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.report import material_warnings
-from warpffrf.model.plausibility import angle_doubts, friction_doubts, gravity_doubts, quaternion_doubts
 
 
 @pytest.mark.parametrize(

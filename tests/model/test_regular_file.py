@@ -9,9 +9,9 @@ import pytest
 
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices import read_matrix
-from warpffrf.model.mesh.reader import SUFFIXES
-from warpffrf.model.regular_file import Budget
+from warpffrf.model.files.regular_file import Budget
+from warpffrf.model.mesh.files.matrices import read_matrix
+from warpffrf.model.mesh.files.reader import SUFFIXES
 from warpffrf.scene_file.source import parse
 
 MATRICES = (".mtx", ".mm", ".sti", ".mas", ".op4", ".op2")

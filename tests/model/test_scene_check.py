@@ -8,7 +8,7 @@ from warpffrf.model import forces, joints
 from warpffrf.model.bodies import Port
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import smallest_gap, undeformed_gap
+from warpffrf.model.placement.gap import smallest_gap, undeformed_gap
 from warpffrf.model.scene import Scene
 
 CUBE = (1.0, 1.0, 1.0)

@@ -9,9 +9,9 @@ import h5py
 import numpy as np
 import pytest
 
-from warpffrf.model import hdf5_probe
 from warpffrf.model.errors import InputError
-from warpffrf.model.sealed_file import TRAILER, require_seal, seal, verify, written_sealed
+from warpffrf.model.files import hdf5_probe
+from warpffrf.model.files.sealed_file import TRAILER, require_seal, seal, verify, written_sealed
 
 
 @pytest.fixture

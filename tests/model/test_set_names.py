@@ -8,7 +8,7 @@ import pytest
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
-from warpffrf.model.mesh.set_names import SetNames
+from warpffrf.model.mesh.files.set_names import SetNames
 
 
 def test_capitals() -> None:

@@ -10,9 +10,9 @@ import pytest
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, roller
-from warpffrf.model.mesh.disc import CORE, disc
 from warpffrf.model.mesh.periodicity import detect
-from warpffrf.model.mesh.revolved import layer_depths
+from warpffrf.model.mesh.shapes.disc import CORE, disc
+from warpffrf.model.mesh.shapes.revolved import layer_depths
 
 R, WIDTH = 0.05, 0.02
 STEEL = Material(210e9, 0.3, 7850.0)

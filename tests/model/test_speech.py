@@ -10,8 +10,8 @@ from contextlib import contextmanager
 
 import pytest
 
-from warpffrf.model import progress
-from warpffrf.model.speech import quiet, speaking
+from warpffrf.model.messages import progress
+from warpffrf.model.messages.console import quiet, speaking
 
 log = logging.getLogger("warpffrf")
 REDUCE = """

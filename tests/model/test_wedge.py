@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from warpffrf.model import joints, surfaces
+from warpffrf.model.checks.overlap import refuse_overlap
+from warpffrf.model.checks.wedge import find_wedge
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.overlap import refuse_overlap
 from warpffrf.model.scene import Scene
-from warpffrf.model.wedge import find_wedge
 
 RADIUS = 0.05
 ALLOWED = 0.01 * RADIUS

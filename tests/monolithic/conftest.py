@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from scenes.rollers import roller_body
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 
 sys.path.insert(0, str(Path(__file__).parent))
 

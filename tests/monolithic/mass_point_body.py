@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.data import DisplaySurface, Interface
+from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
 
 
 def mass_point_body(

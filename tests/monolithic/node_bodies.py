@@ -6,7 +6,7 @@ from typing import Any
 
 from warpffrf.model import forces, joints
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 
 PAIR = "pair"

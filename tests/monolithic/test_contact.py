@@ -11,7 +11,7 @@ from scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
 from warpffrf import monolithic
 from warpffrf.model import signals
 from warpffrf.model.contact import Contact
-from warpffrf.model.local_modes import dynamic_modes
+from warpffrf.model.reduced.local_modes import dynamic_modes
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic.core.linear import VARIANTS
 from warpffrf.monolithic.line_of_centres.pair import default_layer

@@ -7,13 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from demos import ball_on_plane
 from scenes.rollers import PAIR as ROLLERS
 from scenes.rollers import Path, prescribed_pair, roller_body
 from studies.rolling.full_friction import PAIR, rolled, shifted
-from demos import ball_on_plane
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic.line_of_centres.pair import default_layer

@@ -14,7 +14,7 @@ from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws import curves
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
 from warpffrf.output.simulate import simulate

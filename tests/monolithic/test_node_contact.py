@@ -18,7 +18,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.friction import Coulomb, RegularisedCoulomb
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.rotation import matrix
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic

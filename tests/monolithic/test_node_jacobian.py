@@ -13,11 +13,11 @@ from scenes.rollers import roller_body
 from warpffrf.model import laws, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.friction import RegularisedCoulomb
-from warpffrf.model.gap import smallest_gap
 from warpffrf.model.integrators import HHT
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.placement.gap import smallest_gap
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic.core.equations import predicted
 from warpffrf.monolithic.core.integrator import Formula

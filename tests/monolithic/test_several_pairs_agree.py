@@ -11,7 +11,7 @@ from scenes.rollers import roller_body
 from warpffrf import monolithic
 from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, Settings, run
 

@@ -14,9 +14,9 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.slopes import leant
 from warpffrf.model.scene import Scene
-from warpffrf.model.slopes import leant
 from warpffrf.model.surfaces import Bore, Cylinder, Plane
 from warpffrf.monolithic.core import local_coordinates
 from warpffrf.monolithic.core.local_coordinates import Loaded, static_coordinates

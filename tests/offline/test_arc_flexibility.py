@@ -7,7 +7,7 @@ import pytest
 from offline_bodies import reduced
 
 from warpffrf.model.mesh import Mesh, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.online.compile.compliance_tables import modal_moments, weak_compliance
 

@@ -12,10 +12,10 @@ import pytest
 
 from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
-from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.offline import reduce
 
 

@@ -11,8 +11,8 @@ from offline_bodies import reduced
 
 from warpffrf import examples
 from warpffrf.model import mesh as meshes
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import roller
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.contact.cell_depth import DEEPEST, layer_depth, node_spacing
 

@@ -8,10 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from offline_bodies import reduced
 
-from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.model.reduced.contact_grid import meridian_gram
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan, spaced_plan, thinned_rows
 from warpffrf.offline.contact.cut_quadrature import BEND, cut_points

@@ -11,8 +11,8 @@ from scipy.optimize import nnls
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.sampling import Sampling, gauss_points
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.sampling import Sampling, gauss_points
 from warpffrf.model.surfaces import CrownedCylinder
 from warpffrf.offline.contact.cubature import PAIR, Problem, candidate_places, choose_sampling
 from warpffrf.offline.contact.nonnegative import nonnegative_least_squares, pivots

@@ -18,14 +18,14 @@ from offline_bodies import STEEL
 from reference_fe import free_response, matrices
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.laps import LapCells
 from warpffrf.model.laps.lap_cells import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.mesh.data import Matrices
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.sealed_file import seal
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble

@@ -9,9 +9,9 @@ import pytest
 from offline_bodies import STEEL, reduced
 
 import warpffrf as wf
-from warpffrf.model.contact_grid import ContactGrid, cell_edges
-from warpffrf.model.far_field import FarTangential
-from warpffrf.model.far_splines import FarSplines, transposed
+from warpffrf.model.half_space.far_splines import FarSplines, transposed
+from warpffrf.model.reduced.contact_grid import ContactGrid, cell_edges
+from warpffrf.model.reduced.far_field import FarTangential
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field import compliance

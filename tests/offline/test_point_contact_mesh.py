@@ -11,7 +11,7 @@ import pytest
 from offline_bodies import STEEL
 
 from warpffrf.model.mesh import block
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 

@@ -12,14 +12,14 @@ import scipy.sparse as sp
 from offline_bodies import STEEL, reduced
 from reference_fe import matrices
 
-from warpffrf.model.body_summary import quality_lines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface
-from warpffrf.model.reduced_body_file import _flatten
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.data import DisplaySurface, Interface
+from warpffrf.model.reduced.file import _flatten
+from warpffrf.model.reduced.summary import quality_lines
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import ElasticModel, orthonormal_rigid
 from warpffrf.offline.products import Limits

@@ -11,7 +11,7 @@ from numpy.polynomial.legendre import leggauss
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.box import grid
+from warpffrf.model.mesh.shapes.box import grid
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign
 from warpffrf.offline.fe.reference import rule

@@ -14,10 +14,10 @@ from offline_bodies import STEEL, reduced
 from warpffrf import examples
 from warpffrf.model import mesh as meshes
 from warpffrf.model.errors import InputError
+from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, roller
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.sealed_file import seal
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 

@@ -15,11 +15,12 @@ import pytest
 from offline_bodies import STEEL
 from reference_fe import free_response, matrices
 
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, ball, block, box, ring, roller, sleeve
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.model.surfaces import (
     Bore,
     Cone,
@@ -33,7 +34,6 @@ from warpffrf.model.surfaces import (
     Ring,
     Sphere,
 )
-from warpffrf.model.tangential import Tangential
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.general.surface import GeneralSurface

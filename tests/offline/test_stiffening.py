@@ -10,10 +10,10 @@ from interface_bodies import box, free_body
 from offline_bodies import STEEL, reduced
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.inertia import PRODUCTS
 from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import PRODUCTS
 from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble
 from warpffrf.offline.fe.materials import assign

@@ -9,11 +9,11 @@ import pytest
 from offline_bodies import STEEL, reduced
 from reference_fe import free_response, matrices
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.stress_field import GridSpan, StressPoints, from_tensor, rotated, sector_frames, to_tensor
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.stress_field import GridSpan, StressPoints, from_tensor, rotated, sector_frames, to_tensor
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
 from warpffrf.offline.contact.hat_loads import hat_loads, surface_vectors

@@ -10,8 +10,8 @@ from reference_fe import free_response
 
 from warpffrf.model.mesh import FacetSet, Mesh, roller
 from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.model.tangential import Tangential
 from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.cyclic.sector import assemble_sector

@@ -13,7 +13,7 @@ from warpffrf.model import films, forces, joints, oils, signals, surfaces
 from warpffrf.model.films import Film
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller, sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History

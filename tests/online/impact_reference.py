@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from scipy.linalg import expm
 
-from warpffrf.model.local_modes import dynamic_modes
+from warpffrf.model.reduced.local_modes import dynamic_modes
 
 CALM = 0.5
 

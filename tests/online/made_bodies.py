@@ -10,11 +10,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.data import DisplaySurface, Interface
+from warpffrf.model.reduced.recovery import Recovery
 
 SOFTNESS = 2e-10  # m/N of a hat on itself: about steel under a hat of a few millimetres
 DECAY = 6e-3  # m

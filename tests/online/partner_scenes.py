@@ -9,7 +9,7 @@ import numpy as np
 from scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, StaticPath
 from warpffrf.model import joints, signals
 from warpffrf.model.contact import Contact
-from warpffrf.model.gap import smallest_gap
+from warpffrf.model.placement.gap import smallest_gap
 from warpffrf.model.scene import Scene
 from warpffrf.online import Settings
 from warpffrf.output.result import Result

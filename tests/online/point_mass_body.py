@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.inertia import InertiaTerms
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.data import DisplaySurface, Interface
+from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.online.history.history import BodyHistory
 
 

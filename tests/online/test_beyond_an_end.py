@@ -11,8 +11,8 @@ import pytest
 from scenes.rollers import roller_body
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.sampling import Sampling
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.sampling import Sampling
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.training import all_points
 from warpffrf.online import History, run

@@ -11,7 +11,7 @@ import warpffrf as wf
 from scenes.rollers import STEEL, StaticPath, roller_body
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import Settings
 from warpffrf.online.diagnosis.border_notes import BORDER, border_notes
 from warpffrf.online.history.history import ContactHistory

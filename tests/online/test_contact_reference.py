@@ -10,7 +10,7 @@ import pytest
 
 from scenes.rollers import PAIR, Path, StaticPath, prescribed_pair
 from warpffrf.model import rotation as rot
-from warpffrf.model.gap import undeformed_gap
+from warpffrf.model.placement.gap import undeformed_gap
 from warpffrf.online import Settings
 from warpffrf.output.result import Result
 

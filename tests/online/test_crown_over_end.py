@@ -11,10 +11,10 @@ import pytest
 import warpffrf as wf
 from patch_reference import Patch, line_edges, pressed
 from scenes.rolling_pairs import STEEL, WIDTH, R, reduced, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import find_equilibrium, run
-from warpffrf.online.compile.patch_plan import common_width, crowned_edges, end_places, is_crowned
-from warpffrf.online.compile.patch_plan import line_edges as rows_of_lines
+from warpffrf.online.compile.patches.plan import common_width, crowned_edges, end_places, is_crowned
+from warpffrf.online.compile.patches.plan import line_edges as rows_of_lines
 from warpffrf.online.diagnosis.border_notes import BORDER
 
 CROWN = 2.0  # m: on both, 1/m of relative curvature along the axis, an ellipse of aspect 10 and more

@@ -11,7 +11,7 @@ import pytest
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium
 

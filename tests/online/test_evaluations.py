@@ -12,10 +12,10 @@ from partner_scenes import pressed, solved
 from scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 from warpffrf.model import signals, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.sampling import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 from warpffrf.model.scene import Scene
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.offline.contact.training import all_points

@@ -10,7 +10,7 @@ import pytest
 
 from scenes.rollers import PAIR, guided_pair
 from warpffrf.model import forces, joints, signals
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.diagnosis.failure_report import _fullest, failure_owner, row_owners

@@ -24,9 +24,9 @@ from scipy.spatial import KDTree
 
 from references.films.elastic import held_compliance
 from warpffrf.model import films
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.films.film import places_around
 from warpffrf.model.laws import ExponentialAsperities
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online import run
 from warpffrf.online.diagnosis.film_notes import film_notes
 from warpffrf.online.run import find_equilibrium

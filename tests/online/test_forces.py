@@ -14,7 +14,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.mesh import box as mesh_box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
@@ -281,7 +281,7 @@ def test_cross_stiffness_drives_forward_whirl() -> None:
 
 
 def _bearing_axes() -> tuple[np.ndarray, ...]:
-    from warpffrf.model.surface_fit import reference_direction
+    from warpffrf.model.surfaces.fit import reference_direction
 
     e_a = np.array([0.0, 0.0, 1.0])
     e_x = reference_direction(e_a)

@@ -14,7 +14,7 @@ from warpffrf import mesh, offline
 from warpffrf.model import forces, joints, laws, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, find_equilibrium
 from warpffrf.output.bearings.stiffness import bearing_stiffness

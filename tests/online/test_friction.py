@@ -10,7 +10,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.model.local_modes import dynamic_modes
+from warpffrf.model.reduced.local_modes import dynamic_modes
 from warpffrf.online.history.history import FrictionHistory
 
 MU = 0.3

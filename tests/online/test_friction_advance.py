@@ -9,7 +9,7 @@ import warpffrf as wf
 from scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, roller_body
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 
 STEP = 2e-4  # s
 SPEED = 30.0  # rad/s

@@ -13,10 +13,10 @@ from studies.contact.colliding_bars import LENGTH, SPEED, bar
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import default_damping
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
-from warpffrf.model.local_modes import dynamic_modes
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.local_modes import dynamic_modes
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce

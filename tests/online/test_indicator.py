@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from warpffrf.model import joints, signals
-from warpffrf.model.inertia import LEVELS, TERM_NAMES, InertiaTerms, modal_forces, momentum
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES, InertiaTerms, modal_forces, momentum
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import BOUNDS, NOTICEABLE, estimate, fastest_turning, least_level
 from warpffrf.online.diagnosis import indicator
@@ -97,7 +97,7 @@ def test_sizes_by_hand(plain_body: ReducedBody) -> None:
 
 
 def test_sizes_agree_with_the_equations(plain_body: ReducedBody) -> None:
-    """Random motion of several steps: each term as the difference of two levels of `warpffrf.model.inertia`."""
+    """Random motion of several steps: each term as the difference of two levels of `warpffrf.model.reduced.inertia`."""
     rng = np.random.default_rng(5)
     m, T = len(plain_body.frequencies), 7
     k = m - 1

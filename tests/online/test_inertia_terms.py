@@ -9,9 +9,16 @@ import pytest
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.inertia import GeometricStiffness, InertiaTerms, body_torque, kinetic_energy, modal_forces, momentum
 from warpffrf.model.joints import Fixed
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import (
+    GeometricStiffness,
+    InertiaTerms,
+    body_torque,
+    kinetic_energy,
+    modal_forces,
+    momentum,
+)
 from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.run import run

@@ -14,7 +14,6 @@ from studies.bodies.free_flight import deviations
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.inertia import LEVELS, GeometricStiffness, body_torque, modal_forces
 from warpffrf.model.integrators import (
     HHT,
     INTEGRATORS,
@@ -24,7 +23,8 @@ from warpffrf.model.integrators import (
     RungeKutta4,
     roots_at_infinity,
 )
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import LEVELS, GeometricStiffness, body_torque, modal_forces
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.online.compile.inertia_plan import InertiaPlan

@@ -16,7 +16,7 @@ from warpffrf.model import forces, joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.friction import RegularisedCoulomb
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark, RungeKutta4
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
 from warpffrf.online.history.history import History

@@ -7,8 +7,8 @@ import pytest
 
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
+from warpffrf.model.checks.redundancy import find_redundancy
 from warpffrf.model.errors import InputError
-from warpffrf.model.redundancy import find_redundancy
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
 from warpffrf.online.history.history import BodyHistory, JointHistory

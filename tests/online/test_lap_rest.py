@@ -12,7 +12,7 @@ from lap_scenes import STEEL
 from warpffrf.model import forces, joints
 from warpffrf.model.laps import Lap, LapCells
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium

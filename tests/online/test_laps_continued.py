@@ -11,7 +11,7 @@ import pytest
 from lap_scenes import two_blocks
 
 from warpffrf.model import signals
-from warpffrf.model.keeping import Source, Unfinished
+from warpffrf.model.messages.checkpoints import Source, Unfinished
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
 from warpffrf.online.engine import Engine

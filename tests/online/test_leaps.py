@@ -10,7 +10,7 @@ from scenes.rollers import roller_body
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.lumped_contact import LumpedContact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import run
 

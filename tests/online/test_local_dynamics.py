@@ -12,7 +12,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointForce
 from warpffrf.model.joints import Fixed, Prismatic
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import SmoothStep
 from warpffrf.online.engine import Engine

@@ -13,7 +13,7 @@ from warpffrf.model import joints
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.stages import Stage

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from scenes.rollers import PAIR, Path, guided_pair, prescribed_pair
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.start.settle import settle
 from warpffrf_kernels.core import control as k

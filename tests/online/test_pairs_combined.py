@@ -17,7 +17,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, Settings, find_equilibrium, run

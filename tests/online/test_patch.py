@@ -12,9 +12,9 @@ import warpffrf as wf
 from patch_reference import Patch, press_both
 from references.closed_forms import LineContact, PointContact, contact_modulus
 from warpffrf.model.errors import InputError
-from warpffrf.model.far_field import UNUSABLE
+from warpffrf.model.reduced.far_field import UNUSABLE
 from warpffrf.online import run
-from warpffrf.online.compile.patch_plan import MIDDLE_ROW, SPAN, PatchPlan, crowned_edges, span_of
+from warpffrf.online.compile.patches.plan import MIDDLE_ROW, SPAN, PatchPlan, crowned_edges, span_of
 from warpffrf.online.engine import Engine
 from warpffrf.online.run import find_equilibrium
 from warpffrf.online.start.settle import settle

@@ -16,7 +16,7 @@ from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import laws
 from warpffrf.model.friction import StribeckCoulomb
 from warpffrf.model.integrators import GeneralizedAlpha
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.offline.contact.cubature import choose_sampling
 from warpffrf.online import Engine, Settings
 from warpffrf.online.arrays import Scratch, State

@@ -11,9 +11,9 @@ import pytest
 
 import warpffrf as wf
 from rolling_reference import Cells, Side, near
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import Engine, run
-from warpffrf.online.compile.patch_plan import PatchPlan
+from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.engine import KEPT_MARK
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.friction.cell_blocks import COUNT

@@ -14,7 +14,7 @@ from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.laps import Lap, LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce

@@ -8,7 +8,7 @@ import pytest
 from scenes.rollers import PAIR, Path, StaticPath, prescribed_pair, roller_body
 from warpffrf.model import forces, joints
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 

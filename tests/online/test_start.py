@@ -9,7 +9,7 @@ from warpffrf.model import forces, joints, signals, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, GeneralizedAlpha, run
 from warpffrf.online.compile.inertia_plan import InertiaPlan

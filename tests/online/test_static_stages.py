@@ -15,7 +15,7 @@ from warpffrf.model import forces, joints, sensors
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Constant, Ramp, Table
 from warpffrf.offline import reduce

@@ -9,7 +9,7 @@ from scenes.rollers import PAIR, guided_pair, roller_body
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, Settings, find_equilibrium, run
 from warpffrf.online.device import chosen_device

@@ -13,7 +13,7 @@ import pytest
 import warp as wp
 
 import warpffrf as wf
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import History
 from warpffrf.online.turn import TURN, Turn, replays_side_by_side
 

@@ -16,7 +16,7 @@ from warpffrf.model.films import Film
 from warpffrf.model.laps import Lap
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller, sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import find_equilibrium, run

@@ -12,7 +12,7 @@ import pytest
 
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium, run
 from warpffrf.output.simulate import simulate

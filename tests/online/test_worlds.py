@@ -17,7 +17,7 @@ import warpffrf as wf
 from same_histories import unlike
 from scenes.rollers import guided_pair, roller_body
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.arrays.views import Views
 from warpffrf.online.compile.scene import compile_scene
 from warpffrf.online.engine import Engine

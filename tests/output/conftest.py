@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from synthetic_run import make_history, roller
 
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import History
 from warpffrf.output.result import Result
 

@@ -15,7 +15,7 @@ from rubbing_run import COLUMNS_PER_STEP, CREEPAGE, MU, SHIFT, SPEED, STICK, car
 from shape_runs import grid_of, still
 from synthetic_run import DURATION, HALF_WIDTH, PEAK, STEPS, WIDTH, make_history
 
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import CellHistory, ContactHistory, FrictionHistory, History
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView

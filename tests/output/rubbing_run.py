@@ -15,7 +15,7 @@ from __future__ import annotations
 import numpy as np
 from synthetic_run import DURATION, HALF_WIDTH, PEAK, PITCH, ROWS, STEPS, TURN, WIDTH, WINDOW, R, make_history
 
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import FrictionHistory, History
 from warpffrf.output.geometry.scene_view import PairView, SceneView
 

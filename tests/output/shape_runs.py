@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from synthetic_run import STEPS, R, make_history
 
-from warpffrf.model.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.surfaces import Plane
 from warpffrf.online.history.history import BodyHistory, ContactHistory, History
 from warpffrf.output.contact.result import ContactResult

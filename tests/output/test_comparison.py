@@ -13,7 +13,7 @@ from synthetic_run import PEAK, make_history
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import SensorHistory
 from warpffrf.output.files.unfinished import different
 from warpffrf.output.result import Result

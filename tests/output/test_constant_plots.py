@@ -15,7 +15,7 @@ from matplotlib.patches import Rectangle
 from rubbing_run import MU, SPEED, add_friction
 from synthetic_run import PEAK, make_history
 
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.plots.bearing import element_loads
 from warpffrf.output.plots.figure import OVER_TIME, drawable, summary_figure
 from warpffrf.output.plots.films import gap as gap_map

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from rubbing_run import MU, add_friction
 from synthetic_run import make_history
 
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.result import Result
 
 PAIRS = 24

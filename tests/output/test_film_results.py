@@ -15,15 +15,15 @@ import pytest
 from recordings import columns
 from warpffrf.model import films, oils, surfaces
 from warpffrf.model import rotation as rot
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
+from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.films import Film
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.data import DisplaySurface, Interface
+from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
-from warpffrf.model.sealed_file import seal
 from warpffrf.online.history.films import eccentricity, film_histories
 from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, FilmHistory, History
 from warpffrf.online.stages import joined_parts

@@ -14,7 +14,7 @@ from lap_runs import CELLS, FRICTION, PERIOD, PRESSED, PUSHED, SIZE, STEPS, stat
 from recordings import columns
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.sealed_file import seal
+from warpffrf.model.files.sealed_file import seal
 from warpffrf.online.history.history import LapHistory
 from warpffrf.online.stages import joined_parts
 from warpffrf.output.budget.quantities import quantities

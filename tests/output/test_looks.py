@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model import looks
+from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, History, JointHistory
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.film_result import FilmResult
@@ -75,9 +75,9 @@ def test_names_of_the_user_are_escaped() -> None:
 
 
 def test_lists_of_names_are_cut() -> None:
-    many = looks.names([f"roller_{i}" for i in range(24)])
-    assert len(many) <= looks.LONGEST + 10 and many.endswith(", ... (24)") and many.startswith("'roller_0', 'roller_1'")
-    assert looks.names([]) == "none"
+    many = reprs.names([f"roller_{i}" for i in range(24)])
+    assert len(many) <= reprs.LONGEST + 10 and many.endswith(", ... (24)") and many.startswith("'roller_0', 'roller_1'")
+    assert reprs.names([]) == "none"
 
 
 def test_histories_show_shapes() -> None:
@@ -122,9 +122,9 @@ def test_no_module_of_the_model_is_left_with_a_bare_look() -> None:
         for name in module.__all__:
             value = getattr(module, name)
             if hasattr(value, "scene_list"):
-                assert issubclass(value, looks.Item), name
+                assert issubclass(value, reprs.Item), name
     for kind in (wf.Contact, wf.LumpedContact, wf.Film, wf.Lap):
-        assert issubclass(kind, looks.Item)
+        assert issubclass(kind, reprs.Item)
 
 
 def test_the_files_of_a_result_are_told(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 
 import warpffrf as wf
 from recordings import columns
-from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
+from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.inertia_box import inertia_box
 from warpffrf.output.geometry.scene_view import BodyView

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 import warpffrf as wf
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.plots.mode_picture import eye_axes
 from warpffrf.output.plots.mode_shapes import CORNERS, SIDES, MovedSkin, draw_shape, inertia_box, outward, skins_of
 

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.reduced_body_file import SCHEMA
-from warpffrf.model.sealed_file import seal
+from warpffrf.model.files.sealed_file import seal
+from warpffrf.model.reduced.file import SCHEMA
 from warpffrf.output.files.older import LATER
 from warpffrf.output.files.results import SCHEMA_VERSION, SEALED_SINCE
 

@@ -17,9 +17,9 @@ import pytest
 import warpffrf as wf
 from recordings import columns
 from references.closed_forms import LineContact
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.stress_field import rotated, to_tensor
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.stress_field import rotated, to_tensor
 from warpffrf.model.surfaces import Cylinder, Sphere
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import CellHistory

@@ -10,9 +10,9 @@ from rubbing_run import make_rubbing_history
 from synthetic_run import COLUMNS, HALF_WIDTH, ROWS, R, make_history, roller
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.tangential import Tangential
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.output.bodies.patch_on_skin import cell_areas, tangential_forces
 from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
 from warpffrf.output.geometry.poses import tangents

@@ -10,8 +10,8 @@ import scipy.sparse as sp
 from synthetic_run import COLUMNS, MODES, ROWS, make_history, roller
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.stress_field import (
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.stress_field import (
     GridSpan,
     LoadStress,
     StressField,

@@ -12,7 +12,7 @@ import pytest
 from synthetic_run import make_history
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.sealed_file import seal
+from warpffrf.model.files.sealed_file import seal
 from warpffrf.output.files.fields import BODY_FIELDS, CONTACT_FIELDS, JOINT_FIELDS
 from warpffrf.output.files.results import SCHEMA_VERSION
 from warpffrf.output.result import Result

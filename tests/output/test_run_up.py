@@ -11,7 +11,7 @@ from scipy.integrate import solve_ivp
 import warpffrf as wf
 from scenes.rollers import STEEL
 from warpffrf.model import rotation as rot
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.files import unfinished
 
 LENGTH, SIDE = 0.5, 0.02  # m

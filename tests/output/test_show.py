@@ -10,8 +10,8 @@ import pytest
 from test_recorder import columns
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.output.recording.show import show_modes
 
 SIZE = 0.1  # m, largest extent of the synthetic roller

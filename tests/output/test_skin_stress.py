@@ -15,8 +15,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointForce, PointTorque
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
+from warpffrf.model.reduced.stress_field import to_tensor
 from warpffrf.model.scene import Scene
-from warpffrf.model.stress_field import to_tensor
 from warpffrf.offline import reduce
 from warpffrf.output.bodies import stress
 from warpffrf.output.bodies.skin_stress import same_places

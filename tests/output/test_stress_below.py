@@ -13,7 +13,7 @@ from synthetic_run import make_history
 
 from references.closed_forms import LineContact, PointContact
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.output.bodies.half_space_stress import under_cells
 from warpffrf.output.bodies.stress_below import stress_below

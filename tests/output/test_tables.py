@@ -12,7 +12,7 @@ from rubbing_run import add_friction
 from synthetic_run import make_history
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online.history.history import ForceHistory, JointFrictionHistory, SensorHistory
 from warpffrf.output.files.table import histories
 from warpffrf.output.result import Result

@@ -23,10 +23,10 @@ from unfinished_runs import FEW, OPTIONS, STEP, pendulum
 
 import warpffrf as wf
 from scenes.rollers import guided_pair, roller_body
-from warpffrf.model import interruption
 from warpffrf.model.errors import InputError
-from warpffrf.model.keeping import Plan, Unfinished
-from warpffrf.model.processes import lives
+from warpffrf.model.files.processes import lives
+from warpffrf.model.messages import interruption
+from warpffrf.model.messages.checkpoints import Plan, Unfinished
 from warpffrf.online.history.history import History
 from warpffrf.online.keeping import Keeping
 from warpffrf.output import outputs

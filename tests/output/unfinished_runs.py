@@ -18,7 +18,7 @@ from typing import Any
 
 import warpffrf as wf
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
-from warpffrf.model.keeping import Unfinished
+from warpffrf.model.messages.checkpoints import Unfinished
 from warpffrf.output.files.unfinished import UnfinishedRun
 
 STEP, STEPS = 1e-4, 30_000

@@ -20,11 +20,11 @@ import scipy.sparse as sp
 from scipy.io import mmwrite
 
 import warpffrf as wf
-from warpffrf.model.keeping import Source
-from warpffrf.model.mesh.matrices import read_matrix
-from warpffrf.model.reduced_body_file import _digest, _flatten
-from warpffrf.model.sealed_arrays import HEAD
-from warpffrf.model.sealed_file import TRAILER, seal
+from warpffrf.model.files.sealed_arrays import HEAD
+from warpffrf.model.files.sealed_file import TRAILER, seal
+from warpffrf.model.mesh.files.matrices import read_matrix
+from warpffrf.model.messages.checkpoints import Source
+from warpffrf.model.reduced.file import _digest, _flatten
 from warpffrf.output.files import unfinished
 from warpffrf.output.result import Result
 from warpffrf.study.sweeps.job import Answer

@@ -11,7 +11,7 @@ from scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL
 from warpffrf.model import joints, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import box, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 

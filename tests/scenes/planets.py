@@ -11,7 +11,7 @@ import numpy as np
 from warpffrf.model import forces, joints
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import require_count, require_number
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 
 CARRIAGE_MASS, CARRIAGE_INERTIA = 1.0, (1e-3, 1e-3, 1e-3)  # kg, kg m2, of each slide

@@ -26,10 +26,10 @@ from warpffrf.model.friction import FrictionLaw
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh import roller as roller_mesh
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.compile.patch_plan import span_of
+from warpffrf.online.compile.patches.plan import span_of
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 

@@ -22,7 +22,7 @@ import numpy as np
 from warpffrf.model import bases
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import run

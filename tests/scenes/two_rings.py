@@ -15,7 +15,7 @@ from warpffrf.model.bodies import Body, PortLike
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.joints.base import Joint
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 
 SLIDE_MASS, SLIDE_INERTIA = 0.1, (1e-4, 1e-4, 1e-4)  # kg, kg m2

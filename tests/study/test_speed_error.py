@@ -8,8 +8,8 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.cli.study import choices_of
-from warpffrf.model.box_means import Boxes, squares
 from warpffrf.model.errors import InputError
+from warpffrf.model.half_space.box_means import Boxes, squares
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.study.speed_against_error.choices import text_of
 from warpffrf.study.speed_against_error.errors import relative, relative_largest

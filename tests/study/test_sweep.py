@@ -15,7 +15,7 @@ from sweep_scenes import GRAVITY, TIMES, bob, fall, named_bob, rest, scene_file,
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.model.sealed_file import TRAILER, seal
+from warpffrf.model.files.sealed_file import TRAILER, seal
 from warpffrf.study.sweeps import crews
 
 STIFFNESS = [1000.0, 2000.0, 4000.0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from scenes.rollers import roller_body
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 
 
 @pytest.fixture(scope="session")

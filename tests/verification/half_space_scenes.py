@@ -9,9 +9,9 @@ import numpy as np
 
 from warpffrf.model import forces, joints, signals, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_grid import cell_edges
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_grid import cell_edges
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.online.compile.patch_plan import relative_curvatures
+from warpffrf.online.compile.patches.plan import relative_curvatures
 from warpffrf.output.contact.hertz_patch import hertz_point
 
 STEEL = wf.Material(206e9, 0.3, 7850.0)

@@ -18,7 +18,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, grid
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run

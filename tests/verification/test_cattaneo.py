@@ -24,7 +24,7 @@ from references.closed_forms import (
 )
 from references.half_space.bodies import half_plane, half_space
 from warpffrf.model.mesh import block
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result

@@ -7,7 +7,7 @@ import pytest
 
 from scenes.rollers import PAIR, guided_pair, roller_body
 from studies.contact.impact import Drop, drop, ledger_rise
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import Settings, find_equilibrium, run
 
 RISE = 0.01  # of the energy at hand: the promise for the ledger

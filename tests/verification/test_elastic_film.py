@@ -11,7 +11,7 @@ from studies.films import elastic_film as sleeves
 from warpffrf.model import oils
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws import ExponentialAsperities
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 
 RADIUS, LENGTH, CLEARANCE, VISCOSITY, SPEED = 0.025, 0.025, 25e-6, 0.01, 300.0  # m, m, m, Pa s, rad/s
 COLUMNS, ROWS, FEED = 64, 9, 32

@@ -10,7 +10,7 @@ import pytest
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import History

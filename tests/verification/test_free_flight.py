@@ -9,7 +9,7 @@ import pytest
 
 from studies.bodies.free_flight import RING_TIME, fly, orders, rigid_flight, ring, ring_flight, ring_scene
 from warpffrf.model.integrators import HHT, EnergyMomentum, GeneralizedAlpha, Newmark, RungeKutta4
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import History
 
 STEPPERS = [GeneralizedAlpha(0.8), HHT(-0.1), HHT(-0.3), Newmark()]

@@ -14,7 +14,7 @@ from references.half_space.bodies import half_plane, half_space
 from warpffrf.model import surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import ball as ball_mesh
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import Engine, History

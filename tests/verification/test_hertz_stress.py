@@ -16,8 +16,8 @@ from scenes.rollers import PAIR, STEEL, Path, solve_path
 from studies.contact.ripple import approach_for, window_for
 from warpffrf.model.mesh import FacetSet, Mesh, box, roller
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.stress_field import max_shear
-from warpffrf.model.stress_field import von_mises as equivalent
+from warpffrf.model.reduced.stress_field import max_shear
+from warpffrf.model.reduced.stress_field import von_mises as equivalent
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from scenes import rotating_bar, rotating_disc, spinning_ring
-from studies.bodies import free_flight
 from demos.two_rollers import Size
 from demos.two_rollers import build as two_rollers
-from warpffrf.model.inertia import LEVELS, TERM_NAMES
-from warpffrf.model.reduced_body import ReducedBody
+from scenes import rotating_bar, rotating_disc, spinning_ring
+from studies.bodies import free_flight
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, Settings, run
 from warpffrf.online.compile.inertia_plan import InertiaPlan

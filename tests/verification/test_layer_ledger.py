@@ -11,7 +11,7 @@ import pytest
 from scenes.rollers import roller_body
 from warpffrf.model import joints, laws, signals
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run

@@ -13,11 +13,11 @@ from references.large_deflections.body import StVenantKirchhoffBody
 from references.large_deflections.statics import by_load
 from warpffrf.model import joints
 from warpffrf.model.material import Material
-from warpffrf.model.membrane import membrane_amplitudes, membrane_gradient, membrane_tangent
 from warpffrf.model.mesh import FacetSet, Mesh, box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.membrane import membrane_amplitudes, membrane_gradient, membrane_tangent
+from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
-from warpffrf.model.stress_field import von_mises
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import equilibrium
 

@@ -15,7 +15,7 @@ from warpffrf.model import joints, laws
 from warpffrf.model.contact import Contact
 from warpffrf.model.forces import PointForce
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce

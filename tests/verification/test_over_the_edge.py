@@ -12,7 +12,7 @@ from scenes.over_the_edge import (
     roller_off_its_end,
     slab_body,
 )
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
 

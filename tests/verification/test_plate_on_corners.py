@@ -14,7 +14,7 @@ from warpffrf.model import joints
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.simulate import equilibrium, simulate

@@ -11,7 +11,7 @@ from scenes.rollers import CARRIAGE_INERTIA, CARRIAGE_MASS, STEEL, StaticPath, r
 from warpffrf.model import joints, signals, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import Settings
 from warpffrf.output.result import Result

@@ -28,8 +28,8 @@ from studies.rolling import rolling_bodies, rolling_changes, rolling_steady
 from studies.rolling.rolling_bodies import ALUMINIUM
 from warpffrf import laws
 from warpffrf.model.friction import FrictionLaw
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online.compile.patch_plan import span_of
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.online.compile.patches.plan import span_of
 
 Array = np.ndarray
 

@@ -9,7 +9,7 @@ import pytest
 from warpffrf.model import joints
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import run

@@ -11,13 +11,13 @@ import pytest
 from references.closed_forms.large_deflections import Elastica
 from warpffrf.model import joints, sensors
 from warpffrf.model.forces import PointForce
-from warpffrf.model.interface_motion import interface_motion
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.interface_motion import interface_motion
+from warpffrf.model.reduced.second_order_motion import skin_displacement, skin_variation
+from warpffrf.model.reduced.skin_strain import skin_strain
 from warpffrf.model.scene import Scene
-from warpffrf.model.second_order_motion import skin_displacement, skin_variation
-from warpffrf.model.skin_strain import skin_strain
 from warpffrf.offline import reduce
 from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.modes_result import eigenmodes

@@ -12,7 +12,7 @@ from references.stick_slip import BeltOscillator, two_coefficients
 from scenes.block_on_belt import LOAD, MASS, SPEED, STIFFNESS, block, on_belt, wheel_body
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import History
 from warpffrf.online.run import run

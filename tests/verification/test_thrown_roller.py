@@ -15,10 +15,10 @@ import pytest
 
 from warpffrf.model import joints, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.gap import smallest_gap
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, block, roller, sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.placement.gap import smallest_gap
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import History

@@ -50,7 +50,7 @@ def describe_file(
         start = file.read(len(HDF5_SIGNATURE))
     if start == HDF5_SIGNATURE:
         return _hdf5(path, page, overwrite, pairs)
-    from warpffrf.model.mesh.reader import SUFFIXES
+    from warpffrf.model.mesh.files.reader import SUFFIXES
 
     if path.suffix.lower() in SUFFIXES:
         _no_page(page, path)
@@ -61,7 +61,7 @@ def describe_file(
 
 def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: float | None) -> str:
     from warpffrf.model import mesh as meshes
-    from warpffrf.model.mesh.units import LENGTH_UNITS
+    from warpffrf.model.mesh.files.units import LENGTH_UNITS
 
     if length_unit is None:
         units = ", ".join(LENGTH_UNITS)
@@ -77,8 +77,8 @@ def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: 
 def _hdf5(path: Path, page: Path | None, overwrite: bool, pairs: Pairs) -> str:
     import h5py
 
-    from warpffrf.model.reduced_body_file import MARK
-    from warpffrf.model.sealed_file import verify
+    from warpffrf.model.files.sealed_file import verify
+    from warpffrf.model.reduced.file import MARK
     from warpffrf.output.files.results import FORMAT
 
     verify(path, path.name, "write it again")
@@ -101,7 +101,7 @@ def _no_page(page: Path | None, path: Path) -> None:
 
 
 def _reduced_body(path: Path, page: Path | None, overwrite: bool) -> str:
-    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.reduced.body import ReducedBody
 
     body = ReducedBody.load(path)
     lines = [body.info(), _box(body.surface.points), *_inertia(body.inertia)]

@@ -31,7 +31,7 @@ from warpffrf.cli.results import add_result_commands
 from warpffrf.cli.scenes import campbell_of_scene_file, modes_of_scene_file, run_scene_file
 from warpffrf.cli.study import study_app
 from warpffrf.cli.sweep import add_sweep_command, add_sweep_plot_command
-from warpffrf.model.printable import printable
+from warpffrf.model.messages.printable import printable
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
 # (on two busy cores 16 times longer than one thread alone).
@@ -71,6 +71,8 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+
+
 def _version(wanted: bool) -> None:
     if wanted:
         print(f"warpffrf {warpffrf.__version__}")
@@ -97,7 +99,7 @@ def options(
 ) -> None:
     Asked.quiet, Asked.pairs = quiet, "all" if verbose else "folded"
     know_options(context)
-    from warpffrf.model.speech import Lines, notes
+    from warpffrf.model.messages.console import Lines, notes
 
     for old in [h for h in log.handlers if isinstance(h, Lines)]:
         log.removeHandler(old)

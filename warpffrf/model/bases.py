@@ -17,7 +17,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 __all__ = [
     "BASES",

@@ -11,26 +11,26 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.errors import InputError, require_array, unknown_name
-from warpffrf.model.form_deviations import Form
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.rigid_surface import RigidSurface
-from warpffrf.model.round_form import RoundForm
 from warpffrf.model.surfaces import Shape
+from warpffrf.model.surfaces.form_deviations import Form
+from warpffrf.model.surfaces.round_form import RoundForm
 
 if TYPE_CHECKING:
     from warpffrf.model.laps import LapSurface
-    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.reduced.body import ReducedBody
 
 GROUND_INDEX = -1
 INERTIA_LEVELS = ("constant", "deformed", "gyroscopic", "full", "auto")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Port(looks.Shown):
+class Port(reprs.Shown):
     """A place on a body: an interface, or a body-fixed point (3,) [m, user frame].
 
     `point` is None only for the bare ground: the joint's other port then says where it is.
@@ -65,7 +65,7 @@ class Port(looks.Shown):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class SurfacePort(looks.Shown):
+class SurfacePort(reprs.Shown):
     """A contact surface of a body, for `Contact`."""
 
     body: Any  # Body or Ground
@@ -96,7 +96,7 @@ class SurfacePort(looks.Shown):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class LapPort(looks.Shown):
+class LapPort(reprs.Shown):
     """A face of a flexible body that laps lie on, or two faces of it, as `reduce(laps=...)` named them."""
 
     body: Any  # Body or Ground
@@ -126,7 +126,7 @@ if TYPE_CHECKING:
         point: np.ndarray
 
 
-class _Posed(looks.Shown):
+class _Posed(reprs.Shown):
     """A user frame with a pose in the world."""
 
     name: str
@@ -195,7 +195,7 @@ class Ground(_Posed):
         super().__init__("ground", np.zeros(3), np.array([0.0, 0.0, 0.0, 1.0]))
 
     def _facts(self) -> dict[str, Any]:
-        return {"surfaces": looks.names(self.surfaces)} if self.surfaces else {}
+        return {"surfaces": reprs.names(self.surfaces)} if self.surfaces else {}
 
     def at(self, point: Vector) -> Port:
         """A point (3,) [m] of the world."""
@@ -255,7 +255,7 @@ class Body(_Posed):
         x, y, z = self.position
         facts = {"name": self.name, "kind": kind, "mass": f"{self.mass:.5g} kg", "position": f"({x:g}, {y:g}, {z:g}) m"}
         places = self.surfaces if self.reduced is None else self._places
-        return {**facts, "places": looks.names(places)} if places else facts
+        return {**facts, "places": reprs.names(places)} if places else facts
 
     @property
     def _places(self) -> list[str]:

@@ -3,7 +3,7 @@
 The first surface carries the contact grid, so it is a surface of a flexible body. The second may be flexible too, or
 the rigid surface of a rigid body or of the ground. Two rigid surfaces have no compliance and no pressure between them:
 such a pair is refused, a `LumpedContact` holds it. The gap between the true shapes is in `gap`; which contacts may
-stand on the same two surfaces is in `claims`.
+stand on the same two surfaces is in `checks.exclusive_unknowns`.
 """
 
 from __future__ import annotations
@@ -12,14 +12,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
-from warpffrf.model.far_field import LONGEST, UNUSABLE
 from warpffrf.model.friction import FrictionLaw, FrictionLike, as_pair_friction
 from warpffrf.model.laws import Law, Unilateral, as_law
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.round_form import refuse_form
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.far_field import LONGEST, UNUSABLE
+from warpffrf.model.surfaces.round_form import refuse_form
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
@@ -30,7 +30,7 @@ CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow n
 
 
 @named_arguments
-class Contact(looks.Item):
+class Contact(reprs.Item):
     """Contact between two contact surfaces a and b, `body["rim"]` each; a must be of a flexible body.
 
     Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing

@@ -11,12 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike, as_lumped_friction
 from warpffrf.model.laws.lumped import Approach, LumpedLaw, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments import (
     NO_RESISTANCE,
     Resistance,
@@ -24,15 +25,14 @@ from warpffrf.model.moments import (
     as_rolling_resistance,
     spin_resistance,
 )
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.nearest import Nearest, curvatures_on, lamina_gap, nearest
+from warpffrf.model.placement.nearest import Nearest, curvatures_on, lamina_gap, nearest
 
-OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.overlap` has it
+OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.checks.overlap` has it
 STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single place
 
 
 @named_arguments
-class LumpedContact(looks.Item):
+class LumpedContact(reprs.Item):
     """Contact between the surfaces of two rigid bodies, or of one and the ground, by a law of force against approach.
 
     a, b: `body["tread"]`, named in `add_rigid_body(surfaces=...)` or by `body.surface(shape, name=)`. law: one of

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which cells take the mixed formulation by themselves
 FORMULATIONS = ("displacement", "mixed")

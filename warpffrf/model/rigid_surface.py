@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.round_form import RoundForm
 from warpffrf.model.surfaces import SHAPES, Shape
+from warpffrf.model.surfaces.round_form import RoundForm
 
 
 @dataclass(frozen=True, eq=False)

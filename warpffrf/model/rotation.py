@@ -19,8 +19,8 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.checks.plausibility import angle_doubts, quaternion_doubts, warn
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
-from warpffrf.model.plausibility import angle_doubts, quaternion_doubts, warn
 
 UNIT_TOLERANCE = 1e-6  # |q| - 1 of a quaternion typed with six digits; larger is a mistake, not rounding
 

@@ -9,28 +9,28 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
-from warpffrf.model.assembly import joined_bodies, shift_bodies
 from warpffrf.model.bearings import Bearing, add_ball_bearing, add_roller_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
-from warpffrf.model.claims import refuse_double_claims, refuse_double_laps
+from warpffrf.model.checks.exclusive_unknowns import refuse_double_claims, refuse_double_laps
+from warpffrf.model.checks.plausibility import gravity_doubts, warn
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import Damping, damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
 from warpffrf.model.films import Film
 from warpffrf.model.forces import JointSpringDamper, Pretension
-from warpffrf.model.gap import closing_distance
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.plausibility import gravity_doubts, warn
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.placement.assembly import joined_bodies, shift_bodies
+from warpffrf.model.placement.gap import closing_distance
 from warpffrf.model.sensors import JointReaction, Sensor
 
 if TYPE_CHECKING:
-    from warpffrf.model.reduced_body import ReducedBody
-    from warpffrf.model.scene_check import SceneCheck
+    from warpffrf.model.checks.scene import SceneCheck
+    from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.surfaces import Shape
 
 SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
@@ -41,7 +41,7 @@ Item = TypeVar("Item")
 
 
 @named_arguments
-class Scene(looks.Shown):
+class Scene(reprs.Shown):
     """A machine: bodies with poses, and what connects and loads them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
@@ -77,7 +77,7 @@ class Scene(looks.Shown):
 
     def _facts(self) -> dict[str, Any]:
         kinds = ("bodies", *_ADDED, "bearings")
-        return {kind: looks.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
+        return {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
 
     def add_body(
         self,
@@ -312,7 +312,7 @@ class Scene(looks.Shown):
 
         Raises `InputError` for a scene without bodies and for joints whose ports do not meet.
         """
-        from warpffrf.model.scene_check import check_scene
+        from warpffrf.model.checks.scene import check_scene
 
         return check_scene(self)
 

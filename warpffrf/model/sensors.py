@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from typing import Literal
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import Body, Ground, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_count, unknown_name
 from warpffrf.model.joints import Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 
 __all__ = [
     "SENSORS",
@@ -35,7 +35,7 @@ AXES = ("x", "y", "z")
 WRENCH = ("force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z")
 
 
-class Sensor(looks.Item):
+class Sensor(reprs.Item):
     """Base of the sensors: a name, a unit, and names of the components of a row of values."""
 
     scene_list = "sensors"

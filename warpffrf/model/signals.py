@@ -19,7 +19,7 @@ import numpy as np
 
 from warpffrf.model.arguments import Matrix, Vector
 from warpffrf.model.errors import InputError, require_array, require_number
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 __all__ = [
     "Constant",

@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.slopes import leanings
+from warpffrf.model.reduced.slopes import leanings
 from warpffrf.monolithic.core.equations import LocalData
 from warpffrf.monolithic.core.local_coordinates import (
     Loaded,

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.keeping import Rows
+from warpffrf.model.messages.checkpoints import Rows
 from warpffrf.monolithic.core.state import State
 from warpffrf.monolithic.films.record import FILM_FIELDS, FILM_NUMBERS, FilmRow, film_arrays, film_row
 from warpffrf.monolithic.history import BodyMotion, ContactForces, FilmForces, MonolithicHistory

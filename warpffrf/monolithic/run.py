@@ -12,9 +12,9 @@ import numpy as np
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.evaluations import all_full
 from warpffrf.model.friction import friction_notes
-from warpffrf.model.interruption import deferred_interrupts
-from warpffrf.model.keeping import Keeper, Plan, Unfinished
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
+from warpffrf.model.messages.interruption import deferred_interrupts
+from warpffrf.model.messages.progress import Progress
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic.checkpoint import Progressed, goes_on, under_way
 from warpffrf.monolithic.core.description import describe_scene

@@ -16,8 +16,8 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_file import SCHEMA
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.file import SCHEMA
 from warpffrf.offline.general.checkpoint import SUFFIX
 
 logger = logging.getLogger("warpffrf.offline")

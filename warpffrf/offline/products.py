@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.cross_compliance import CrossCompliance
-from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.laps import LapSurface
-from warpffrf.model.local_mass import LocalMass
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body_data import Interface
-from warpffrf.model.second_order_motion import SecondOrderMotion
-from warpffrf.model.tangential import Tangential
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.data import Interface
+from warpffrf.model.reduced.inertia import InertiaTerms
+from warpffrf.model.reduced.local_mass import LocalMass
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.second_order_motion import SecondOrderMotion
+from warpffrf.model.reduced.tangential import Tangential
 
 
 @dataclass(frozen=True)

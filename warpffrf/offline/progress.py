@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import TypeVar
 
-from warpffrf.model.progress import Progress as Bar
+from warpffrf.model.messages.progress import Progress as Bar
 
 LONG = 1.0  # s: stages that take as long are worth a line to everybody
 logger = logging.getLogger("warpffrf.offline")

@@ -14,18 +14,18 @@ import numpy as np
 import warpffrf.offline.cache as body_cache
 from warpffrf.model.arguments import Matrix
 from warpffrf.model.bases import Basis
-from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.checks.plausibility import warn
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.plausibility import warn
-from warpffrf.model.reduced_body import ReducedBody, library_versions
-from warpffrf.model.reduced_body_data import DisplaySurface
-from warpffrf.model.speech import speaking
-from warpffrf.model.stress_field import StressPoints
+from warpffrf.model.messages.console import speaking
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.body import ReducedBody, library_versions
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.data import DisplaySurface
+from warpffrf.model.reduced.stress_field import StressPoints
 from warpffrf.model.surfaces import Shape
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
 from warpffrf.offline.contact.contact_grid import largest_radius
@@ -118,13 +118,13 @@ def reduce(
     stress: {name: points} where stresses can be asked for later (`Result.stress`): points (p, 3) [m], the name of a
         facet set, "skin", "all", or `StressPoints` for one side of an interface between materials.
     local_dynamics: True: the mass of the local modes, too, with which they can be dynamic modes
-        (`warpffrf.model.local_modes`); one more solve for each unit load on the general path.
-    inertia_modes: how many of the global modes, the lowest, get inertia terms (`warpffrf.model.inertia`): None: all up
-        to 60. `report["inertia"]` says how many.
+        (`warpffrf.model.reduced.local_modes`); one more solve for each unit load on the general path.
+    inertia_modes: how many of the global modes, the lowest, get inertia terms (`warpffrf.model.reduced.inertia`): None:
+        all up to 60. `report["inertia"]` says how many.
     stiffening: True: also the stiffness that these modes get from prestress by turning and by loads on the interfaces;
         on the general path. "membrane": also the membrane energy of plates, frames and shells that deflect by their
-        thickness or more, `warpffrf.model.membrane`; cells that do not lock in bending, and enough bending modes, are
-        needed for it.
+        thickness or more, `warpffrf.model.reduced.membrane`; cells that do not lock in bending, and enough bending
+        modes, are needed for it.
     membrane_modes: how many modes, the lowest, have membrane energy; None: up to 20. n take n (n + 1)/2 static
         responses.
     centrifugal: True: also the attachment modes of turning, the static responses to the products of the components of
@@ -140,10 +140,10 @@ def reduce(
         a third of the points of evaluation "semi", see `warpffrf.offline.contact.cubature`.
     patch_grid: None: for contact surfaces whose mesh is too coarse for pressures on a grid of its own, also what
         contacts need whose pressures stand on a grid that travels with the patch, much finer than the mesh
-        (`warpffrf.model.far_field`), where that can be had; True: for all, or an error that says why not; False: for
-        none. With `tangential=` on cells it serves friction, too. It costs the solution of some hundred to thousand
-        dofs for every few dozen functions of the contact grid (of one sector). The cells near the surface must be of
-        one material.
+        (`warpffrf.model.reduced.far_field`), where that can be had; True: for all, or an error that says why not;
+        False: for none. With `tangential=` on cells it serves friction, too. It costs the solution of some hundred to
+        thousand dofs for every few dozen functions of the contact grid (of one sector). The cells near the surface must
+        be of one material.
     laps: {name: ("facet set", "facet set")}: faces of this body that slide a little on each other, or
         {name: "facet set"}: a face that will lie on another body's; `LapCells` in their place says how large the cells
         are. On the general path.

@@ -14,7 +14,7 @@ from warpffrf.online.arrays import Ring, Sizes, initial_motion, initial_state, s
 from warpffrf.online.arrays.ring import SavedRows, joined, taken
 from warpffrf.online.arrays.scratch import KEPT, KEPT_OF_PATCHES, scratch_for
 from warpffrf.online.compile.outer_pattern import pattern_of
-from warpffrf.online.compile.patch_plan import PatchPlan
+from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.scene import CompiledScene, compile_scene, enlarge
 from warpffrf.online.device import chosen_device
 from warpffrf.online.local_dynamics import LocalDynamics

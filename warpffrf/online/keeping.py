@@ -1,11 +1,12 @@
-"""A run on an engine beside its keeper (`warpffrf.model.keeping`): when to look, what to give, and going on from it."""
+"""A run on an engine beside its keeper (`warpffrf.model.messages.checkpoints`): when to look, what to give, and going
+on from it."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.interruption import deferred_interrupts
-from warpffrf.model.keeping import Keeper, Plan, Rows, Source, Unfinished
+from warpffrf.model.messages.checkpoints import Keeper, Plan, Rows, Source, Unfinished
+from warpffrf.model.messages.interruption import deferred_interrupts
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.ring import taken
 from warpffrf.online.checkpoint import restore

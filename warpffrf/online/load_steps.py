@@ -36,14 +36,14 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.consistency import refuse_singular_mass
+from warpffrf.model.checks.consistency import refuse_singular_mass
+from warpffrf.model.checks.signal_cover import refuse_short_tables
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
-from warpffrf.model.interruption import deferred_interrupts
-from warpffrf.model.keeping import Keeper, Plan, Unfinished
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
+from warpffrf.model.messages.interruption import deferred_interrupts
+from warpffrf.model.messages.progress import Progress
 from warpffrf.model.scene import Scene
-from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of
 from warpffrf.online.diagnosis.off_end import EndWatch, OffEnd

@@ -1,7 +1,7 @@
 """How the local modes of contact surfaces follow their load: statically, or with inertia.
 
     quasi_static   the compliance D carries all of them at once; nothing per mode is stored or stepped
-    hht            the modes of `warpffrf.model.local_modes` as diagonal coordinates, one HHT-alpha step each
+    hht            the modes of `warpffrf.model.reduced.local_modes` as diagonal coordinates, one HHT-alpha step each
     exponential    the same coordinates, exact for a load that is linear over the step
     auto           hht up to AUTO_RATIO times the highest load frequency, quasi_static above
 
@@ -25,12 +25,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
 from warpffrf.model.integrators import HHT, Coefficients
 from warpffrf.model.laps import Lap
-from warpffrf.model.local_modes import DynamicModes, dynamic_modes
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.local_modes import DynamicModes, dynamic_modes
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 

@@ -9,7 +9,11 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bearings.bearing import loose_ring, without_cage
-from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
+from warpffrf.model.checks.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
+from warpffrf.model.checks.overlap import excessive_wedge, refuse_overlap
+from warpffrf.model.checks.scene import connecting
+from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.wedge import find_wedge
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
@@ -22,18 +26,14 @@ from warpffrf.model.integrators import (
     RungeKutta4,
     roots_at_infinity,
 )
-from warpffrf.model.interruption import deferred_interrupts
 from warpffrf.model.joints import Drive
-from warpffrf.model.keeping import Keeper, Plan, Unfinished
 from warpffrf.model.laps.preload import refuse_pushed_apart
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
-from warpffrf.model.overlap import excessive_wedge, refuse_overlap
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
+from warpffrf.model.messages.interruption import deferred_interrupts
+from warpffrf.model.messages.progress import Progress
 from warpffrf.model.scene import Scene
-from warpffrf.model.scene_check import connecting
-from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
-from warpffrf.model.wedge import find_wedge
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
 from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes

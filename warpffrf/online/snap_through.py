@@ -24,8 +24,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.friction import rubbing
+from warpffrf.model.reduced.second_order_motion import skin_displacement
 from warpffrf.model.rotation import matrix
-from warpffrf.model.second_order_motion import skin_displacement
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
 from warpffrf.online.start.settle import LEAST, settle

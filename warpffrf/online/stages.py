@@ -30,7 +30,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
 from warpffrf.model.forces.laws import tension_of
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, is_loaded
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory

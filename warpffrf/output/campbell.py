@@ -44,10 +44,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_array, require_count
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
 from warpffrf.output.modes_result import Modes, eigenmodes
 from warpffrf.output.result import Result
@@ -88,7 +88,7 @@ class Crossing:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Campbell(looks.Shown):
+class Campbell(reprs.Shown):
     """Modes against the speed of rotation; made by `campbell`. A row of the arrays is a speed, a column a curve, NaN
     where it has no mode among those asked for.
 

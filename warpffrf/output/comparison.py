@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, unknown_name
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.output.files.fields import RUN_FIELDS
 from warpffrf.output.files.table import Series, histories
 from warpffrf.output.plots.overlay import Overlaid, overlay_figure

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError, require_count, require_number, unknown_name
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.console import speaking
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.second_order_motion import skin_displacement, skin_variation
 from warpffrf.model.scene import Scene
-from warpffrf.model.second_order_motion import skin_displacement, skin_variation
-from warpffrf.model.speech import speaking
 from warpffrf.online.vibrations.eigenmodes import BodyShape, SceneModes, find_modes
 from warpffrf.output.budget.budget import FLOOR, SMALL, percent
 from warpffrf.output.equivalent_damping import EquivalentDamping, equivalent_damping
@@ -30,7 +30,7 @@ NAMED_SHARE = 0.01  # of the kinetic energy: bodies with less are not named in t
 SIZE = (7.0, 4.2)  # inches
 
 
-class Modes(looks.Shown):
+class Modes(reprs.Shown):
     """Modes of a scene about a state, by rising frequency; made by `eigenmodes`.
 
     A motion is the real part of `shape * exp(eigenvalue * t)`. SI units, world axes. `about` says which state, `notes`

@@ -17,14 +17,14 @@ from typing import Any
 import numpy as np
 
 from warpffrf import monolithic
-from warpffrf.model.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
+from warpffrf.model.checks.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
+from warpffrf.model.checks.overlap import refuse_overlap
+from warpffrf.model.checks.signal_cover import refuse_short_tables
 from warpffrf.model.errors import InputError
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces.notes import characteristic_notes
-from warpffrf.model.keeping import Keeper, Rows, Source, Unfinished
-from warpffrf.model.overlap import refuse_overlap
+from warpffrf.model.messages.checkpoints import Keeper, Rows, Source, Unfinished
 from warpffrf.model.scene import Scene
-from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.monolithic import records
 from warpffrf.monolithic.checkpoint import from_arrays, is_monolithic, time_of, to_arrays

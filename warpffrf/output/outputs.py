@@ -19,9 +19,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.interruption import deferred_interrupts, what_follows
-from warpffrf.model.output_paths import check_ending, checked_output_path
-from warpffrf.model.speech import notes
+from warpffrf.model.files.output_paths import check_ending, checked_output_path
+from warpffrf.model.messages.console import notes
+from warpffrf.model.messages.interruption import deferred_interrupts, what_follows
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED

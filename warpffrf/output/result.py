@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.arguments import Vector
 from warpffrf.model.errors import InputError
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.speech import speaking
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.console import speaking
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import (
     BodyHistory,
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
 
 
 @named_arguments
-class Result(looks.Shown):
+class Result(reprs.Shown):
     """What a run left behind. Arrays have one row per saved step; SI units; positions in the world, quaternions
     (x, y, z, w).
 
@@ -249,7 +249,7 @@ class Result(looks.Shown):
         >>> result.sensor("place").unit
         'm'
         """
-        from warpffrf.model.stress_field import von_mises
+        from warpffrf.model.reduced.stress_field import von_mises
         from warpffrf.output.bodies.stress import stress_at_point
 
         if name not in self.history.sensors and name in self._stress_sensors:

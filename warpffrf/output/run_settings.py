@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.reduced_body_file import stored_arrays
+from warpffrf.model.reduced.file import stored_arrays
 from warpffrf.output.files.unfinished import HASH
 from warpffrf.output.result import Result
 

@@ -9,13 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
+from warpffrf.model.checks.signal_cover import refuse_short_tables
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
-from warpffrf.model.interruption import terminated_as_interrupted
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.console import speaking
+from warpffrf.model.messages.interruption import terminated_as_interrupted
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
-from warpffrf.model.signal_cover import refuse_short_tables
-from warpffrf.model.speech import speaking
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic import checkpoint as monolithic_checkpoint
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run

@@ -12,10 +12,10 @@ from typing import Any, Literal
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, Integrator
-from warpffrf.model.interruption import terminated_as_interrupted, what_follows
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.console import notes, speaking
+from warpffrf.model.messages.interruption import terminated_as_interrupted, what_follows
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
-from warpffrf.model.speech import notes, speaking
 from warpffrf.model.step_count import step_count
 from warpffrf.online import Settings, run
 from warpffrf.online.engine import EngineOf, ready_device

@@ -209,7 +209,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
     from warpffrf.model.moments import ROLLING_LAWS
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
-    from warpffrf.model.stress_field import StressPoints
+    from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
     from warpffrf.monolithic import Monolithic
 
@@ -276,7 +276,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
     from warpffrf.model.bearings import add_ball_bearing, add_roller_bearing
     from warpffrf.model.material import Material
     from warpffrf.model.mesh.cut import cut
-    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.scene import Scene
     from warpffrf.offline import reduce
     from warpffrf.online.stages import Stage

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.regular_file import read_regular
+from warpffrf.model.files.regular_file import read_regular
 from warpffrf.scene_file.forms import brief
 
 MOST_BYTES = 1 << 28  # of such a file

@@ -1,5 +1,5 @@
-"""Many runs of one scene: `speed_error` weighs the time of settings against their errors, `sweep` runs the scene at many
-values of its parameters. They are loaded when first used."""
+"""Many runs of one scene: `speed_error` weighs the time of settings against their errors, `sweep` runs the scene at
+many values of its parameters. They are loaded when first used."""
 
 from __future__ import annotations
 

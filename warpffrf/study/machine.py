@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 from typing import Any
 
-from warpffrf.model.reduced_body import library_versions
+from warpffrf.model.reduced.body import library_versions
 
 SIZE = 128
 REPEATS = 50  # of one sample: 5 ms, far above the clock's resolution

@@ -5,9 +5,9 @@ from __future__ import annotations
 import sys
 import time
 
+from demos.checks import writable_folder
 from studies.accuracy.machines import MACHINES
 from studies.accuracy.measured import measure, page
-from demos.checks import writable_folder
 from warpffrf.model.errors import unknown_name
 
 FOLDER, PAGE = "docs/studies", "accuracy.md"

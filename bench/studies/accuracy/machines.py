@@ -8,13 +8,6 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import warpffrf as wf
-from scenes import bearing as bearings
-from studies.accuracy.budget_check import BARS, colliding_bars, driven_mass, pendulum
-from studies.speed_error_pages import bearing as bearing_study
-from studies.speed_error_pages import rolling_friction as friction_study
-from studies.speed_error_pages import slider_crank as crank_study
-from studies.speed_error_pages import two_rollers as roller_study
-from studies.speed_error_pages.reduced import roller
 from demos import crowned_on_raceway as crowned
 from demos import frame_on_bushings as frame
 from demos import rolling_friction as rolling
@@ -22,6 +15,13 @@ from demos import slider_crank as crank
 from demos import spinning_beam as beam
 from demos import tilted_roller as tilted
 from demos import two_rollers as rollers
+from scenes import bearing as bearings
+from studies.accuracy.budget_check import BARS, colliding_bars, driven_mass, pendulum
+from studies.speed_error_pages import bearing as bearing_study
+from studies.speed_error_pages import rolling_friction as friction_study
+from studies.speed_error_pages import slider_crank as crank_study
+from studies.speed_error_pages import two_rollers as roller_study
+from studies.speed_error_pages.reduced import roller
 from warpffrf.model.contact import CELL_ERROR, CELL_ERRORS
 
 FINER = 8  # times the steps that were chosen, in the reference

@@ -6,7 +6,7 @@ small: the perturbation that starts it, (1e-3/5)^2 of energy and momentum, is to
 size, so that an error of 1e-16 shows as one of about 1e-8 in omega(10).
 
 *Flexible*: a rubber ring that tumbles fast enough to be bent by it. It starts undeformed, the centrifugal load comes at
-once, so that all modes ring. Momenta are those of the ring's own inertia (`warpffrf.model.inertia`),
+once, so that all modes ring. Momenta are those of the ring's own inertia (`warpffrf.model.reduced.inertia`),
 
     linear m v, of the centre of mass,      angular r x m v + A (J(q) w + h(q, qdot)) about the world's origin,
 
@@ -24,7 +24,6 @@ import numpy as np
 
 from references.oscillator import errors
 from warpffrf.model import rotation as rot
-from warpffrf.model.inertia import momentum
 from warpffrf.model.integrators import (
     CHECK_INTEGRATORS,
     HHT,
@@ -36,7 +35,8 @@ from warpffrf.model.integrators import (
 )
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import momentum
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, run

@@ -16,8 +16,8 @@ import numpy as np
 
 from scenes import rotating_bar, rotating_disc, spinning_ring
 from scenes.rollers import guided_pair, roller_body
-from warpffrf.model.inertia import LEVELS
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import LEVELS
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.online.compile.inertia_plan import BOUNDS, InertiaPlan

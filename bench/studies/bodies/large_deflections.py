@@ -210,9 +210,9 @@ held structure; *ends free*, as the engine has it, of modes of the free body, wh
 (coordinates before these; a rim of a plate is one rigid interface and moves nothing, so that there both are the same).
 *Derivatives slaved* is the manifold of modal derivatives, with all of the second-order force, to fourth order, *modes
 and derivatives* takes them as coordinates of their own, *ECSW* its forces from a few cells. Solves: static ones before
-anything is computed. Multiply-adds of a force and a tangent by the formulas in `bench/studies/bodies/reduced_energies.py`,
-microseconds of the same in NumPy on one core, which others share. Definite: least over largest eigenvalue of V4 on
-products of the modes."""
+anything is computed. Multiply-adds of a force and a tangent by the formulas in
+`bench/studies/bodies/reduced_energies.py`, microseconds of the same in NumPy on one core, which others share. Definite:
+least over largest eigenvalue of V4 on products of the modes."""
     parts = []
     head = ["energy", "coordinates", "solves", "error at 1/2", "error"]
     head += ["force", "tangent", "force µs", "tangent µs", "definite"]

@@ -42,7 +42,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, grid
 from warpffrf.model.mesh import ball as ball_mesh
 from warpffrf.model.mesh import roller as roller_mesh
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result

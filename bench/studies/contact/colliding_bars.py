@@ -29,13 +29,13 @@ from scipy.special import zeta
 
 from references.closed_forms import BarImpact
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.material import Material
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.data import DisplaySurface
+from warpffrf.model.reduced.local_mass import LocalMass
+from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.online.local_dynamics import EXACT_DAMPING, LocalDynamics

@@ -25,10 +25,10 @@ from scenes.rollers import PAIR, STEEL
 from studies.speed.step_time import BORE, RADIUS, WIDTH, swinging_pair
 from warpffrf.model.laws import LinearLayer
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.sampling import ALL_ALONG, ALL_AROUND
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND
+from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
-from warpffrf.model.stress_field import von_mises
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic.line_of_centres.pair import STIFFER as HARDEST

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from studies.contact.grid_errors import contact_pressures
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.mesh_error import line_mesh_error

@@ -8,7 +8,7 @@ import numpy as np
 
 from scenes.rollers import PAIR, Path, solve_path
 from studies.contact.ripple import SENSES, approach_for, element_size, window_for
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.result import Result
 
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from scenes.rollers import CARRIAGE_MASS, PAIR, guided_pair
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import GeneralizedAlpha, History, run
 
 GRAVITY = 9.81  # m/s2

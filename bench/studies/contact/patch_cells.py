@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from studies.contact.coarse_rollers import PAIR, held, hexahedra, reduced
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.online.compile.patch_plan import CROWNED_ERROR, STRIPS_ERROR
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.online.compile.patches.plan import CROWNED_ERROR, STRIPS_ERROR
 from warpffrf.output.simulate import equilibrium
 from warpffrf.study.markdown import table
 

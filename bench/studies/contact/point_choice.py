@@ -37,9 +37,9 @@ import numpy as np
 from scenes.rollers import STEEL
 from studies.contact.interpolation_points import Array, constant, deim, interpolation, qdeim
 from studies.speed.step_time import BORE, RADIUS, WIDTH
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.mesh import roller
-from warpffrf.model.sampling import Sampling
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.sampling import Sampling
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.contact.cubature import choose_sampling

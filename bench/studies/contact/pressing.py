@@ -20,8 +20,8 @@ import numpy as np
 
 from studies.contact.evaluations import POINTS
 from studies.speed.step_time import RADIUS
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.stress_field import von_mises
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.stress_field import von_mises
 
 WAYS = ("nodes", "hats", "cells", "points")
 SETTLED = 1e-10  # of the force: the secant over the approach

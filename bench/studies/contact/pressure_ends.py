@@ -26,7 +26,7 @@ from studies.contact.patch_ends import ROWS, OnPatch, Refused
 from studies.contact.pressing import WAYS, Pressing
 from studies.speed.step_time import RADIUS
 from warpffrf.model.contact import CELL_ERROR
-from warpffrf.model.far_field import LONGEST
+from warpffrf.model.reduced.far_field import LONGEST
 from warpffrf.study.markdown import table
 
 MADE = "Made by `python -m studies.contact.pressure_ends`; do not edit.\n"

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from scenes.rollers import PAIR, Path, solve_path
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.online import Settings
 
 SENSES = {"rolling": -1.0, "sliding": 1.0}  # turn of the second roller over that of the first

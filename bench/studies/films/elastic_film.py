@@ -18,7 +18,7 @@ from warpffrf.model import oils, surfaces
 from warpffrf.model.laws import ExponentialAsperities
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.offline import reduce
 from warpffrf.study.markdown import table
 

@@ -52,7 +52,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.films import Film
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.mesh import box, roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, run

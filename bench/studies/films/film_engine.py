@@ -31,7 +31,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online import History, Settings, run

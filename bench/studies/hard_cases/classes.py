@@ -23,9 +23,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from studies.hard_cases.case import Finding, Ledger
+from warpffrf.model.checks.redundancy import scene_length
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.rows import value
-from warpffrf.model.redundancy import scene_length
 from warpffrf.online.history.joint_motion import marker_motion
 from warpffrf.output.result import Result
 

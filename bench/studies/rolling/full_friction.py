@@ -20,9 +20,9 @@ from references.half_space.bodies import FACE, HOLD, half_plane
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.data import DisplaySurface
+from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
 from warpffrf.monolithic import Monolithic
 from warpffrf.monolithic.line_of_centres.pair import default_layer

@@ -34,7 +34,7 @@ from scenes.user_meshes import cut_into_tets, gmsh_roller
 from studies.rolling.rolling_steady import APPROACH, CROWN, HALF_WIDTH, LONG, SHORT, SIZE, crowned
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.signals import Table
 from warpffrf.study.markdown import table
 

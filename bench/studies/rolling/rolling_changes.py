@@ -59,10 +59,10 @@ from studies.rolling.rolling_steady import (
 )
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import roller as roller_mesh
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.signals import Table
 from warpffrf.offline import reduce
-from warpffrf.online.compile.patch_plan import span_of
+from warpffrf.online.compile.patches.plan import span_of
 from warpffrf.output.result import Result
 from warpffrf.study.markdown import table
 

@@ -36,9 +36,9 @@ from scenes.rolling_pairs import (
     run,
 )
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.signals import Table
-from warpffrf.online.compile.patch_plan import span_of
+from warpffrf.online.compile.patches.plan import span_of
 from warpffrf.study.markdown import table
 
 Array = np.ndarray

@@ -1,7 +1,7 @@
 """Laps of the engine beside closed forms: what joints that slide a little are accepted by.
 
-`python -m studies.small_sliding.lap_acceptance [FOLDER]` writes docs/studies/lap_acceptance.md. Minutes. Cases at rest are in
-`lap_cases`, those in motion in `lap_motion`.
+`python -m studies.small_sliding.lap_acceptance [FOLDER]` writes docs/studies/lap_acceptance.md. Minutes. Cases at rest
+are in `lap_cases`, those in motion in `lap_motion`.
 """
 
 from __future__ import annotations

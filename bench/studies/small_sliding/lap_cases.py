@@ -20,7 +20,7 @@ from warpffrf.model import forces, joints, sensors, signals, surfaces
 from warpffrf.model.laps import Lap, LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, grid, roller, sleeve
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 

@@ -1,10 +1,10 @@
 """Laps of the engine in motion: joints that spin in free flight, and joints that ring down.
 
-Part of `studies.small_sliding.lap_acceptance`. A pair of blocks that a spring holds together flies and turns about an axis of
-no symmetry: nothing acts on it from outside, so that momentum stays, and the same pair turned as a whole has the same
-forces, turned. A mass on a spring at the end of the bar of `lap_cases` swings with few per cent of damping by the
-slip of the bar. Over a cycle the force F of the spring falls by pi 2 zeta, 2 zeta = D/(2 pi U) with the loss D and the
-energy U = F x/2 of the loop that load steps follow between the same forces (`demos.lap_joint` derives it); the
+Part of `studies.small_sliding.lap_acceptance`. A pair of blocks that a spring holds together flies and turns about an
+axis of no symmetry: nothing acts on it from outside, so that momentum stays, and the same pair turned as a whole has
+the same forces, turned. A mass on a spring at the end of the bar of `lap_cases` swings with few per cent of damping by
+the slip of the bar. Over a cycle the force F of the spring falls by pi 2 zeta, 2 zeta = D/(2 pi U) with the loss D and
+the energy U = F x/2 of the loop that load steps follow between the same forces (`demos.lap_joint` derives it); the
 place of the mass falls faster, by secant over tangent of a joint that gets softer.
 """
 
@@ -27,7 +27,7 @@ from studies.small_sliding.lap_cases import (
 from studies.small_sliding.lap_rows import Row, completed, cycle, loads, static
 from warpffrf.model import forces, joints, rotation, sensors, signals
 from warpffrf.model.laps import Lap
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online.stages import Stage
 from warpffrf.output.result import Result

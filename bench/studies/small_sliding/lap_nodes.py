@@ -1,7 +1,7 @@
 """Laps of the engine beside full finite elements with contact and friction: cells at nodes, facets and fewer, motion.
 
-`python -m studies.small_sliding.lap_nodes [FOLDER]` writes docs/studies/lap_nodes.md. Five minutes. Scenes and full models are
-those of `lap_stacks`.
+`python -m studies.small_sliding.lap_nodes [FOLDER]` writes docs/studies/lap_nodes.md. Five minutes. Scenes and full
+models are those of `lap_stacks`.
 """
 
 from __future__ import annotations

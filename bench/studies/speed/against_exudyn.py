@@ -25,7 +25,7 @@ from warpffrf.model import joints
 from warpffrf.model import rotation as rot
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.offline.fe.assembly import assemble

@@ -21,7 +21,7 @@ from scenes.rollers import PAIR, STEEL
 from warpffrf.model import joints, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce

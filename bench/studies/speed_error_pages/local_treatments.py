@@ -5,9 +5,9 @@ from __future__ import annotations
 from functools import cache
 
 import warpffrf as wf
+from demos import two_rollers as rollers
 from scenes.rollers import guided_pair
 from studies.speed_error_pages.study import Study
-from demos import two_rollers as rollers
 from warpffrf.online.local_dynamics import EXACT_DAMPING, LocalDynamics
 from warpffrf.study.speed_against_error.outcome import SpeedError
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import warpffrf as wf
+from demos import two_rollers as rollers
 from studies.speed_error_pages.reduced import roller
 from studies.speed_error_pages.study import Study
 from studies.speed_error_pages.two_rollers import LOAD_STEP, RUN
-from demos import two_rollers as rollers
 from warpffrf.study.speed_against_error.outcome import SpeedError
 
 STEPS = [4e-5, 2e-5, 1e-5, 5e-6]  # s, that resolve the vibration of the rollers on their contact

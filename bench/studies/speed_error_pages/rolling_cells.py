@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import warpffrf as wf
+from demos import two_rollers as rollers
 from studies.speed_error_pages.pressed_rollers import STEPS
 from studies.speed_error_pages.reduced import roller
 from studies.speed_error_pages.study import Study
-from demos import two_rollers as rollers
 from warpffrf.study.speed_against_error.outcome import SpeedError
 
 RUN, LOAD_STEP = 0.006, 0.0  # s: the first half of the load step, where cells widen fastest

@@ -5,8 +5,8 @@ from __future__ import annotations
 from functools import cache
 
 import warpffrf as wf
-from studies.speed_error_pages.study import Study, steps
 from demos import rolling_friction as demo
+from studies.speed_error_pages.study import Study, steps
 from warpffrf.study.speed_against_error.outcome import SpeedError
 
 STEPS = [1.6e-4, 8e-5, 4e-5, 2e-5]  # s

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import warpffrf as wf
-from studies.speed_error_pages.study import Study, steps
 from demos import slider_crank as crank
+from studies.speed_error_pages.study import Study, steps
 from warpffrf.model.integrators import HHT, GeneralizedAlpha
 from warpffrf.study.speed_against_error.outcome import SpeedError
 

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 
 import warpffrf as wf
+from demos import two_rollers as rollers
 from studies.speed_error_pages.reduced import COARSE, roller
 from studies.speed_error_pages.study import Study, steps
-from demos import two_rollers as rollers
 from warpffrf.model.contact import CELL_ERROR
 from warpffrf.study.speed_against_error.outcome import SpeedError
 

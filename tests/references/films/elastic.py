@@ -33,7 +33,7 @@ from references.films.rough_walls import RoughWalls
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.curves.curve import Curve
 from warpffrf.model.oils.oil import Oil
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 
 Array = np.ndarray
 Sparse = Any

@@ -19,14 +19,14 @@ import numpy as np
 from references.closed_forms import contact_modulus
 from references.half_space.compliances import plane_table, space_table, toeplitz
 from references.half_space.influence import mean_2d, mean_3d
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.material import Material
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.data import DisplaySurface, Interface
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.model.surfaces import Plane
-from warpffrf.model.tangential import Tangential
 
 Array = np.ndarray
 FACE, HOLD = "face", "hold"  # names of surface and interface

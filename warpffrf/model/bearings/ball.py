@@ -22,13 +22,13 @@ from warpffrf.model.bearings.parts import BALL_WIDTH, STEEL, Losses, Place, Ring
 from warpffrf.model.bearings.preload import Preload, checked_preload, sense_of
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.material import Material
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments import RollingResistance
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.surfaces.form_deviations import Form
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene

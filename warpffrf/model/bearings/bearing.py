@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.geometry import BallRaceways, RollerRaceways
 from warpffrf.model.bearings.parts import SIDES, Place
@@ -19,13 +18,14 @@ from warpffrf.model.forces import PointForce
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
+from warpffrf.model.messages import reprs
 from warpffrf.model.signals import Constant
 
 ELEMENT_SURFACE = "skin"  # of rigid elements
 
 
 @dataclass(eq=False, repr=False)
-class Bearing(looks.Shown):
+class Bearing(reprs.Shown):
     """A bearing as `scene.add_ball_bearing` and `scene.add_roller_bearing` make it, of parts that are the scene's own
     and may be changed.
 

@@ -14,9 +14,9 @@ from warpffrf.model.bearings.geometry import Raceways
 from warpffrf.model.bearings.parts import SIDES, Losses, RingSize, contact_of, ring_surface
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.errors import InputError, require_array, require_number
-from warpffrf.model.form_deviations import Form
 from warpffrf.model.laws.lumped import LumpedLaw, as_lumped_law
 from warpffrf.model.material import Material
+from warpffrf.model.surfaces.form_deviations import Form
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene

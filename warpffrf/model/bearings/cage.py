@@ -25,7 +25,7 @@ from warpffrf.model.friction import FrictionLike
 from warpffrf.model.joints import Drive, LineInPlane, PointInPlane, Revolute
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import SignalLike
 
 if TYPE_CHECKING:

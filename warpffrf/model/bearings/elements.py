@@ -4,7 +4,7 @@ A flexible element is a body of revolution about its contact surface's axis with
 mesh, as `mesh.roller(radius, 0.0, length, ...)` makes them, with `crown_radius=radius` and a `tread` a ball. It is
 added with that axis along the bearing's, the surface's reference direction e_0 outwards; a ball of an angular-contact
 bearing is tilted by the contact angle, so that both raceways press on its tread, where it rolls, too. Both press on the
-one surface: two patches that feel each other through the element (`warpffrf.online.compile.patches_beside`).
+one surface: two patches that feel each other through the element (`warpffrf.online.compile.patches.several`).
 
 A cage holds an element by its centre. A flexible body has no points: there it takes the interface whose reference point
 is the centre, the mean motion of both ends of a roller, `interfaces={"ends": "average"}`.
@@ -23,7 +23,7 @@ from scipy.spatial.transform import Rotation
 from warpffrf.model.bearings.parts import Place
 from warpffrf.model.bodies import Body, Port
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene

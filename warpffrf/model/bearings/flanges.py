@@ -42,7 +42,7 @@ from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws import HertzPoint
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.surfaces.cone import FLATTEST, STEEPEST
 
 if TYPE_CHECKING:

@@ -18,15 +18,15 @@ import numpy as np
 from warpffrf.model.bodies import Body, Ground, SurfacePort
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
-from warpffrf.model.form_deviations import Form
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.moments import RollingResistance
-from warpffrf.model.round_form import RoundForm
-from warpffrf.model.surface_fit import reference_direction
 from warpffrf.model.surfaces import Shape
+from warpffrf.model.surfaces.fit import reference_direction
+from warpffrf.model.surfaces.form_deviations import Form
+from warpffrf.model.surfaces.round_form import RoundForm
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene

@@ -23,7 +23,7 @@ import numpy as np
 from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces import PointForce
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 if TYPE_CHECKING:
     from warpffrf.model.bearings.bearing import Bearing

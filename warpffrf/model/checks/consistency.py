@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpffrf.model.checks.redundancy import ConstraintRow, constraint_jacobian, constraint_rows, scene_length
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.base import coincident_within
-from warpffrf.model.redundancy import ConstraintRow, constraint_jacobian, constraint_rows, scene_length
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from warpffrf.model.checks.wedge import Wedge, find_wedge
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import closing_direction, facing_gap, moved_body
-from warpffrf.model.wedge import Wedge, find_wedge
+from warpffrf.model.placement.gap import closing_direction, facing_gap, moved_body
 
 if TYPE_CHECKING:
     from warpffrf.model.contact import Contact

@@ -13,17 +13,17 @@ from math import inf
 from typing import TYPE_CHECKING, Any
 
 from warpffrf.model.bodies import GROUND_INDEX, Body
-from warpffrf.model.claims import refuse_claims_of
-from warpffrf.model.consistency import velocity_defects
+from warpffrf.model.checks.consistency import velocity_defects
+from warpffrf.model.checks.exclusive_unknowns import refuse_claims_of
+from warpffrf.model.checks.overlap import excessive_overlap
+from warpffrf.model.checks.redundancy import find_redundancy
+from warpffrf.model.checks.unreachable_contacts import out_of_reach
+from warpffrf.model.checks.wedge import Wedge, find_wedge
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import JointSpringDamper, Pretension
 from warpffrf.model.forces.laws import vanishes
-from warpffrf.model.gap import facing_gap
 from warpffrf.model.lumped_contact import allowed_overlap
-from warpffrf.model.overlap import excessive_overlap
-from warpffrf.model.reach import out_of_reach
-from warpffrf.model.redundancy import find_redundancy
-from warpffrf.model.wedge import Wedge, find_wedge
+from warpffrf.model.placement.gap import facing_gap
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene

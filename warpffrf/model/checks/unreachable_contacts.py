@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.linalg import null_space, orth
 
-from warpffrf.model.gap import Nearest
-from warpffrf.model.overlap import OVERLAP_FRACTION
-from warpffrf.model.redundancy import held_motions, scene_length
+from warpffrf.model.checks.overlap import OVERLAP_FRACTION
+from warpffrf.model.checks.redundancy import held_motions, scene_length
+from warpffrf.model.placement.gap import Nearest
 
 if TYPE_CHECKING:
     from warpffrf.model.bodies import SurfacePort

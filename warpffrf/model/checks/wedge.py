@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import linprog
 
-from warpffrf.model.gap import GapSamples, Nearest, facing_gap, gap_samples
-from warpffrf.model.redundancy import held_motions, scene_length
+from warpffrf.model.checks.redundancy import held_motions, scene_length
+from warpffrf.model.placement.gap import GapSamples, Nearest, facing_gap, gap_samples
 
 if TYPE_CHECKING:
     from warpffrf.model.contact import Contact

@@ -20,7 +20,7 @@ from glob import escape
 from pathlib import Path
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.processes import lives
+from warpffrf.model.files.processes import lives
 
 # How a format begins, and what warpffrf writes into such a file: its name alone may stand in anybody's
 SIGNS = {

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.output_paths import written_whole
-from warpffrf.model.sealed_file import require_sealed, seal_of
+from warpffrf.model.files.output_paths import written_whole
+from warpffrf.model.files.sealed_file import require_sealed, seal_of
 
 MARK = b"warpffrf arrays\n"
 HEAD = struct.Struct("<16sQ")

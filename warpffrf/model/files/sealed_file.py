@@ -27,8 +27,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.hdf5_probe import probe
-from warpffrf.model.output_paths import written_whole
+from warpffrf.model.files.hdf5_probe import probe
+from warpffrf.model.files.output_paths import written_whole
 
 logger = logging.getLogger("warpffrf.model")
 SIGNATURE = b"\x89HDF\r\n\x1a\n"

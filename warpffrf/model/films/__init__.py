@@ -2,7 +2,7 @@
 
     Film                                the film of a pair of surfaces, `film`
     Groove  Ring  Hole                  feeds, `feeds`
-    Lobes  Barrel  Worn  Measured       form deviations, `warpffrf.model.form_deviations`; they add up
+    Lobes  Barrel  Worn  Measured       form deviations, `warpffrf.model.surfaces.form_deviations`; they add up
     Roughness                           of a wall, with flow factors, `roughness`
     CAVITATIONS                         what becomes of pressures below that of cavitation, `cavitation`
 
@@ -15,7 +15,7 @@ from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, Feed, Groove, Hole, Ring
 from warpffrf.model.films.film import EVALUATIONS, Film
 from warpffrf.model.films.roughness import ROUGHNESSES, Roughness
-from warpffrf.model.form_deviations import FORMS, Barrel, Form, Lobes, Measured, Sum, Worn
+from warpffrf.model.surfaces.form_deviations import FORMS, Barrel, Form, Lobes, Measured, Sum, Worn
 
 __all__ = [
     "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "ROUGHNESSES", "Barrel", "Feed", "Film", "Form", "Groove", "Hole",

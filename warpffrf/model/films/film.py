@@ -14,19 +14,19 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import SurfacePort
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, Feed
 from warpffrf.model.films.roughness import Roughness, as_roughness, summed_deviation
-from warpffrf.model.form_deviations import Form, as_form
 from warpffrf.model.laws import Law, as_law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oils import Oil, as_oil
-from warpffrf.model.round_form import refuse_form
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.surfaces.form_deviations import Form, as_form
+from warpffrf.model.surfaces.round_form import refuse_form
 
 EVALUATIONS = ("semi", "hyper", "full")
 PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
@@ -39,7 +39,7 @@ LOOSEST = (
 
 
 @named_arguments
-class Film(looks.Item):
+class Film(reprs.Item):
     """An oil film between two surfaces a and b, `body["bore"]` each; a must be of a flexible body, b is of one too or
     rigid.
 

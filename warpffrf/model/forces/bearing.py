@@ -20,8 +20,8 @@ from warpffrf.model.bodies import PortLike
 from warpffrf.model.errors import InputError, require_direction, require_number
 from warpffrf.model.forces.bushing import TwoPorts
 from warpffrf.model.forces.laws import Coordinate, SpringLaw
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.surface_fit import reference_direction
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.surfaces.fit import reference_direction
 
 # theta_x carries a sign that the coordinate u_y . w_z has not; the law's matrices are turned accordingly
 _COORDINATES = (

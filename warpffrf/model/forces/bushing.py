@@ -20,7 +20,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.arguments import Matrix, Vector
 from warpffrf.model.bodies import Port, PortLike, as_port, require_relative_motion
@@ -37,7 +36,8 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import coincident_within
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 
 ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
 
@@ -45,7 +45,7 @@ ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mi
 Directions: TypeAlias = Matrix | Sequence[float | Characteristic]  # (6, 6), or one a direction
 
 
-class TwoPorts(looks.Item):
+class TwoPorts(reprs.Item):
     """Two ports, of two bodies or two interfaces of one, that meet in a point, and marker axes there; base of bushing
     and bearing."""
 

@@ -13,17 +13,17 @@ from __future__ import annotations
 
 from typing import Any, ClassVar
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.laws import Coordinate, SlipLaw
 from warpffrf.model.friction import FrictionLike, as_constant_friction
 from warpffrf.model.joints import Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments
-class JointFriction(looks.Item):
+class JointFriction(reprs.Item):
     """Friction of a joint of the kind `joint_kind`; see the subclasses."""
 
     scene_list = "forces"

@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics import Characteristic
@@ -21,14 +20,15 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import Constant, Signal, as_signal
 
 ROTATION = "rotation"
 
 
 @named_arguments
-class JointSpringDamper(looks.Item):
+class JointSpringDamper(reprs.Item):
     """A spring and damper on a coordinate s of a joint: a displacement or an angle that it leaves free.
 
     The force [N] along (torque [N m] about) the axis on the second body is preload - stiffness (s - reference) -

@@ -15,17 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.arguments import Matrix, Vector
 from warpffrf.model.bodies import Body, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.laws import BodyLoad
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import SignalLike, as_signal
 
 
 @named_arguments
-class NodalLoad(looks.Item):
+class NodalLoad(reprs.Item):
     """Forces on the nodes of a free interface of a flexible body, in body axes.
 
     port: `body['name of the interface']`. forces: (k, 3) [N], one a node in the order of the interface's `nodes`, or

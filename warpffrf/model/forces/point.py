@@ -8,12 +8,12 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from warpffrf.model import looks
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bodies import Ground, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.forces.laws import PointLoad
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import Signal, SignalLike, as_signal
 
 FRAMES = ("world", "body")
@@ -23,7 +23,7 @@ FRAMES = ("world", "body")
 Components: TypeAlias = Sequence[SignalLike] | tuple[SignalLike, Vector] | NDArray[Any]
 
 
-class _Concentrated(looks.Item):
+class _Concentrated(reprs.Item):
     """Port, frame and three signals; see the subclasses."""
 
     scene_list = "forces"

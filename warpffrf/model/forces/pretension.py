@@ -23,17 +23,17 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.laws import Coordinate, TensionLaw
 from warpffrf.model.joints import Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import SignalLike, as_signal
 
 
 @named_arguments
-class Pretension(looks.Item):
+class Pretension(reprs.Item):
     """Pulls the two sides of a joint together with a force, and holds the length between them later.
 
     joint: leaves a translation or a distance free, such as a `Prismatic` joint between the faces of `Mesh.cut`. force:

@@ -11,7 +11,7 @@ from warpffrf.model.forces.joint_friction import JointFriction
 from warpffrf.model.forces.laws import SlipLaw
 from warpffrf.model.friction import FrictionLike
 from warpffrf.model.joints import Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -18,19 +18,19 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.arguments import Matrix
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.laws import BodyLoad
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import SignalLike, as_signal
 
 GAUSS = 4  # points a direction in a cell: hats times the normal, of which a crown's is not polynomial; 1e-12 left
 
 
 @named_arguments
-class SurfaceLoad(looks.Item):
+class SurfaceLoad(reprs.Item):
     """A pressure on a contact surface of a flexible body, in body axes.
 
     surface: `body['name of the surface']`. pressure: a number or signal [Pa], positive pushing inwards. distribution:

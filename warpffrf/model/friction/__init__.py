@@ -16,6 +16,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from warpffrf.model.checks.plausibility import friction_doubts, warn
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction.coulomb import Coulomb
 from warpffrf.model.friction.law import FrictionLaw
@@ -23,7 +24,6 @@ from warpffrf.model.friction.regularised_coulomb import RegularisedCoulomb
 from warpffrf.model.friction.stribeck_coulomb import StribeckCoulomb
 from warpffrf.model.friction.table_coulomb import TableCoulomb
 from warpffrf.model.friction.traction_curve import TractionCurve
-from warpffrf.model.plausibility import friction_doubts, warn
 
 FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb, TractionCurve)}
 

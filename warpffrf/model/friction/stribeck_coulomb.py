@@ -17,7 +17,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction.law import FrictionLaw
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 GONE = 1e-12  # of mu_s - mu_k: what is left of it where the fall ends
 

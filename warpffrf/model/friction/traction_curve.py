@@ -20,7 +20,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction.law import FrictionLaw
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 FALLEN = 28.0  # decay velocities beyond the peak: e^-28 of the fall are left
 

@@ -34,7 +34,7 @@ from typing import Any
 import numpy as np
 from scipy.interpolate import BSpline
 
-from warpffrf.model.contact_grid import GAUSS_PER_ROW, ContactGrid, cell_edges
+from warpffrf.model.reduced.contact_grid import GAUSS_PER_ROW, ContactGrid, cell_edges
 
 Array = np.ndarray
 DEGREE = 2

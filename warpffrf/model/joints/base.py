@@ -13,14 +13,14 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bodies import Port, PortLike, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_array, require_direction, unknown_name
 from warpffrf.model.joints.rows import Row
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.surface_fit import reference_direction
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.surfaces.fit import reference_direction
 
 # of the largest coordinate or size at hand (1 um at 0.1 m): two ports further apart than this at the initial pose do
 # not meet, closer is rounding of input
@@ -56,7 +56,7 @@ class Marker:
 
 
 @named_arguments
-class Joint(looks.Item):
+class Joint(reprs.Item):
     """Two ports and an axis; see the subclasses.
 
     a, b: ports (`body['interface']`, `body.at(point)`, `scene.ground`) of two bodies, or two interfaces of one flexible

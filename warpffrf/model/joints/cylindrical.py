@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.joints.base import ABOUT, ALONG, ON_AXIS, PARALLEL, Joint, off_axis
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -8,7 +8,7 @@ from warpffrf.model.bodies import PortLike
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.base import Joint, Marker, coincident_within
 from warpffrf.model.joints.rows import Row
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from warpffrf.model import looks
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints.base import Joint
 from warpffrf.model.joints.rows import Row
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import Signal, SignalLike, as_signal
 
 QUANTITIES = ("velocity", "position")
 
 
 @named_arguments
-class Drive(looks.Item):
+class Drive(reprs.Item):
     """Prescribes a coordinate of a joint, or its rate.
 
     signal: a number or a signal; [rad/s] or [m/s] for quantity="velocity", [rad] or [m] for quantity="position", which

@@ -5,7 +5,7 @@ from __future__ import annotations
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bodies import PortLike
 from warpffrf.model.joints.base import NO_SPIN, PARALLEL, POINT, Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -12,7 +12,7 @@ from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.joints.base import ALONG, Joint
 from warpffrf.model.joints.rows import Row
 from warpffrf.model.joints.universal import PERPENDICULAR
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.joints.base import ABOUT, ALONG, PARALLEL, Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from warpffrf.model.joints.base import ABOUT, PARALLEL, POINT, Joint
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -20,7 +20,7 @@ from warpffrf.model.bodies import PortLike
 from warpffrf.model.errors import InputError, require_direction
 from warpffrf.model.joints.base import POINT, Joint
 from warpffrf.model.joints.rows import Row
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 PERPENDICULAR = 1e-6  # cosine of the two axes: six digits typed; the second is then made perpendicular to the first
 

@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import LapPort, SurfacePort
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import FrictionLike, as_constant_friction
 from warpffrf.model.laps.pairing import Pairing, pair_faces
 from warpffrf.model.laws import Law, Unilateral, as_law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 
 UNILATERAL = Unilateral()
 ROUND_OFF = 1e-12  # of the extent of a face: gaps that are none
@@ -42,7 +42,7 @@ class LapCellsOf:
 
 
 @named_arguments
-class Lap(looks.Item):
+class Lap(reprs.Item):
     """Contact with friction between two faces that slide a little on each other.
 
     a: `body["lap"]` of two faces of one body (`reduce(laps={"lap": ("top", "bottom")})`), then b is left out; or a face

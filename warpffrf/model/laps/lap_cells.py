@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 BY = ("facets", "nodes")
 

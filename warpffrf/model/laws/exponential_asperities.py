@@ -23,7 +23,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.curves import Exponential
 from warpffrf.model.laws.law import Law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 NEGLIGIBLE = 1e-6  # of the pressure at zero gap: what the law is cut at by default
 DEEPEST = 300.0  # decay lengths between zero gap and the cut: exponentials of more leave the range of numbers

@@ -31,7 +31,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.curves import Table
 from warpffrf.model.laws.law import Law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 POINTS = 1000  # of the table
 DEEPEST = 4.0  # deviations that the mean planes overlap by at the last point: F is 36 there, some GPa of steel

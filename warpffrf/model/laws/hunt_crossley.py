@@ -26,7 +26,7 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.curves import Power
 from warpffrf.model.laws.curves.power import require_exponent
 from warpffrf.model.laws.law import Law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 BISECTIONS = 200  # halve until neighbouring numbers are left
 ELASTIC = 1e-9  # 1 - e below which the first-order formula is as exact as the difference of two numbers that far apart

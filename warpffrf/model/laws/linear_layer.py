@@ -17,7 +17,7 @@ from typing import ClassVar
 from warpffrf.model.errors import require_number
 from warpffrf.model.laws.curves import Straight
 from warpffrf.model.laws.law import Law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -15,7 +15,7 @@ from warpffrf.model.errors import require_number
 from warpffrf.model.laws.curves import Power
 from warpffrf.model.laws.curves.power import require_exponent
 from warpffrf.model.laws.law import Law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

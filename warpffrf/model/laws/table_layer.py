@@ -16,7 +16,7 @@ from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.laws.curves import Table
 from warpffrf.model.laws.curves.table import MOST_POINTS
 from warpffrf.model.laws.law import Law
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

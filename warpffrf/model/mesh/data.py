@@ -12,20 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import cut as cutting
-from warpffrf.model.mesh import periodicity, pyvista_export
+from warpffrf.model.mesh import periodicity
 from warpffrf.model.mesh import select as selection
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_used
 from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
+from warpffrf.model.mesh.files import pyvista_export
+from warpffrf.model.mesh.files.set_names import SetNames
 from warpffrf.model.mesh.report import MeshReport
 from warpffrf.model.mesh.report import report as make_report
-from warpffrf.model.mesh.set_names import SetNames
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 
 _CHUNK = 20_000  # cells looked at together: bounds the memory to some tens of MB
 
@@ -40,7 +41,7 @@ class Matrices:
 
 @named_arguments
 @dataclass(frozen=True, eq=False, repr=False)
-class Mesh(looks.Shown):
+class Mesh(reprs.Shown):
     """A finite-element mesh: `points` (n, 3) [m, user frame], cells by kind, named facet and cell sets, rotational
     periodicity where there is one; name: of the body in reports.
 
@@ -107,7 +108,7 @@ class Mesh(looks.Shown):
         cells = " and ".join(f"{len(nodes)} {kind}" for kind, nodes in self.cells.items())
         size = " x ".join(f"{length:.4g}" for length in np.ptp(self.points, axis=0)) if len(self.points) else "0"
         facts = {"name": self.name, "nodes": len(self.points), "cells": cells or "none", "size": f"{size} m"}
-        return {**facts, "facet_sets": looks.names(self.facet_sets), "cell_sets": looks.names(self.cell_sets)}
+        return {**facts, "facet_sets": reprs.names(self.facet_sets), "cell_sets": reprs.names(self.cell_sets)}
 
     @property
     def cell_count(self) -> int:

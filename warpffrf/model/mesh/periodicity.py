@@ -31,7 +31,7 @@ from warpffrf.model.errors import InputError, require_array, require_count, requ
 from warpffrf.model.mesh import sector_numbering
 from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.sector_numbering import NotPeriodic, Orbits
-from warpffrf.model.surface_fit import reference_direction, signed_axis
+from warpffrf.model.surfaces.fit import reference_direction, signed_axis
 
 if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh

@@ -24,7 +24,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.mesh.facets import FacetSet, triangles
-from warpffrf.model.surface_fit import fit_revolution
+from warpffrf.model.surfaces.fit import fit_revolution
 
 if TYPE_CHECKING:
     from warpffrf.model.mesh.data import Mesh

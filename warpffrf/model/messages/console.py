@@ -23,8 +23,8 @@ from contextvars import ContextVar
 
 from tqdm import tqdm
 
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.printable import printable
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.printable import printable
 
 log = logging.getLogger("warpffrf")
 notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them as well

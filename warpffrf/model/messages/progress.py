@@ -12,7 +12,7 @@ import time
 
 from tqdm import tqdm
 
-from warpffrf.model.printable import printable
+from warpffrf.model.messages.printable import printable
 
 log = logging.getLogger("warpffrf")
 FIRST_LINE = 3.0  # s until the first log line off a terminal: what is over by then needs none

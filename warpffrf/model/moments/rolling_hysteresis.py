@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments.patch import Patch
 from warpffrf.model.moments.resistance import RollingResistance
-from warpffrf.model.named_arguments import named_arguments
 
 
 @named_arguments

@@ -14,7 +14,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import require_number
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oils.oil import Array, Oil
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import require_number
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 Array = np.ndarray
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oils.newtonian import Newtonian
 from warpffrf.model.oils.temperature import temperature_of, walther
 

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 ABSOLUTE_ZERO = -273.15  # degrees Celsius
 COLDEST, HOTTEST = -60.0, 300.0  # degrees Celsius, of oils that flow

@@ -6,8 +6,8 @@ on the best one. The kernels go another way (`warpffrf_kernels.lumped.places`).
 
 With the curvature tensors B of both surfaces there (positive where convex) the gap of points that lie opposite each
 other is g + 1/2 t . (B_1 + B_2) t at the distance t across the normal: the eigenvalues of the sum are the relative
-principal curvatures. A form deviation (`warpffrf.model.round_form`) adds to the gap at the place; curvatures are those
-of the ideal surfaces.
+principal curvatures. A form deviation (`warpffrf.model.surfaces.round_form`) adds to the gap at the place; curvatures
+are those of the ideal surfaces.
 """
 
 from __future__ import annotations

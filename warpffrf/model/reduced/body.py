@@ -1,6 +1,6 @@
 """`ReducedBody`: what the offline reduction hands to the simulation.
 
-What it holds is in `reduced_body_data`, its contact surfaces are in `contact_surface`.
+What it holds is in `data`, its contact surfaces are in `contact_surface`.
 """
 
 from __future__ import annotations
@@ -11,17 +11,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from warpffrf.model import looks
-from warpffrf.model.body_summary import summary
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.output_paths import checked_output_path
-from warpffrf.model.reduced_body_data import ReducedBodyData
-from warpffrf.model.reduced_body_file import content_hash, read_reduced_body, write_reduced_body
+from warpffrf.model.files.output_paths import checked_output_path
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.data import ReducedBodyData
+from warpffrf.model.reduced.file import content_hash, read_reduced_body, write_reduced_body
+from warpffrf.model.reduced.summary import summary
 
 
 @named_arguments
 @dataclass(frozen=True, eq=False, repr=False)
-class ReducedBody(looks.Shown, ReducedBodyData):
+class ReducedBody(reprs.Shown, ReducedBodyData):
     """A flexible body, reduced: mass properties, global modes, interfaces, contact surfaces, skin, and how it was made.
 
     Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame). It has
@@ -40,7 +40,7 @@ class ReducedBody(looks.Shown, ReducedBodyData):
             "laps": self.laps,
             "stress": self.stress,
         }
-        found = {what: looks.names(items) for what, items in named.items() if items}
+        found = {what: reprs.names(items) for what, items in named.items() if items}
         sizes = {"global_modes": len(self.frequencies), "local_modes": self.local_modes}
         return {"mass": f"{self.mass:.5g} kg", **sizes, **found}
 
@@ -71,14 +71,14 @@ class ReducedBody(looks.Shown, ReducedBodyData):
         self, finer: ReducedBody, *, half_width: float | None = None, interface: str | None = None
     ) -> dict[str, float]:
         """Relative error of the force at a given approach that this body's mesh makes in contacts with `grid="patch"`,
-        by contact surface; negative: too soft (`warpffrf.model.mesh_error`).
+        by contact surface; negative: too soft (`warpffrf.model.reduced.mesh_error`).
 
         finer: the body reduced on another mesh with patch_grid=True, from the same interfaces and surfaces; half the
         element size is fine enough. half_width [m]: of the patch, None for 0.005 of the smallest radius of curvature.
         interface: the one that is held, None for the first; a body without any is as free as it was reduced. Raises
         `InputError` for bodies that are not alike, and where no surface has a far field on both.
         """
-        from warpffrf.model.mesh_error import mesh_error
+        from warpffrf.model.reduced.mesh_error import mesh_error
 
         return mesh_error(self, finer, half_width, interface)
 

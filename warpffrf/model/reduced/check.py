@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.cross_compliance import FUNCTIONS, CrossCompliance
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced_body_data import ReducedBodyData
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.cross_compliance import FUNCTIONS, CrossCompliance
+from warpffrf.model.reduced.data import ReducedBodyData
 
 SYMMETRIC_COMPLIANCE = 1e-12  # of the laps, of its largest entry: written symmetric
 UNIT = 1e-9  # of axes: what a file keeps of a unit vector

@@ -22,13 +22,13 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.far_field import FarField
-from warpffrf.model.far_splines import FarSplines
-from warpffrf.model.local_mass import LocalMass
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.sampling import Sampling
-from warpffrf.model.tangential import Tangential
+from warpffrf.model.half_space.far_splines import FarSplines
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.far_field import FarField
+from warpffrf.model.reduced.local_mass import LocalMass
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.sampling import Sampling
+from warpffrf.model.reduced.tangential import Tangential
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +42,16 @@ class ContactSurface:
     mode_normal: np.ndarray  # (columns rows, m) m per unit modal coordinate
     recovery: Recovery
     tangential: Tangential | None = None
-    local_mass: LocalMass | None = None  # inertia of the local modes, see `warpffrf.model.local_modes`
-    sampling: Sampling | None = None  # few points for all, see `warpffrf.model.sampling`; None: none were chosen
-    slope_lags: np.ndarray | None = None  # what D gains where normals lean, `warpffrf.model.slopes`; None: stiff bodies
-    far: FarField | None = None  # for patches finer than the mesh, see `warpffrf.model.far_field`; None: not computed
+    local_mass: LocalMass | None = None  # inertia of the local modes, see `warpffrf.model.reduced.local_modes`
+    sampling: Sampling | None = (
+        None  # few points for all, see `warpffrf.model.reduced.sampling`; None: none were chosen
+    )
+    slope_lags: np.ndarray | None = (
+        None  # what D gains where normals lean, `warpffrf.model.reduced.slopes`; None: stiff bodies
+    )
+    far: FarField | None = (
+        None  # for patches finer than the mesh, see `warpffrf.model.reduced.far_field`; None: not computed
+    )
 
     @property
     def local_modes(self) -> int:

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
-from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.laps import LapSurface
-from warpffrf.model.stress_field import StressField
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.inertia import InertiaTerms
+from warpffrf.model.reduced.stress_field import StressField
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class DisplaySurface:
     """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n, 3)
     [m/N], what each of the N forces on the body's laps does beyond the global modes, user axes; None where there are no
     laps, or where that was left out as too large; `second_order` (R, n, 3), the shapes of second-order motion
-    (`warpffrf.model.second_order_motion`), None of a body without."""
+    (`warpffrf.model.reduced.second_order_motion`), None of a body without."""
 
     points: np.ndarray
     triangles: np.ndarray

@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.quarter_surface import QuarterSurface
+from warpffrf.model.half_space.quarter_surface import QuarterSurface
 
 Array = np.ndarray
 # rad between the normals at two places: the half-space counts in full up to WHOLE, and not at all from NOTHING on.

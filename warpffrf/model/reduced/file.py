@@ -15,24 +15,25 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from warpffrf.model import hdf5_parts, surfaces
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.cross_compliance import CrossCompliance
+from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
-from warpffrf.model.far_field import FarField
-from warpffrf.model.hdf5_parts import COMPLEX, REAL
-from warpffrf.model.inertia import GeometricStiffness, InertiaTerms
+from warpffrf.model.files import hdf5_parts
+from warpffrf.model.files.hdf5_parts import COMPLEX, REAL
+from warpffrf.model.files.sealed_file import require_seal, verify, written_sealed
 from warpffrf.model.laps import LapSurface
-from warpffrf.model.local_mass import LocalMass
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body_check import check_body
-from warpffrf.model.reduced_body_data import DisplaySurface, Interface, ReducedBodyData
-from warpffrf.model.sampling import Sampling
-from warpffrf.model.sealed_file import require_seal, verify, written_sealed
-from warpffrf.model.second_order_motion import SecondOrderMotion
-from warpffrf.model.stress_field import StressField
-from warpffrf.model.tangential import Tangential
+from warpffrf.model.reduced.check import check_body
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.data import DisplaySurface, Interface, ReducedBodyData
+from warpffrf.model.reduced.far_field import FarField
+from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
+from warpffrf.model.reduced.local_mass import LocalMass
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.sampling import Sampling
+from warpffrf.model.reduced.second_order_motion import SecondOrderMotion
+from warpffrf.model.reduced.stress_field import StressField
+from warpffrf.model.reduced.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 

@@ -41,7 +41,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, unknown_name
-from warpffrf.model.second_order_motion import SecondOrderMotion
+from warpffrf.model.reduced.second_order_motion import SecondOrderMotion
 
 Array = np.ndarray
 LEVELS: dict[str, tuple[bool, bool, bool]] = {  # which of J1, J2, G are kept
@@ -59,8 +59,8 @@ class GeometricStiffness:
     """Stiffness of the first k modes by prestress, symmetric: `centrifugal` (6, k, k) for w_x^2, w_y^2, w_z^2, w_x w_y,
     w_y w_z, w_z w_x, each times the product itself; `interfaces` name -> (6, k, k) per unit force (3) [N] and torque
     (3) [N m] on the body at the interface's point, body (user) axes; `membrane` (R, k, k) [sqrt(J)/m^2], the forms of
-    the membrane energy (`warpffrf.model.membrane`), None of a body reduced without; `motion`: the second-order motion
-    of all its points, None likewise."""
+    the membrane energy (`warpffrf.model.reduced.membrane`), None of a body reduced without; `motion`: the second-order
+    motion of all its points, None likewise."""
 
     centrifugal: Array
     interfaces: dict[str, Array] = field(default_factory=dict)

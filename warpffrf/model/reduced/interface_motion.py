@@ -1,7 +1,7 @@
 r"""How the modes move an interface: the one place on the host that says it.
 
 Components d_c of the translation and rotation (u, theta) in body axes follow from the mode shapes Phi_c and, of a body
-that loads stiffen, the geometric stiffness K_c of a unit load (`warpffrf.model.inertia.GeometricStiffness`),
+that loads stiffen, the geometric stiffness K_c of a unit load (`warpffrf.model.reduced.inertia.GeometricStiffness`),
 
     d_c = Phi_c.q - q.K_c q/2,      dd_c/dq = Phi_c - K_c q,
 

@@ -55,8 +55,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.reduced.contact_surface import ContactSurface
 
 Array = np.ndarray
 # Eigenvalue of D over its largest below which a direction is too stiff to be told from round-off of D (1e-16 of the

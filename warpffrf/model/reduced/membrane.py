@@ -30,7 +30,7 @@ def membrane_amplitudes(forms: Array, q: Array) -> Array:
 def membrane_forms(body: Any) -> Array | None:
     """L (R, k, k) of a body that loads stiffen, None of others, and of one without membrane energy.
 
-    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.interface_motion`.
+    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.interface_motion`.
     """
     terms = body.reduced.inertia_terms if body.stiffening and body.reduced is not None else None
     return None if terms is None or terms.stiffening is None else terms.stiffening.membrane

@@ -19,13 +19,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_number, unknown_name
-from warpffrf.model.far_field import FarField
-from warpffrf.model.love import rectangle
+from warpffrf.model.half_space.pressure import rectangle
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.far_field import FarField
 
 if TYPE_CHECKING:
-    from warpffrf.model.reduced_body import ReducedBody
+    from warpffrf.model.reduced.body import ReducedBody
 
 Array = np.ndarray
 NARROW = 0.005  # of the smallest radius of curvature, or of the extent of a plane: the half-width where none is given

@@ -62,7 +62,7 @@ class SecondOrderMotion:
 def motion_of(body: Any) -> SecondOrderMotion | None:
     """The second-order motion of a body that loads stiffen, None of others, and of one that was reduced without.
 
-    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.interface_motion`.
+    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.interface_motion`.
     """
     terms = body.reduced.inertia_terms if body.stiffening and body.reduced is not None else None
     return None if terms is None or terms.stiffening is None else terms.stiffening.motion

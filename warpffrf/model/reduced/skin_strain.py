@@ -4,11 +4,11 @@ An edge X of a triangle that goes over into X + u is stretched, of second order,
 
     e = (X.u + v.v/2)/|X|^2,      u of Phi q + Theta(q, q),      v of Phi q,
 
-v.v/2 less what Theta relieves of it (`warpffrf.model.second_order_motion`); of bodies without Theta by the linear
-strain, as in their equations. It is the mean of the strain along the edge, right on quadratic cells that bend, where
-shears of flat triangles are not: across a deep bend of cells much longer than thick these would be several times the
-strain there is. Pressures on contact surfaces, local modes and notches inside are not in it, and of shear only what is
-along edges.
+v.v/2 less what Theta relieves of it (`warpffrf.model.reduced.second_order_motion`); of bodies without Theta by the
+linear strain, as in their equations. It is the mean of the strain along the edge, right on quadratic cells that bend,
+where shears of flat triangles are not: across a deep bend of cells much longer than thick these would be several times
+the strain there is. Pressures on contact surfaces, local modes and notches inside are not in it, and of shear only what
+is along edges.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.second_order_motion import motion_of, skin_displacement
+from warpffrf.model.reduced.second_order_motion import motion_of, skin_displacement
 
 Array = np.ndarray
 

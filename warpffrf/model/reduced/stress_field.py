@@ -11,7 +11,7 @@ coefficients of the traction `t = sum_i psi_i s_i` that the forces stand for, an
 that follows from the traction alone, without any deformation: see `warpffrf.offline.stress.operator`. It makes the
 traction on a contact surface the one that was applied. Forces s on the cells of laps add `sum_i laps_i(x) s_i`, the
 response of the residual flexibility to them; on the faces of a lap themselves it is the stress of the finite elements.
-Amplitudes e of the membrane energy (`warpffrf.model.membrane`) add `sum_r membrane_r(x) e_r`.
+Amplitudes e of the membrane energy (`warpffrf.model.reduced.membrane`) add `sum_r membrane_r(x) e_r`.
 
 On a rotationally periodic body `T` is kept for the `p0` distinct places of the points in one sector, in the axes of
 that sector, per harmonic: `sigma_j = Re sum_k w_k e^{i k s_j phi} T_k f_k` at the place of point j, turned into user
@@ -26,10 +26,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.recovery import Recovery
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.contact_grid import meridian_gram
+from warpffrf.model.reduced.recovery import Recovery
 
 _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _FIRST, _SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])

@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.laps import LapSurface
-from warpffrf.model.reduced_body_data import ReducedBodyData
+from warpffrf.model.reduced.data import ReducedBodyData
+from warpffrf.model.reduced.inertia import InertiaTerms
 
 LARGEST_SHOWN = 3  # arrays named in the line about memory
 SLOWEST_SHOWN = 4  # stages named in the line about time

@@ -16,8 +16,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.recovery import Recovery
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.recovery import Recovery
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.surface_fit import fit_revolution
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.surfaces.fit import fit_revolution
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.revolution import RevolutionShape
 

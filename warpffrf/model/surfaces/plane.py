@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.surface_fit import reference_direction
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.surfaces.base import Shape
+from warpffrf.model.surfaces.fit import reference_direction
 from warpffrf.model.surfaces.profile import SurfaceProfile
 
 ACROSS = 1e-6  # length of `direction` within the plane below which it says nothing: it is the normal

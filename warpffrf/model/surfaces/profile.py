@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.surface_fit import crown_drop
+from warpffrf.model.surfaces.fit import crown_drop
 
 SMALLEST_COSINE = 1e-150  # slope of an arc at its very end: large, and its square is still a number
 NEAR_POLE = 0.5  # cosine of the arc's slope below which R/cosine loses digits faster than the other form

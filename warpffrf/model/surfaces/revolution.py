@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.surface_fit import Revolution, fit_revolution, reference_direction, rms_distance
 from warpffrf.model.surfaces.base import Shape
+from warpffrf.model.surfaces.fit import Revolution, fit_revolution, reference_direction, rms_distance
 from warpffrf.model.surfaces.profile import SurfaceProfile
 
 # A fitted arc must be seen: nodes that a straight profile fits as well, or to their round-off, show none.

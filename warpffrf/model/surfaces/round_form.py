@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.form_deviations import Form, Measured, Sum, as_form
+from warpffrf.model.surfaces.form_deviations import Form, Measured, Sum, as_form
 
 STEPS = 4096  # around
 AGREES = 1e-4  # of the largest deviation: how near the spline comes to the form between its places

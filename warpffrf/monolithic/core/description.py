@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.checks.redundancy import ConstraintRow, find_redundancy
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad
 from warpffrf.model.forces.laws import tension_of
-from warpffrf.model.redundancy import ConstraintRow, find_redundancy
 from warpffrf.monolithic.core.inertia_forces import DeformationTerms, deformation_terms
 from warpffrf.monolithic.core.rows import MarkerPlace
 

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.membrane import membrane_energy, membrane_gradient, membrane_tangent
+from warpffrf.model.reduced.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from warpffrf.monolithic.core.description import SceneData, SpringData
 from warpffrf.monolithic.core.inertia_forces import inertia_forces
 from warpffrf.monolithic.core.integrator import Formula

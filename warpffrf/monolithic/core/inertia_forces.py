@@ -1,7 +1,7 @@
 r"""Inertia forces of a body and their tangent, rigid part and the terms of deformation.
 
 With w the angular velocity in body axes, J0 the inertia and the arrays J1 (k, 3, 3), J2 (k, k, 3, 3), G (k, k, 3) of
-`warpffrf.model.inertia` for the first k modes (those of the body's level; the others zero),
+`warpffrf.model.reduced.inertia` for the first k modes (those of the body's level; the others zero),
 
     P_j = J1_j + 2 sum_i J2_ij q_i,   g_j = sum_i q_i G_ij,   g'_j, g''_j the same with qdot, qddot,
     dJ = sum_i q_i (P_i + J1_i)/2,    dJ' = sum_i qdot_i P_i,   h = sum_j g_j qdot_j,
@@ -28,7 +28,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.monolithic.core.rotation import hat
 
 

@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from warpffrf.model.contact_grid import cell_edges
 from warpffrf.model.errors import InputError
+from warpffrf.model.reduced.contact_grid import cell_edges
 from warpffrf.monolithic.line_of_centres.sampling import ON_SURFACE, _hat_values
 
 AROUND, ALONG = 3, 2  # Gauss points of a cell

@@ -1,8 +1,8 @@
 """The two surfaces of a pair with the law at nodes: FE nodes of the first, the true shape and the hats of the second.
 
 Places are about the centres of mass, in body axes. Displacements of both surfaces are given on their hats, along normal
-and tangents (`warpffrf.model.tangential`), by global modes and local coordinates: at a node, or at the place opposite
-it, they are what the hats interpolate.
+and tangents (`warpffrf.model.reduced.tangential`), by global modes and local coordinates: at a node, or at the place
+opposite it, they are what the hats interpolate.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import theta_offset
+from warpffrf.model.placement.gap import theta_offset
 from warpffrf.monolithic.core.local_coordinates import LocalCoordinates
 from warpffrf.monolithic.line_of_centres.sampling import ON_SURFACE, _hat_values, _shares
 

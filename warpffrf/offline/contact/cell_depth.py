@@ -10,9 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.offline.contact.contact_grid import largest_radius
 
 # First layer of nodes in spacings of the grid. Two equal steel rollers, 35 mm wall, layers growing by 1.3 inwards,

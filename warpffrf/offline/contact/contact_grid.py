@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.contact_grid import cell_edges
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.model.reduced.contact_grid import cell_edges
 
 SAME_PLACE = 1e-6  # chart coordinates of nodes closer than this fraction of the extent are the same line of the grid
 ROUND_SPACING = 1e-9  # a spacing that divides a length up to round-off divides it

@@ -40,7 +40,7 @@ import numpy as np
 from scipy.linalg import null_space
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.sampling import ALL_ALONG, ALL_AROUND, Sampling
+from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND, Sampling
 from warpffrf.offline.contact.nonnegative import least_squares, nonnegative_least_squares, pivots
 from warpffrf.offline.contact.training import PATCHES, Family, Places, families, strip_areas
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.offline.contact.contact_grid import largest_radius, nodal_plan
 from warpffrf.offline.contact.grid_rule import GridChoice, choose_spacing, grid_error
 from warpffrf.offline.contact.mesh_error import line_mesh_error, touched_in_lines

@@ -30,7 +30,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.offline.contact.cell_depth import DEEPEST
 
 FINER_BEHIND = "let its layers grow more slowly (mesh.roller: more layers, grading=1.2), or use quadratic cells"

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.stress_field import GridSpan
+from warpffrf.model.reduced.stress_field import GridSpan
 from warpffrf.offline.contact.contact_grid import wrapped
 from warpffrf.offline.fe.assembly import Sparse
 

@@ -20,9 +20,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.offline.contact.contact_grid import GridPlan, too_fine
 from warpffrf.offline.contact.traction_fields import ContactFacets
 

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warpffrf.model.local_mass import LocalMass
+from warpffrf.model.reduced.local_mass import LocalMass
 
 if TYPE_CHECKING:
     from warpffrf.offline.contact.traction_fields import KeptFunctions

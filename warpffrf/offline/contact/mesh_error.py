@@ -20,10 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.offline.contact.contact_grid import largest_radius
 from warpffrf.offline.contact.grid_rule import FINER_BEHIND
 

@@ -16,10 +16,10 @@ Sideways displacement is odd: on a body of revolution D^t_ji = -D^t_ij. Then the
     D_ij - kappa (x_i - x_j) D^t_ij = D_ij + kappa R S_ij,          S_ij = -(theta_i - theta_j) (D^t_ij - D^t_ji)/2,
 
 which turns with the body as D does: nothing but the table of the compliance changes. S is kept of bodies so soft that
-a patch can be a noticeable part of the radius (`SOFT`); kappa follows from the partner (`warpffrf.model.slopes`). Of
-other bodies the even part of D^t is left out. On a rigid plane kappa R = 1. Second order, G_i G_j D^tt and what the
-cosines of G make, is up to 0.7 (b/R*)^2 of the line load, b the half-width, R* the relative radius
-(tests/verification/test_rubber_cover.py).
+a patch can be a noticeable part of the radius (`SOFT`); kappa follows from the partner
+(`warpffrf.model.reduced.slopes`). Of other bodies the even part of D^t is left out. On a rigid plane kappa R = 1.
+Second order, G_i G_j D^tt and what the cosines of G make, is up to 0.7 (b/R*)^2 of the line load, b the half-width, R*
+the relative radius (tests/verification/test_rubber_cover.py).
 """
 
 from __future__ import annotations

@@ -22,8 +22,8 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.contact_grid import meridian_gram
 from warpffrf.model.mesh.facets import FacetSet
+from warpffrf.model.reduced.contact_grid import meridian_gram
 from warpffrf.offline.contact.contact_grid import Chart, GridPlan, facet_chart, nodal_plan, spaced_plan
 from warpffrf.offline.contact.hat_loads import Direction, HatLoads, hat_loads, merged_loads
 from warpffrf.offline.fe.assembly import Sparse

@@ -30,7 +30,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from warpffrf.model.sampling import ALL_ALONG, ALL_AROUND, gauss_points
+from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND, gauss_points
 
 HALF_WIDTHS = (1.5, 8.0)  # columns: a patch that a grid resolves at all, and one that it resolves well
 PATCHES = 48  # more changed the choice of points on no grid tried

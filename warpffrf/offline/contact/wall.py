@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.offline.contact.contact_grid import full_turn, wrapped
 from warpffrf.offline.fe.materials import Assignment, facet_material
 

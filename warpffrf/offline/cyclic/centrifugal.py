@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.inertia import PRODUCTS
+from warpffrf.model.reduced.inertia import PRODUCTS
 from warpffrf.offline.cyclic.harmonics import DIRECTIONS, Harmonics
 from warpffrf.offline.elastic import Array
 from warpffrf.offline.inertia.centrifugal import TurningResponse

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from warpffrf.model.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.cross_compliance import CrossCompliance
 from warpffrf.offline.cyclic.surface import CyclicField, CyclicSurface, by_distance
 from warpffrf.offline.fe.assembly import Sparse
 

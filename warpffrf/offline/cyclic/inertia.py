@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.inertia import InertiaTerms
+from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.offline.cyclic.real_modes import HarmonicModes
 from warpffrf.offline.cyclic.sector import Sector, phase
 from warpffrf.offline.fe.assembly import Sparse

@@ -24,9 +24,9 @@ import scipy.sparse as sp
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import outer_faces, triangles
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.reduced_body_data import Interface
-from warpffrf.model.tangential import Tangential
+from warpffrf.model.reduced.data import Interface
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.offline.bases.global_basis import attachment_modes, global_basis
 from warpffrf.offline.contact.independence import window_columns
 from warpffrf.offline.contact.local_mass import HarmonicMass

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.recovery import sector_to_user
+from warpffrf.model.reduced.recovery import sector_to_user
 from warpffrf.offline.cyclic.harmonics import DIRECTIONS
 from warpffrf.offline.elastic import Array
 

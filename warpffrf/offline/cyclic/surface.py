@@ -23,10 +23,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.contact_grid import ContactGrid, meridian_gram, require_kind
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.model.reduced.contact_grid import ContactGrid, meridian_gram, require_kind
 from warpffrf.offline.contact.contact_grid import (
     FEWEST_COLUMNS,
     FULL_TURN,

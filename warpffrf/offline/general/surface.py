@@ -19,13 +19,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.cross_compliance import CrossCompliance
 from warpffrf.model.errors import InputError
-from warpffrf.model.local_mass import LocalMass
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.tangential import Tangential
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.local_mass import LocalMass
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.offline.contact.independence import check_traces, window_columns
 from warpffrf.offline.contact.local_mass import dense_mass
 from warpffrf.offline.contact.slopes import AROUND, slope_lags

@@ -27,7 +27,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.inertia import PRODUCTS
+from warpffrf.model.reduced.inertia import PRODUCTS
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.inertia.invariants import covered_modes
 

@@ -1,4 +1,5 @@
-r"""Inertia invariants from any mass matrix and modes at all nodes (`warpffrf.model.inertia` says what they mean).
+r"""Inertia invariants from any mass matrix and modes at all nodes (`warpffrf.model.reduced.inertia` says what they
+mean).
 
 A turn about axis a moves the nodes by `R_a u`, `e_a x u` at every node. The kinetic energy of the nodal velocities
 `R_w (X + U q) + U qdot` is a quadratic form of M, without lumping it:
@@ -21,8 +22,8 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.inertia import InertiaTerms
 from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.offline.bases.modes import whole_multiples
 
 Array = np.ndarray

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.second_order_motion import SecondOrderMotion
+from warpffrf.model.reduced.second_order_motion import SecondOrderMotion
 from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.inertia.second_order import Pairs
 

@@ -31,8 +31,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.inertia import PRODUCTS, GeometricStiffness
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced.inertia import PRODUCTS, GeometricStiffness
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse, scatter
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation

@@ -18,7 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced_body_data import Interface
+from warpffrf.model.reduced.data import Interface
 from warpffrf.offline.fe.assembly import Sparse
 from warpffrf.offline.interfaces.kinds import AverageInterface, BodyInterface, constraint
 

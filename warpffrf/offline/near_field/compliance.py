@@ -35,12 +35,12 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.far_field import NOTHING, FreeEnd, cutoff
-from warpffrf.model.far_splines import transposed
+from warpffrf.model.half_space.far_splines import transposed
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.far_field import NOTHING, FreeEnd, cutoff
 from warpffrf.offline.contact.contact_grid import GridPlan
 from warpffrf.offline.fe.materials import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint

@@ -15,10 +15,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
-from warpffrf.model.far_field import FreeEnd
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.far_field import FreeEnd
 
 Array = np.ndarray
 ON_SURFACE = 1e-4  # of a facet's edge: nodes that lie nearer to the true surface are on it

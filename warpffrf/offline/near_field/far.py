@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.errors import InputError
-from warpffrf.model.far_field import ASYMMETRIC, FarField, FarTangential
-from warpffrf.model.far_splines import FarSplines
+from warpffrf.model.half_space.far_splines import FarSplines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.tangential import Tangential
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.far_field import ASYMMETRIC, FarField, FarTangential
+from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.offline.contact.mesh_error import touched_in_lines
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.contact.wall import wall

@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import ContactGrid
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.offline.contact.traction_fields import ContactFacets
 from warpffrf.offline.near_field.charts import FlatChart
 from warpffrf.offline.near_field.exact import PointLoads

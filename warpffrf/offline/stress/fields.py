@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
-from warpffrf.model.stress_field import GridSpan, StressField
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.stress_field import GridSpan, StressField
 from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes
 from warpffrf.offline.general.observers import Observer
 from warpffrf.offline.stress.membrane import membrane_stress

@@ -43,7 +43,7 @@ import scipy.sparse as sp
 
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.stress_field import from_tensor
+from warpffrf.model.reduced.stress_field import from_tensor
 from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
 from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
 from warpffrf.offline.fe.materials import Assignment

@@ -34,8 +34,8 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
-from warpffrf.model.recovery import Recovery
-from warpffrf.model.stress_field import GridSpan, LoadStress, StressField, StressPoints
+from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.stress_field import GridSpan, LoadStress, StressField, StressPoints
 from warpffrf.offline.contact.contact_grid import full_turn
 from warpffrf.offline.contact.grid_values import grid_values
 from warpffrf.offline.contact.hat_loads import surface_vectors

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.stress_field import rotated, sector_frames
+from warpffrf.model.reduced.stress_field import rotated, sector_frames
 from warpffrf.offline.fe.assembly import Sparse
 
 Array = np.ndarray

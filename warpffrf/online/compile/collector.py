@@ -10,17 +10,17 @@ import numpy as np
 
 from warpffrf.model.bodies import Body, Ground, Port
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.forces import Characteristic
 from warpffrf.model.forces.characteristics import Pieces
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
 from warpffrf.online.compile.constants import Constants, Shared
 from warpffrf.online.compile.inertia_plan import InertiaPlan
-from warpffrf.online.compile.patch_plan import PatchPlan
-from warpffrf.online.compile.patch_sides import PatchSide
-from warpffrf.online.compile.patches import patch_plans
+from warpffrf.online.compile.patches.plan import PatchPlan
+from warpffrf.online.compile.patches.sides import PatchSide
+from warpffrf.online.compile.patches.tables import patch_plans
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface
 
 Array = np.ndarray
 

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.friction.pieces import cubic_pieces
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.room import CellRoom, slots_of

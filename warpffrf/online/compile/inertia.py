@@ -8,8 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from warpffrf.model.bodies import Body
-from warpffrf.model.inertia import PRODUCTS
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.inertia import PRODUCTS
 from warpffrf.online.compile.collector import Collector
 from warpffrf_kernels.core.model import Model
 

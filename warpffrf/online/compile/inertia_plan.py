@@ -34,7 +34,7 @@ import numpy as np
 
 from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError
-from warpffrf.model.inertia import LEVELS, TERM_NAMES, GeometricStiffness, InertiaTerms
+from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES, GeometricStiffness, InertiaTerms
 from warpffrf.model.scene import Scene
 
 AUTO = 0.01  # a neglected term estimated above 1 % is kept: what a force or displacement is usually wanted to

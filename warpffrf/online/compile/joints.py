@@ -1,9 +1,9 @@
 """Joints and drives of a scene -> rows of the device model.
 
-Every row of a joint (`warpffrf.model.joints`) that is not redundant (`warpffrf.model.redundancy`) becomes one rigid
-row; a drive adds one, or gives its signal to the row that its joint holds anyway (a distance). Rows that are left out
-have no multiplier: their part of the joint's reaction is zero, and the sum over the joints that share a load stays that
-of equilibrium.
+Every row of a joint (`warpffrf.model.joints`) that is not redundant (`warpffrf.model.checks.redundancy`) becomes one
+rigid row; a drive adds one, or gives its signal to the row that its joint holds anyway (a distance). Rows that are left
+out have no multiplier: their part of the joint's reaction is zero, and the sum over the joints that share a load stays
+that of equilibrium.
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.checks.redundancy import ConstraintRow, Redundancy, find_redundancy, undetermined
 from warpffrf.model.errors import InputError
-from warpffrf.model.redundancy import ConstraintRow, Redundancy, find_redundancy, undetermined
 from warpffrf.online.compile.collector import Collector
 from warpffrf_kernels.core import control as k
 

@@ -20,7 +20,7 @@ Let B be the bodies and R the rows eliminated so far. S is positive definite on 
 has independent lines: the tree rows of a body hold it to the one above, so they are independent on its own columns and
 those below have entries of their own; and the other rows depend on no joint that is not on their paths, so they are
 independent of each other and of the tree's as they are in the whole (redundant rows were removed,
-`warpffrf.model.redundancy`). So [[S, C^T], [C, -E]] on B and R is regular at every stage, which is what a block
+`warpffrf.model.checks.redundancy`). So [[S, C^T], [C, -E]] on B and R is regular at every stage, which is what a block
 factorisation without pivoting needs. Springs make E positive and pressures add to S, both can only help. Geometric
 stiffness can spoil S, a characteristic that falls makes its entry of E negative; where that matters the factorisation
 or its residual fails, and the dense inverse is taken for that step and counted.

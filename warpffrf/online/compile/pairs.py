@@ -6,8 +6,8 @@ import numpy as np
 
 from warpffrf.model.bodies import Body, Ground
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector, Pair
 from warpffrf.online.compile.inertia import dense_columns

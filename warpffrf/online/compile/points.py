@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf_kernels.core.model import Model
 

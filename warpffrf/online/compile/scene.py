@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warpffrf.model.claims import refuse_claims_of
+from warpffrf.model.checks.exclusive_unknowns import refuse_claims_of
 from warpffrf.model.errors import InputError
 from warpffrf.model.evaluations import refuse_full
+from warpffrf.model.reduced.slopes import leanings, leant
 from warpffrf.model.scene import Scene
-from warpffrf.model.slopes import leanings, leant
 from warpffrf.online.compile.collector import Collector, OnBody
 from warpffrf.online.compile.constants import Shared
-from warpffrf.online.compile.films import fill_films
+from warpffrf.online.compile.films.tables import fill_films
 from warpffrf.online.compile.forces import ForceTable, compile_forces, fill_forces
 from warpffrf.online.compile.friction import fill_friction
 from warpffrf.online.compile.inertia import fill_inertia, fill_stiffening, mode_reach
@@ -31,9 +31,9 @@ from warpffrf.online.compile.laps import fill_laps
 from warpffrf.online.compile.layers import LAYER_ITERATIONS, fill_layers
 from warpffrf.online.compile.lumped import fill_lumped
 from warpffrf.online.compile.pairs import fill_pairs
-from warpffrf.online.compile.patch_plan import PatchPlan
-from warpffrf.online.compile.patch_sides import PatchSide
-from warpffrf.online.compile.patches import fill_patches
+from warpffrf.online.compile.patches.plan import PatchPlan
+from warpffrf.online.compile.patches.sides import PatchSide
+from warpffrf.online.compile.patches.tables import fill_patches
 from warpffrf.online.compile.pretension import TensionTable, compile_pretensions, fill_pretensions
 from warpffrf.online.compile.responses import fill_responses
 from warpffrf.online.compile.rolling import fill_rolling

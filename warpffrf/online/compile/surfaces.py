@@ -8,11 +8,11 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.bodies import Ground
-from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import columns_of_turn, modal_moments
-from warpffrf.online.compile.patch_sides import PatchSide
+from warpffrf.online.compile.patches.sides import PatchSide
 from warpffrf_kernels.core.model import Model
 
 NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 

@@ -7,9 +7,9 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
-from warpffrf.model.far_field import ASYMMETRIC, WHOLE
+from warpffrf.model.reduced.far_field import ASYMMETRIC, WHOLE
 from warpffrf.model.scene import Scene
-from warpffrf.online.compile.patch_plan import end_places, is_crowned, rows_follow, widest, widths
+from warpffrf.online.compile.patches.plan import end_places, is_crowned, rows_follow, widest, widths
 from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.off_end import shares_at_ends
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes

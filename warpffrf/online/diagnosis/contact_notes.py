@@ -18,9 +18,9 @@ import numpy as np
 
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.gap import smallest_gap
+from warpffrf.model.placement.gap import smallest_gap
+from warpffrf.model.reduced.slopes import leanings
 from warpffrf.model.scene import Scene
-from warpffrf.model.slopes import leanings
 from warpffrf.online.diagnosis.border_notes import border_notes
 from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes

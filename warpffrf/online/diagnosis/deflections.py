@@ -9,14 +9,15 @@ Of bodies that loads stiffen a line says, as far as they have it:
 * the largest angle by which an interface turns from the mean axes. Theta is the second term of a series in such angles,
   the next is a sixth of their cube beside them: above `TURNED` that is 1.5 %, and several bodies in a row are better;
 * the kinetic energy of second-order motion, which is neglected: the largest of the run over the largest of |qd|^2/2
-  (`warpffrf.model.second_order_motion`). Of a body that turns, its part in the moment of inertia is neglected, too.
+  (`warpffrf.model.reduced.second_order_motion`). Of a body that turns, its part in the moment of inertia is neglected,
+  too.
 
 Of others a line comes where it is needed: where interfaces turn far, where a body deflects by `THICK` of its smallest
 extent, that of the box with its mass and inertia (a clamped plate is then softer than it should be by a tenth and more,
 a beam that may shorten by nothing), and where pictures, contact surfaces or laps lack what interfaces do of second
-order. And of all bodies where the skin is strained above `STRAINED` (`warpffrf.model.skin_strain`): the material of a
-body is St. Venant-Kirchhoff's, linear in the strains of Green, of which those of a metal or of rubber differ by about
-the strain itself.
+order. And of all bodies where the skin is strained above `STRAINED` (`warpffrf.model.reduced.skin_strain`): the
+material of a body is St. Venant-Kirchhoff's, linear in the strains of Green, of which those of a metal or of rubber
+differ by about the strain itself.
 
 Skins are looked at in few of the saved steps: where the modes have most energy, and where each of the `LEADING` modes
 with most of it has its largest part. Deflections, strains and angles are by the global modes.
@@ -30,11 +31,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.bodies import Body
-from warpffrf.model.interface_motion import interface_motion, second_order
-from warpffrf.model.membrane import membrane_energies, membrane_forms
+from warpffrf.model.reduced.interface_motion import interface_motion, second_order
+from warpffrf.model.reduced.membrane import membrane_energies, membrane_forms
+from warpffrf.model.reduced.second_order_motion import motion_of, skin_displacement
+from warpffrf.model.reduced.skin_strain import skin_strain
 from warpffrf.model.scene import Scene
-from warpffrf.model.second_order_motion import motion_of, skin_displacement
-from warpffrf.model.skin_strain import skin_strain
 from warpffrf.online.diagnosis.indicator import FLAG, MOST_STEPS, percent
 from warpffrf.online.history.history import BodyHistory
 

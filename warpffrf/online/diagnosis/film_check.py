@@ -23,7 +23,7 @@ from scipy.interpolate import CubicSpline
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.films import Film
-from warpffrf.online.compile.film_bases import Basis, basis_of
+from warpffrf.online.compile.films.bases import Basis, basis_of
 from warpffrf.online.diagnosis.film_hats import HatFilm, HatState, Pose, Rates, transport
 from warpffrf.online.engine import Engine
 from warpffrf_kernels.core import control as k

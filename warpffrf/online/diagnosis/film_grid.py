@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from warpffrf.model.films import Film
-from warpffrf.online.compile.film_bases import ACROSS, ALONG, Basis, basis_of
+from warpffrf.online.compile.films.bases import ACROSS, ALONG, Basis, basis_of
 from warpffrf.online.diagnosis.film_hats import MOST_ITERATIONS, NO_VOID, SETTLED, transport
 from warpffrf.online.engine import Engine
 from warpffrf_kernels.films.sampling import FILLING, GAP, NORMAL

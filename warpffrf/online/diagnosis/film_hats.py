@@ -26,7 +26,7 @@ from scipy.sparse.linalg import splu
 
 from warpffrf.model.films import Film
 from warpffrf.online.compile.compliance_tables import hat_gram
-from warpffrf.online.compile.film_bases import Basis, basis_of
+from warpffrf.online.compile.films.bases import Basis, basis_of
 from warpffrf.online.history.films import narrowest
 
 Array = np.ndarray

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.bodies import GROUND_INDEX
+from warpffrf.model.checks.scene import reached_from
 from warpffrf.model.scene import Scene
-from warpffrf.model.scene_check import reached_from
 from warpffrf.online.history.history import History
 
 FELL = 0.5  # of g t^2/2, by which a body has to have gone down that fell

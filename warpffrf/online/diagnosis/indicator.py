@@ -1,7 +1,8 @@
 r"""Which inertia terms a run would have needed: the indicator.
 
-After a run the three terms that couple turning and deforming (`warpffrf.model.inertia`) are evaluated on the motion
-that was found, kept or not. With f_i the force of a term on mode i, dL its part of the angular momentum, body axes
+After a run the three terms that couple turning and deforming (`warpffrf.model.reduced.inertia`) are evaluated on the
+motion that was found, kept or not. With f_i the force of a term on mode i, dL its part of the angular momentum, body
+axes
 
     centrifugal         f_i = w.J1_i w/2                          dL = sum_i q_i J1_i w
     deformed inertia    f_i = sum_j (w.J2_ij w) q_j               dL = sum_ij q_i q_j J2_ij w
@@ -36,7 +37,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.inertia import LEVELS, TERM_NAMES, InertiaTerms
+from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES, InertiaTerms
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import NOTICEABLE, least_level
 from warpffrf.online.history.history import BodyHistory

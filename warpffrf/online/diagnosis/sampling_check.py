@@ -26,10 +26,10 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.laws.curves import Curve
-from warpffrf.model.sampling import gauss_points
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.sampling import gauss_points
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.settings import Settings

@@ -23,7 +23,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from warpffrf.model.contact import Contact
-from warpffrf.model.slopes import compliance, curvature, leaning
+from warpffrf.model.reduced.slopes import compliance, curvature, leaning
 
 MOST = 0.005  # of the line load: a larger error is worth a word
 HARMLESS, SPAN = 0.3, 0.2  # Poisson's ratios from which on u_t counts, and up to that of an incompressible body

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.checks.unreachable_contacts import out_of_reach
 from warpffrf.model.contact import Contact
 from warpffrf.model.forces import JointSpringDamper
-from warpffrf.model.gap import facing_gap
-from warpffrf.model.reach import out_of_reach
+from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
 from warpffrf.online.history.history import ContactHistory, History

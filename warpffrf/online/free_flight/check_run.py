@@ -16,13 +16,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpffrf.model.checks.signal_cover import refuse_short_tables
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
-from warpffrf.model.interruption import deferred_interrupts
-from warpffrf.model.keeping import Keeper, Plan, Rows, Source, Unfinished
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.checkpoints import Keeper, Plan, Rows, Source, Unfinished
+from warpffrf.model.messages.interruption import deferred_interrupts
+from warpffrf.model.messages.progress import Progress
 from warpffrf.model.scene import Scene
-from warpffrf.model.signal_cover import refuse_short_tables
 from warpffrf.model.step_count import step_count
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.arrays.ring import joined

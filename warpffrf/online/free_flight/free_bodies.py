@@ -1,6 +1,6 @@
 r"""A body in free flight on the host: its equations of motion in NumPy, for integrators that check the kernels.
 
-With u = (w, qdot) the kinetic energy of turning and deforming (`warpffrf.model.inertia`) is one quadratic form,
+With u = (w, qdot) the kinetic energy of turning and deforming (`warpffrf.model.reduced.inertia`) is one quadratic form,
 
     T = u.M(q) u/2,     M = [[J, H], [H^T, 1]],     J = J0 + sum q_i J1_i + sum q_i q_j J2_ij,     H_j = sum_i q_i G_ij,
 
@@ -31,7 +31,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointLoad
-from warpffrf.model.inertia import GeometricStiffness
+from warpffrf.model.reduced.inertia import GeometricStiffness
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import BodyInertia
 

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.errors import unknown_name
+from warpffrf.model.messages import reprs
 from warpffrf.online.history.budget_line import BudgetLine
 
 ENERGY_LINES = (
@@ -33,7 +33,7 @@ _NOT_RECORDED = np.zeros(0)  # stands for the arrays that an older file does not
 
 
 @dataclass(repr=False)
-class BodyHistory(looks.Rows):
+class BodyHistory(reprs.Rows):
     """Motion of one body at the saved steps, world axes.
 
     position (T, 3) [m] of the origin of its user frame, rotation (T, 4), unit quaternions (x, y, z, w) from the user
@@ -63,7 +63,7 @@ class BodyHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class JointHistory(looks.Rows):
+class JointHistory(reprs.Rows):
     """Reaction of one joint on its second body, and the joint coordinates where it has some: `named("rotation")`.
 
     force (T, 3) [N] and torque (T, 3) [N m] about the joint point on the second body, world axes. coordinate and
@@ -91,7 +91,7 @@ class JointHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class JointFrictionHistory(looks.Rows):
+class JointFrictionHistory(reprs.Rows):
     """Friction in one joint, at the surfaces that slide, along the joint's axis and around it; 0 in a direction that
     the joint holds. Where no radius of them is known, around means at an arm of 1 m."""
 
@@ -103,7 +103,7 @@ class JointFrictionHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class ForceHistory(looks.Rows):
+class ForceHistory(reprs.Rows):
     """One force element: what it exerts on the body that it loads; of an element between two ports on the second one,
     its opposite acts on the first.
 
@@ -119,7 +119,7 @@ class ForceHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class SensorHistory(looks.Rows):
+class SensorHistory(reprs.Rows):
     """The `values` (T, components) [`unit`] of one sensor, with what they are: its kind, their unit, the frame, "world"
     or "body", of their axes, and what the components are called."""
 
@@ -131,7 +131,7 @@ class SensorHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class CellHistory(looks.Rows):
+class CellHistory(reprs.Rows):
     """Where the cells were that travel with the patch of a pair: equal strips across, over `half_width` W on each side
     of the place `column` of the first surface's grid; rows on its meridian."""
 
@@ -143,7 +143,7 @@ class CellHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class FrictionHistory(looks.Rows):
+class FrictionHistory(reprs.Rows):
     """Friction of one contact pair, in the window of `ContactHistory.pressure`, along (e_theta, t_z) of the first
     surface: around it, and along its meridian."""
 
@@ -157,7 +157,7 @@ class FrictionHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class ContactHistory(looks.Rows):
+class ContactHistory(reprs.Rows):
     """One contact pair. Pressure lives on the hats of the first body's contact grid, loads of the second on its own."""
 
     force: np.ndarray  # (T, 3) N, on the first body
@@ -179,7 +179,7 @@ class ContactHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class LumpedHistory(looks.Rows):
+class LumpedHistory(reprs.Rows):
     """One lumped contact; world axes. Where the surfaces are apart the forces are zero and the place is where they are
     nearest.
 
@@ -203,7 +203,7 @@ class LumpedHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class LapHistory(looks.Rows):
+class LapHistory(reprs.Rows):
     """One lap: fields over its cells (c), along their frames (n, t_1, t_2), which turn with the first body."""
 
     force: np.ndarray  # (T, 3) N, on the second face, world axes; the opposite acts on the first
@@ -218,7 +218,7 @@ class LapHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class FilmHistory(looks.Rows):
+class FilmHistory(reprs.Rows):
     """One oil film. Fields stand at the nodes of the contact grid of the first surface."""
 
     force: np.ndarray  # (T, 3) N, on the first body, shear included; the opposite acts on the second
@@ -251,7 +251,7 @@ class FilmHistory(looks.Rows):
 
 
 @dataclass(repr=False)
-class History(looks.Shown):
+class History(reprs.Shown):
     """A run: histories, the energy ledger, solver counts, status, and the state to continue from."""
 
     scene: Any  # the Scene that was run, or what a file tells of it
@@ -290,7 +290,7 @@ class History(looks.Shown):
     def shown(self) -> dict[str, Any]:
         """How it ended and what it holds, name -> value, for a table."""
         kinds = ("bodies", "joints", "forces", "contacts", "lumped_contacts", "films", "laps", "sensors")
-        found = {kind: looks.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
+        found = {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
         message = {"message": self.message} if self.message else {}
         return {"status": self.status, **message, "rows": len(self.time), **found}
 

@@ -1,6 +1,6 @@
 r"""How an interface moved in a run, from the recorded motion of its body.
 
-With d = Phi^T q - q.K q/2 of `warpffrf.model.interface_motion` the rates are
+With d = Phi^T q - q.K q/2 of `warpffrf.model.reduced.interface_motion` the rates are
 
     d' = Phi^T qd - q.K qd,      d'' = Phi^T qdd - q.K qdd - qd.K qd.
 """
@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model import interface_motion as at_rest
 from warpffrf.model.bodies import Port
+from warpffrf.model.reduced import interface_motion as at_rest
 from warpffrf.online.history.history import BodyHistory
 
 

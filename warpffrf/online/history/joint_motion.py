@@ -13,10 +13,10 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Port
+from warpffrf.model.checks.redundancy import ConstraintRow, scene_length
 from warpffrf.model.forces import SpringLaw
 from warpffrf.model.joints import Drive, Joint, Marker, Row
 from warpffrf.model.joints.rows import gradient, value
-from warpffrf.model.redundancy import ConstraintRow, scene_length
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.history import BodyHistory
 from warpffrf.online.history.interface_motion import interface_motion

@@ -6,7 +6,7 @@ import numpy as np
 
 from warpffrf.model.forces.notes import characteristic_notes
 from warpffrf.online.arrays.ring import SavedContact, SavedRows
-from warpffrf.online.compile.patch_plan import PatchPlan
+from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.films import film_histories
 from warpffrf.online.history.history import (

@@ -24,7 +24,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from warpffrf.model.redundancy import scene_length
+from warpffrf.model.checks.redundancy import scene_length
 from warpffrf.online.arrays.declaration import Arrays
 from warpffrf.online.arrays.state import LUMPED
 from warpffrf.online.engine import Engine

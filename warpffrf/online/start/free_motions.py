@@ -51,10 +51,10 @@ import numpy as np
 
 from warpffrf.model.bearings.bearing import loose_ring
 from warpffrf.model.bodies import Body
+from warpffrf.model.checks.scene import connecting, floating_groups
 from warpffrf.model.contact import Contact
-from warpffrf.model.gap import facing_gap
+from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.scene import Scene
-from warpffrf.model.scene_check import connecting, floating_groups
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
 from warpffrf.online.start.bent_gaps import without_stiff

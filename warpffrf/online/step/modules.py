@@ -10,7 +10,7 @@ from typing import Any
 
 import warp as wp
 
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.progress import Progress
 from warpffrf.online.step import kernel_cache
 from warpffrf.online.warp_start import quiet
 from warpffrf_kernels.core.scalars import BLOCK

@@ -12,7 +12,7 @@ import threading
 from collections.abc import Callable, Sequence
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.progress import Progress
 from warpffrf.online.engine import EngineOf
 from warpffrf.online.history.history import History
 from warpffrf.online.worlds.engines import Company

@@ -28,7 +28,7 @@ import numpy as np
 
 from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.model.evaluations import evaluation_of
-from warpffrf.model.inertia import LEVELS, TERM_NAMES
+from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import InertiaPlan, least_level
 from warpffrf.online.diagnosis.indicator import TermSize, term_sizes

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.checks.signal_cover import quickest_rise
 from warpffrf.model.contact import CELL_ERROR as USUAL_CELL_ERROR
 from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.model.scene import Scene
-from warpffrf.model.signal_cover import quickest_rise
 from warpffrf.online.compile.inertia_plan import InertiaPlan, fastest_turning
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, INERTIA, Setting

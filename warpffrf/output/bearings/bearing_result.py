@@ -9,13 +9,13 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from warpffrf.model import looks
 from warpffrf.model import rotation as rot
 from warpffrf.model.bearings.flanges import ENDS
 from warpffrf.model.bearings.geometry import BallRaceways, from_description
 from warpffrf.model.bearings.parts import SIDES
 from warpffrf.model.bearings.rating import BasicLife, ReferenceLife, basic_life, reference_life
 from warpffrf.model.errors import InputError
+from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, History
 from warpffrf.output.bearings.patches import Patches, ball_patches, cut_off, roller_patches
 
@@ -26,7 +26,7 @@ ROUND_OFF = 1e-9  # of the largest figure of a column: smaller ones are shown as
 NO_TILT = 1e-9  # rad
 
 
-class BearingResult(looks.Shown):
+class BearingResult(reprs.Shown):
     """A bearing as `result.bearing(name)` gives it; SI units, arrays (T, Z): a row for each saved step, a column for
     each element.
 

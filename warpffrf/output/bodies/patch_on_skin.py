@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import meridian_gram
+from warpffrf.model.reduced.contact_grid import meridian_gram
 from warpffrf.output.geometry.cell_places import CellPlaces
 from warpffrf.output.geometry.grid_places import GridPlaces, SkinSurface, grid_theta_offset, spread
 from warpffrf.output.geometry.poses import Pose, tangents

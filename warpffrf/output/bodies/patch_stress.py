@@ -29,8 +29,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.far_field import cutoff
-from warpffrf.model.stress_field import StressField, rotated
+from warpffrf.model.reduced.far_field import cutoff
+from warpffrf.model.reduced.stress_field import StressField, rotated
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
 from warpffrf.output.bodies.normal_loads import CellLoads
 from warpffrf.output.bodies.patch_on_skin import poses

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import unknown_name
-from warpffrf.model.second_order_motion import skin_displacement
+from warpffrf.model.reduced.second_order_motion import skin_displacement
 from warpffrf.output.bodies.lap_faces import lap_faces
 from warpffrf.output.bodies.lap_loads import LapLoads
 from warpffrf.output.bodies.normal_loads import film_loads, normal_loads

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from warpffrf.model.stress_field import von_mises
+from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.output.bodies.stress import BodyStress
 from warpffrf.output.geometry.scene_view import SceneView
 

@@ -30,11 +30,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.errors import InputError
-from warpffrf.model.membrane import membrane_amplitudes, membrane_forms
-from warpffrf.model.output_paths import size_text
-from warpffrf.model.stress_field import StressField, max_shear, principal, von_mises
+from warpffrf.model.files.output_paths import size_text
+from warpffrf.model.messages import reprs
+from warpffrf.model.reduced.membrane import membrane_amplitudes, membrane_forms
+from warpffrf.model.reduced.stress_field import StressField, max_shear, principal, von_mises
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.lap_loads import LapLoads
 from warpffrf.output.bodies.normal_loads import CellLoads, NormalLoads, film_loads, normal_loads
@@ -48,7 +48,7 @@ log = logging.getLogger("warpffrf")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StressResult(looks.Rows):
+class StressResult(reprs.Rows):
     """Stress at `points` (p, 3) [m, user frame, undeformed] at the saved steps `time` (T,) [s]; `tensor` (T, p, 6) [Pa]
     in the order xx, yy, zz, xy, yz, zx, axes of the body's user frame."""
 

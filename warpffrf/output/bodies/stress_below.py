@@ -19,9 +19,9 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.errors import InputError
-from warpffrf.model.stress_field import max_shear, von_mises
+from warpffrf.model.messages import reprs
+from warpffrf.model.reduced.stress_field import max_shear, von_mises
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
 from warpffrf.output.bodies.patch_stress import ENDS, SHEARED, meridian_arc
 
@@ -29,7 +29,7 @@ DEEP, PLACES = 3.0, 181  # half-widths of the patch, the smaller one, and depths
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class StressBelow(looks.Rows):
+class StressBelow(reprs.Rows):
     """Stress below the centre of a patch at `depth` (n,) [m]; `tensor` (n, 6) [Pa] in the order xx, yy, zz, xy, yz, zx:
     x along the arc, y along the meridian, z into the depth, tension positive; of a material of `poisson_ratio`, that of
     the `bodies`."""

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.redundancy import constraint_rows, held_motions, scene_length
+from warpffrf.model.checks.redundancy import constraint_rows, held_motions, scene_length
 
 Array = np.ndarray
 MOST_BODIES = 100  # of larger machines nothing is taken as given

@@ -26,7 +26,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.evaluations import evaluation_of
-from warpffrf.model.mesh_error import own_mesh_error
+from warpffrf.model.reduced.mesh_error import own_mesh_error
 from warpffrf.offline.contact.grid_rule import grid_error
 from warpffrf.online.diagnosis.contact_notes import Leaning
 from warpffrf.online.diagnosis.sampling_check import check_sampling

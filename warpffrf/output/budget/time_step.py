@@ -43,7 +43,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.progress import Progress
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import History

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
+from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import FilmHistory
 from warpffrf.output.geometry.grid_places import grid_theta_offset
 from warpffrf.output.geometry.scene_view import FilmView
 from warpffrf.output.recorded import Recorded
 
 
-class FilmResult(looks.Shown):
+class FilmResult(reprs.Shown):
     """One oil film of a run; arrays have one row per saved step, SI units.
 
     Forces act on the film's first body in world axes, torques about that body's user origin; their opposite on the

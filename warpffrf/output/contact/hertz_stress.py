@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpffrf.model.stress_field import max_shear, von_mises
+from warpffrf.model.reduced.stress_field import max_shear, von_mises
 from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 
 Array = np.ndarray

@@ -15,8 +15,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.errors import InputError
+from warpffrf.model.messages import reprs
 from warpffrf.output.contact.friction import FrictionResult
 from warpffrf.output.contact.hertz import (
     effective_modulus,
@@ -65,7 +65,7 @@ def section_moments(x: np.ndarray, p: np.ndarray, h: Any, own: float) -> LineMom
     return LineMoments(h * total, center, half_width)
 
 
-class PairResult(looks.Shown, ABC):
+class PairResult(reprs.Shown, ABC):
     """One contact pair of a run; arrays have one row per saved step.
 
     Forces act on the pair's first body in world axes, torques about that body's user origin. `friction` holds

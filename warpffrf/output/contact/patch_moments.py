@@ -27,7 +27,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import GAUSS_PER_ROW, meridian_gram
+from warpffrf.model.reduced.contact_grid import GAUSS_PER_ROW, meridian_gram
 from warpffrf.output.geometry.cell_places import CellPlaces
 
 # square of the half-width over the second moment, (across, along), by kind of patch

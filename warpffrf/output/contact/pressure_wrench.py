@@ -25,7 +25,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import GAUSS_PER_ROW
+from warpffrf.model.reduced.contact_grid import GAUSS_PER_ROW
 from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
 from warpffrf.output.geometry.poses import tangents
 

@@ -28,7 +28,7 @@ from functools import cached_property
 
 import numpy as np
 
-from warpffrf.model.contact_grid import cell_edges
+from warpffrf.model.reduced.contact_grid import cell_edges
 from warpffrf.output.contact.hertz_patch import HertzLine
 from warpffrf.output.contact.pair_result import LineMoments, PairResult, PatchPressure, section_moments
 from warpffrf.output.contact.patch_moments import PatchMeasure, PatchMoments

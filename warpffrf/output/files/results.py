@@ -24,7 +24,7 @@ other readers and not read back. Names of owners are percent-encoded where HDF5 
 
 The schema version counts up with every quantity or name that is new; files of all older ones are read (`older.py`).
 
-Behind the last byte stands a checksum of the whole file (`model/sealed_file.py`), which other readers pass over.
+Behind the last byte stands a checksum of the whole file (`model/files/sealed_file.py`), which other readers pass over.
 """
 
 from __future__ import annotations
@@ -40,13 +40,13 @@ from urllib.parse import quote, unquote
 import h5py
 import numpy as np
 
-from warpffrf.model import hdf5_parts
 from warpffrf.model.errors import InputError
-from warpffrf.model.hdf5_parts import member, read
-from warpffrf.model.output_paths import check_ending, checked_output_path
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_file import read_reduced_body
-from warpffrf.model.sealed_file import require_seal, verify, written_sealed
+from warpffrf.model.files import hdf5_parts
+from warpffrf.model.files.hdf5_parts import member, read
+from warpffrf.model.files.output_paths import check_ending, checked_output_path
+from warpffrf.model.files.sealed_file import require_seal, verify, written_sealed
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.file import read_reduced_body
 from warpffrf.model.surfaces import from_description
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import (

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.output_paths import check_ending, checked_output_path, written_whole
+from warpffrf.model.files.output_paths import check_ending, checked_output_path, written_whole
 from warpffrf.output.files.dataset import owner_groups
 from warpffrf.output.files.fields import COMPONENTS, ENERGY_UNITS, RUN_FIELDS, Field, of_owner
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.interface_motion import interface_motion
+from warpffrf.model.reduced.interface_motion import interface_motion
 
 
 @dataclass(frozen=True, eq=False)

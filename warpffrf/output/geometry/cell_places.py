@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_grid import GAUSS_PER_ROW
+from warpffrf.model.reduced.contact_grid import GAUSS_PER_ROW
 from warpffrf.online.history.history import CellHistory
 from warpffrf.output.geometry.grid_places import wrapped
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import looks
+from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, LapHistory
 from warpffrf.output.bodies.lap_loads import left_out
 from warpffrf.output.geometry.scene_view import LapView
@@ -21,7 +21,7 @@ OPEN, STICK, SLIP = 0, 1, 2
 SLIDES = 0.5  # of the size of a cell: faces that slide further have other partners than those of the run
 
 
-class LapResult(looks.Shown):
+class LapResult(reprs.Shown):
     """One lap of a run; arrays have one row per saved step, SI units.
 
     Forces act on the second face in world axes, the torque about the middle of the first face's cells; their opposite

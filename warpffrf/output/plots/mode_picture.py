@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.geometry.thinning import thinned
 
 MAX_TRIANGLES = 20_000  # of a picture: smaller ones than a few pixels are wasted

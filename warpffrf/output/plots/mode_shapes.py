@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.second_order_motion import skin_displacement
+from warpffrf.model.reduced.second_order_motion import skin_displacement
 from warpffrf.output.plots.colors import ColorScale
 from warpffrf.output.plots.mode_picture import MAX_TRIANGLES, MODE_STOPS, draw_skin, eye_axes, mode_skin
 

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError, require_count
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.output.plots.figure import PROFILE, REFERENCE
 from warpffrf.output.plots.mode_picture import mode_skin
 from warpffrf.output.plots.mode_shapes import MovedSkin, draw_shape, shapes_figure

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.progress import Progress
 from warpffrf.output.bodies.shown_skin import DISPLACEMENT, ShownSkin
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult

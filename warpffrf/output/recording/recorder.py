@@ -23,9 +23,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.output_paths import checked_output_path, written_whole
-from warpffrf.model.progress import Progress
+from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.progress import Progress
 from warpffrf.online.history.history import History
 from warpffrf.output.bodies.lap_loads import left_out
 from warpffrf.output.bodies.shown_skin import DISPLACEMENT, require_field

@@ -21,8 +21,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.output_paths import checked_output_path, written_whole
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.geometry.thinning import vertex_normals
 from warpffrf.output.plots.colors import ColorScale, legend_picture
 from warpffrf.output.plots.mode_picture import MODE_STOPS, ModeSkin, eye_axes, mode_skin

@@ -1,4 +1,4 @@
-r"""Pressures of two runs, whatever grids they stand on, as `warpffrf.model.box_means` compares them.
+r"""Pressures of two runs, whatever grids they stand on, as `warpffrf.model.half_space.box_means` compares them.
 
 Areas are those of the first surface, A_B = R sqrt(1 + R'^2) dtheta dz. Angles on a surface of revolution are counted
 from the line of centres: which of the material is in contact is said by the motion, and measured by it. On a plane they
@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.box_means import Boxes
-from warpffrf.model.box_means import squares as of_boxes
+from warpffrf.model.half_space.box_means import Boxes
+from warpffrf.model.half_space.box_means import squares as of_boxes
 from warpffrf.output.contact.pair_result import PairResult
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.model.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.output_paths import checked_output_path, written_whole
 from warpffrf.output.plots.picture import write_picture
 from warpffrf.study.speed_against_error.errors import RECOMMENDED
 from warpffrf.study.speed_against_error.front import Order, fastest, front, orders

@@ -13,7 +13,7 @@ from typing import Any
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.progress import Progress
+from warpffrf.model.messages.progress import Progress
 from warpffrf.study.speed_against_error.choices import (
     BUILT_IN,
     Choices,

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from warpffrf.model import looks
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages import reprs
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.study.sweeps.folder import Folder
 from warpffrf.study.sweeps.outputs import TIME
 from warpffrf.study.sweeps.table import TIME_OF_RUN, axes_of, opened, values_of, variables_of
@@ -28,7 +28,7 @@ FIRST_FAILED = 5  # rows whose messages a report has
 
 
 @named_arguments
-class Sweep(looks.Shown):
+class Sweep(reprs.Shown):
     """The rows of a sweep and what came of them, in the folder `path`.
 
     `sweep["upper.load"]`, `sweep["peak"]`, `sweep["status"]`: one variable, (run, ...), read from the file alone;

@@ -20,9 +20,9 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.output_paths import written_whole
-from warpffrf.model.reduced_body import ReducedBody
-from warpffrf.model.reduced_body_file import read_reduced_body
+from warpffrf.model.files.output_paths import written_whole
+from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.file import read_reduced_body
 from warpffrf.study.sweeps.job import OTHER_VERSIONS, Answer, Job, Numbered, versions
 from warpffrf.study.sweeps.parcel import Parcel
 

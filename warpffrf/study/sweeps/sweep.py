@@ -17,10 +17,10 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from warpffrf.model.errors import InputError, require_count
-from warpffrf.model.interruption import deferred_interrupts, terminated_as_interrupted
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.progress import Progress
-from warpffrf.model.speech import speaking
+from warpffrf.model.messages.console import speaking
+from warpffrf.model.messages.interruption import deferred_interrupts, terminated_as_interrupted
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.progress import Progress
 from warpffrf.study.sweeps.cluster import Cluster, client_at
 from warpffrf.study.sweeps.crews import Answers, Crew, Elsewhere, Here, Processes, WorkerDied, refuse_in_workers
 from warpffrf.study.sweeps.design import Design, Row, design_of

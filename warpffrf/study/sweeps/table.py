@@ -11,7 +11,7 @@ the largest run's. `error_budget` (run, error_source) is the largest size of eac
 
 HDF5 and not Zarr: h5py is needed by results and bodies already; 100,000 runs of ten histories are one file instead of
 some thousands, which moves, copies and is checked as one, with the seal of all our HDF5 files
-(`model/sealed_file.py`). What Zarr is better at, many writers at once, is not needed, for one process writes
+(`model/files/sealed_file.py`). What Zarr is better at, many writers at once, is not needed, for one process writes
 (`folder.py`); what HDF5 is worse at, a kill in the middle of writing, cannot happen, for the file is made in memory and
 renamed.
 """
@@ -27,10 +27,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import hdf5_parts
 from warpffrf.model.errors import InputError
-from warpffrf.model.hdf5_probe import probe
-from warpffrf.model.sealed_file import require_seal, verify, written_sealed
+from warpffrf.model.files import hdf5_parts
+from warpffrf.model.files.hdf5_probe import probe
+from warpffrf.model.files.sealed_file import require_seal, verify, written_sealed
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.study.sweeps.design import Row
 from warpffrf.study.sweeps.job import FAILED, Answer

@@ -13,7 +13,7 @@ import numpy as np
 from references.closed_forms.impact import BarImpact
 from studies.contact.colliding_bars import LENGTH, SIDE, STEEL, bar, meeting
 from studies.hard_cases.case import Case, Finding
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 

@@ -16,7 +16,7 @@ from studies.hard_cases.case import Case, Finding
 from warpffrf.model import bases, forces, joints
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result

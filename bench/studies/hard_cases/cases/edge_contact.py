@@ -14,7 +14,7 @@ from scenes.rollers import roller_body
 from studies.hard_cases.case import Case, Finding
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 

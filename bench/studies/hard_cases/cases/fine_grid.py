@@ -14,7 +14,7 @@ from scenes.rollers import PAIR, STEEL, guided_pair
 from studies.hard_cases.case import Case, Finding
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result

@@ -15,7 +15,7 @@ from scenes.rollers import roller_body
 from studies.hard_cases.case import Case, Finding
 from warpffrf.model import joints, signals, surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.online import find_equilibrium
 from warpffrf.output.result import Result

@@ -14,7 +14,7 @@ from references.closed_forms.hertz import LineContact
 from scenes.rollers import PAIR, guided_pair, roller_body
 from studies.hard_cases.case import Case, Finding
 from warpffrf.model.material import Material
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.contact.hertz_patch import HertzLine
 from warpffrf.output.result import Result

@@ -15,7 +15,7 @@ import numpy as np
 from scenes.rollers import PAIR, guided_pair, roller_body
 from studies.hard_cases.case import Case, Finding, Ledger
 from warpffrf.model import forces, joints, signals
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 

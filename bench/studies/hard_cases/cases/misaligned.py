@@ -23,7 +23,7 @@ from studies.hard_cases.case import Case, Finding
 from warpffrf.model import forces, joints
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from scenes.over_the_edge import DURATION, long_roller_body, roller_off_its_end
 from studies.hard_cases.case import Case, Finding
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 

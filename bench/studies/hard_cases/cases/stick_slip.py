@@ -14,7 +14,7 @@ from references.stick_slip import BeltOscillator
 from scenes.block_on_belt import LOAD, MASS, SPEED, STIFFNESS, on_belt, wheel_body
 from studies.hard_cases.case import Case, Finding
 from warpffrf.model import laws
-from warpffrf.model.reduced_body import ReducedBody
+from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics.characteristic import TERMS, Characteristic, Pieces
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

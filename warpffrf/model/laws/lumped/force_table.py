@@ -10,7 +10,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.laws.lumped.base import STEEL_SHEAR, Approach, LumpedLaw, Meeting
 from warpffrf.model.laws.table_layer import MOST_POINTS
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

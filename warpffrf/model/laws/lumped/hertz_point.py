@@ -24,8 +24,8 @@ from scipy.special import elliprd, elliprf
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
 from warpffrf.model.material import Material
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments.patch import Patch
-from warpffrf.model.named_arguments import named_arguments
 
 SLENDEREST = 1e-4  # ratio of the half-axes down to which an ellipse is looked for; it is a line beyond
 AHEAD = 3.0 / 16.0  # moment of the pressure ahead of the middle of an ellipse, over F and the half-axis ahead

@@ -25,8 +25,8 @@ import numpy as np
 from warpffrf.model.errors import require_count, require_number
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
 from warpffrf.model.laws.lumped.palmgren_line import MM, laminae, line_patch
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments.patch import Patch
-from warpffrf.model.named_arguments import named_arguments
 
 CONSTANT, LENGTH_POWER, EXPONENT = 35948.0, 8.0 / 9.0, 10.0 / 9.0  # of c_L [N/mm^(10/9)], L in mm
 SHORT, SHORT_DROP, LONG_DROP = 2.5, 0.00035, 0.0005  # diameters; of the diameter

@@ -19,8 +19,8 @@ import numpy as np
 
 from warpffrf.model.errors import require_count, require_number
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, Meeting
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.moments.patch import Patch
-from warpffrf.model.named_arguments import named_arguments
 
 COEFFICIENT = 3.84e-5  # delta [mm] of F = 1 N and l = 1 mm
 FORCE_POWER, LENGTH_POWER = 0.9, 0.8

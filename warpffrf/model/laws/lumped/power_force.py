@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.lumped.base import STEEL_SHEAR, Approach, LumpedLaw, Meeting
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -20,9 +20,9 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.gmsh_scanner import SHOWN, Scanner, are_numbers
-from warpffrf.model.mesh.raw_mesh import RawMesh
-from warpffrf.model.regular_file import MOST_DIGITS, read_named
+from warpffrf.model.files.regular_file import MOST_DIGITS, read_named
+from warpffrf.model.mesh.files.gmsh_scanner import SHOWN, Scanner, are_numbers
+from warpffrf.model.mesh.files.raw_mesh import RawMesh
 
 Array = np.ndarray
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.regular_file import MOST_DIGITS
+from warpffrf.model.files.regular_file import MOST_DIGITS
 
 Array = np.ndarray
 

@@ -23,10 +23,10 @@ from warpffrf.model.mesh.checks import (
     corner_notes,
     part_labels,
 )
-from warpffrf.model.mesh.collapsed import left_over, repeated
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, row_numbers
+from warpffrf.model.mesh.files.collapsed import left_over, repeated
 
 logger = logging.getLogger(__name__)
 

@@ -1,6 +1,6 @@
 """Meshes from files: Gmsh .msh, VTK .vtu and .vtk, Nastran bulk data, Abaqus and CalculiX .inp.
 
-One file a format reads it (`gmsh_file`, `vtu_file`, `vtk_file`, `nastran_bulk`, `inp`); `raw_mesh` makes one part of it
+One file a format reads it (`gmsh`, `vtu`, `vtk`, `nastran`, `inp`); `raw_mesh` makes one part of it
 a mesh. Named surfaces become facet sets, named groups of cells become cell sets. What a file has (cells by kind,
 pieces, entities, groups, arrays) and a mesh cannot hold is refused or said in `Mesh.notes`.
 """
@@ -11,16 +11,16 @@ import logging
 from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.files.regular_file import exists
 from warpffrf.model.mesh.data import Mesh
-from warpffrf.model.mesh.gmsh_file import read_gmsh
-from warpffrf.model.mesh.nastran_bulk import SUFFIXES as NASTRAN
-from warpffrf.model.mesh.nastran_bulk import read_bulk
-from warpffrf.model.mesh.raw_mesh import built
-from warpffrf.model.mesh.units import LENGTH_UNITS
-from warpffrf.model.mesh.vtk_file import read_vtk
-from warpffrf.model.mesh.vtu_file import read_vtu
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.regular_file import exists
+from warpffrf.model.mesh.files.gmsh import read_gmsh
+from warpffrf.model.mesh.files.nastran import SUFFIXES as NASTRAN
+from warpffrf.model.mesh.files.nastran import read_bulk
+from warpffrf.model.mesh.files.raw_mesh import built
+from warpffrf.model.mesh.files.units import LENGTH_UNITS
+from warpffrf.model.mesh.files.vtk import read_vtk
+from warpffrf.model.mesh.files.vtu import read_vtu
+from warpffrf.model.messages.named_arguments import named_arguments
 
 logger = logging.getLogger(__name__)
 
@@ -56,7 +56,7 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
     if suffix not in SUFFIXES:
         raise InputError(f"mesh file {path.name}: unknown format {path.suffix!r}, known: {', '.join(SUFFIXES)}")
     if suffix == ".inp":
-        from warpffrf.model.mesh.inp import read_inp
+        from warpffrf.model.mesh.files.inp import read_inp
 
         mesh = read_inp(path, length_unit=length_unit, part=part)
     else:

@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.raw_mesh import RawMesh
-from warpffrf.model.mesh.vtk_cells import raw_mesh
-from warpffrf.model.regular_file import MOST_DIGITS, read_named
+from warpffrf.model.files.regular_file import MOST_DIGITS, read_named
+from warpffrf.model.mesh.files.raw_mesh import RawMesh
+from warpffrf.model.mesh.files.vtk_cells import raw_mesh
 
 Array = np.ndarray
 

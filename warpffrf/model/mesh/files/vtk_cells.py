@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.raw_mesh import RawMesh
+from warpffrf.model.mesh.files.raw_mesh import RawMesh
 
 Array = np.ndarray
 

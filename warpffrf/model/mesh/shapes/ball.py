@@ -20,7 +20,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.mesh.data import Mesh
-from warpffrf.model.mesh.lattice import (
+from warpffrf.model.mesh.shapes.lattice import (
     Array,
     assembled,
     depth_lines,
@@ -30,7 +30,7 @@ from warpffrf.model.mesh.lattice import (
     require_patch,
     shell_fractions,
 )
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 CORE = 0.4  # half the side of the cube in the middle, in radii: its corners lie at 0.69 R
 ACROSS = 4  # cells along x of the cube and of the parts beside it: far from the patch, and coarse

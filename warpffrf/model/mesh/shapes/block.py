@@ -13,7 +13,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.mesh.data import Mesh
-from warpffrf.model.mesh.lattice import (
+from warpffrf.model.mesh.shapes.lattice import (
     assembled,
     depth_lines,
     nest_tops,
@@ -22,7 +22,7 @@ from warpffrf.model.mesh.lattice import (
     require_patch,
     shell_fractions,
 )
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments

@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count
-from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.data import FacetSet, Mesh
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.mesh.lattice import KINDS, refined
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.mesh.shapes.cell_count import require_cells
+from warpffrf.model.mesh.shapes.lattice import KINDS, refined
+from warpffrf.model.messages.named_arguments import named_arguments
 
 SIDES = ("x_min", "x_max", "y_min", "y_max", "z_min", "z_max")  # in the order of a hexahedron's faces
 

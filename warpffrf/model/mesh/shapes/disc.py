@@ -33,7 +33,7 @@ import numpy as np
 
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet
-from warpffrf.model.mesh.lattice import KINDS
+from warpffrf.model.mesh.shapes.lattice import KINDS
 
 Array = np.ndarray
 

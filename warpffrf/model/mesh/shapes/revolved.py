@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
-from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet
+from warpffrf.model.mesh.shapes.cell_count import require_cells
 
 logger = logging.getLogger(__name__)
 

@@ -33,12 +33,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.data import Mesh
-from warpffrf.model.mesh.disc import CORE, LEAST_SECTORS, disc, standing_cells, standing_points
-from warpffrf.model.mesh.lattice import refined
-from warpffrf.model.mesh.revolved import (
+from warpffrf.model.mesh.shapes.cell_count import require_cells
+from warpffrf.model.mesh.shapes.disc import CORE, LEAST_SECTORS, disc, standing_cells, standing_points
+from warpffrf.model.mesh.shapes.lattice import refined
+from warpffrf.model.mesh.shapes.revolved import (
     axial_lines,
     layer_depths,
     profile_radius,
@@ -46,8 +46,8 @@ from warpffrf.model.mesh.revolved import (
     revolved_points,
     tread_facets,
 )
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.surface_fit import crown_drop
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.surfaces.fit import crown_drop
 
 CELLS_PER_HALF_WIDTH = {1: 2.0, 2: 1.0}  # around the rim, by order: equal node spacing of b/2
 AXIAL_CELL = {1: 8.0, 2: 16.0}  # axial cell length in half-widths: a line contact varies slowly along its axis

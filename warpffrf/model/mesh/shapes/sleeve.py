@@ -17,14 +17,14 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.mesh.cell_count import require_cells
 from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.facets import FacetSet
-from warpffrf.model.mesh.lattice import KINDS, refined
-from warpffrf.model.mesh.revolved import axial_lines, layer_depths, revolved_cells, revolved_points, tread_facets
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.surface_fit import crown_drop
+from warpffrf.model.mesh.shapes.cell_count import require_cells
+from warpffrf.model.mesh.shapes.lattice import KINDS, refined
+from warpffrf.model.mesh.shapes.revolved import axial_lines, layer_depths, revolved_cells, revolved_points, tread_facets
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.surfaces.fit import crown_drop
 
 ARC_GROWTH = 1.3  # of cells behind the fine arc
 LARGEST_ANGLE = np.radians(15.0)  # of a cell there: curved quadratic cells are round to 1e-5 then, linear ones to 1e-2

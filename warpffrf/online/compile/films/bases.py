@@ -20,9 +20,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.contact_grid import cell_edges
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.films import Film
+from warpffrf.model.reduced.contact_grid import cell_edges
+from warpffrf.model.reduced.contact_surface import ContactSurface
 
 Array = np.ndarray
 ACROSS, ALONG = 3, 2  # Gauss points of a cell: h^3 of a cell's gap and its slopes squared

@@ -15,15 +15,15 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.films.film import places_around
 from warpffrf.model.films.roughness import factor_table
 from warpffrf.model.oils import Barus, Newtonian, Oil, Roelands
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments
-from warpffrf.online.compile.film_bases import Basis, basis_of
+from warpffrf.online.compile.films.bases import Basis, basis_of
 from warpffrf_kernels.core.model import Films
 from warpffrf_kernels.films import asperities as asperity_kernels
 from warpffrf_kernels.films import oil as oil_kernels

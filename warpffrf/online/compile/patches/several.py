@@ -19,10 +19,10 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.model.far_field import NOTHING, cutoff
-from warpffrf.online.compile.patch_sides import PatchSide, meridian
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.far_field import NOTHING, cutoff
+from warpffrf.online.compile.patches.sides import PatchSide, meridian
 from warpffrf_kernels.patch.between import LEVEL
 from warpffrf_kernels.patch.between import ROWS as HEIGHTS
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.rigid_surface import RigidSurface
 
 Surface = ContactSurface | RigidSurface

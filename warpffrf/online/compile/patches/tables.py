@@ -9,12 +9,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bodies import Body, Ground
-from warpffrf.model.claims import on_same_surfaces
+from warpffrf.model.checks.exclusive_unknowns import on_same_surfaces
 from warpffrf.model.contact import Contact
-from warpffrf.model.contact_surface import ContactSurface
 from warpffrf.model.errors import InputError
-from warpffrf.online.compile.patch_plan import PatchPlan, radius_of, relative_curvatures
-from warpffrf.online.compile.patches_beside import fill_beside
+from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.online.compile.patches.plan import PatchPlan, radius_of, relative_curvatures
+from warpffrf.online.compile.patches.several import fill_beside
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.normal.lagged import PATCHES_ALONE
 from warpffrf_kernels.patch.spline_tables import LINE

@@ -15,7 +15,7 @@ import numpy as np
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
-from warpffrf.model.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.output_paths import checked_output_path, written_whole
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.output.plots.panels import COLUMNS, panels_figure
 from warpffrf.study.sweeps.design import GIVEN

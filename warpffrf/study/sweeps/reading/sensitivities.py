@@ -28,8 +28,8 @@ from typing import Any
 import numpy as np
 from scipy.stats import sobol_indices
 
-from warpffrf.model import looks
 from warpffrf.model.errors import InputError
+from warpffrf.model.messages import reprs
 from warpffrf.study.sweeps.reading.axes import axis_of
 from warpffrf.study.sweeps.reading.surface import Surface, surface
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, values_of
@@ -44,7 +44,7 @@ SALTELLI = "saltelli"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Sensitivities(looks.Shown):
+class Sensitivities(reprs.Shown):
     """Sobol indices of output `name`, in the order of `parameters`: `first` and `total` (d,), and bounds of their 95 %
     confidence intervals (d, 2). method: from what they are; `of_surface`: not from the scene's own rows."""
 

@@ -34,8 +34,8 @@ import numpy as np
 from scipy.interpolate import NdBSpline, PchipInterpolator, RBFInterpolator, make_interp_spline
 from scipy.optimize import minimize
 
-from warpffrf.model import looks
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.messages import reprs
 from warpffrf.study.sweeps.reading.axes import Axis, axes_of, grid_places
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, shown_in, values_of
 from warpffrf.study.sweeps.samples import sobol
@@ -60,7 +60,7 @@ class Extremum:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Surface(looks.Shown):
+class Surface(reprs.Shown):
     """An output between the rows of a sweep; a point is {parameter: value, or an array of them}.
 
     ranges: least and largest value of each parameter, between which it may be asked; at corners that no row of a sample

@@ -5,6 +5,6 @@ nodes and cells, `sets` and `sections` its named sets and materials. What a deck
 in `Mesh.notes`, never passed over in silence.
 """
 
-from warpffrf.model.mesh.inp.build import read_inp
+from warpffrf.model.mesh.files.inp.build import read_inp
 
 __all__ = ["read_inp"]

@@ -17,9 +17,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from warpffrf.model.mesh.inp.deck import Place
-from warpffrf.model.mesh.inp.model import FAMILIES, Instance, Scope, SetDefinition, SurfaceDefinition, fold
-from warpffrf.model.mesh.inp.numbers import number_or_none
+from warpffrf.model.mesh.files.inp.deck import Place
+from warpffrf.model.mesh.files.inp.model import FAMILIES, Instance, Scope, SetDefinition, SurfaceDefinition, fold
+from warpffrf.model.mesh.files.inp.numbers import number_or_none
 
 NESTING = 100  # sets inside sets; deeper is taken for garbage
 OWN, ASSEMBLY = "own", "assembly"

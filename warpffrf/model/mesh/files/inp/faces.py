@@ -14,7 +14,7 @@ import numpy as np
 
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.mesh.facets import FacetSet, row_numbers
-from warpffrf.model.mesh.inp.cells import FACE_COUNT, faces_of
+from warpffrf.model.mesh.files.inp.cells import FACE_COUNT, faces_of
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,9 +11,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from warpffrf.model.mesh.inp.cells import is_volume
-from warpffrf.model.mesh.inp.deck import Place
-from warpffrf.model.mesh.inp.numbers import Table
+from warpffrf.model.mesh.files.inp.cells import is_volume
+from warpffrf.model.mesh.files.inp.deck import Place
+from warpffrf.model.mesh.files.inp.numbers import Table
 
 FAMILIES = {"nset": "node set", "elset": "element set"}
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.mesh.inp.deck import Block, Place
+from warpffrf.model.mesh.files.inp.deck import Block, Place
 
 LARGEST_NUMBER = 2**53  # of a node or element: exact as a float, far above what a program numbers
 

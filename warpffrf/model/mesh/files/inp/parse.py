@@ -13,10 +13,10 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
-from warpffrf.model.mesh.inp import numbers
-from warpffrf.model.mesh.inp.cells import kind_of, shell_kind_of
-from warpffrf.model.mesh.inp.deck import Block, Place, read_blocks
-from warpffrf.model.mesh.inp.model import (
+from warpffrf.model.mesh.files.inp import numbers
+from warpffrf.model.mesh.files.inp.cells import kind_of, shell_kind_of
+from warpffrf.model.mesh.files.inp.deck import Block, Place, read_blocks
+from warpffrf.model.mesh.files.inp.model import (
     Deck,
     Elements,
     Instance,

@@ -9,10 +9,10 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.inp.body import OWN, Body
-from warpffrf.model.mesh.inp.model import Deck, MaterialText, Section, fold
-from warpffrf.model.mesh.inp.solid import Solid
-from warpffrf.model.mesh.units import system_of
+from warpffrf.model.mesh.files.inp.body import OWN, Body
+from warpffrf.model.mesh.files.inp.model import Deck, MaterialText, Section, fold
+from warpffrf.model.mesh.files.inp.solid import Solid
+from warpffrf.model.mesh.files.units import system_of
 
 
 def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, MaterialText]]:

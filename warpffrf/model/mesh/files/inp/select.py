@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.inp.body import Body
-from warpffrf.model.mesh.inp.model import Deck, Instance, Scope, fold
+from warpffrf.model.mesh.files.inp.body import Body
+from warpffrf.model.mesh.files.inp.model import Deck, Instance, Scope, fold
 
 
 def choose(deck: Deck, part: str | None) -> Body:

@@ -15,10 +15,10 @@ import numpy as np
 
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.mesh.facets import FacetSet
-from warpffrf.model.mesh.inp.body import ASSEMBLY, Body
-from warpffrf.model.mesh.inp.faces import Faces
-from warpffrf.model.mesh.inp.model import SetDefinition, SurfaceDefinition, fold
-from warpffrf.model.mesh.inp.solid import Solid
+from warpffrf.model.mesh.files.inp.body import ASSEMBLY, Body
+from warpffrf.model.mesh.files.inp.faces import Faces
+from warpffrf.model.mesh.files.inp.model import SetDefinition, SurfaceDefinition, fold
+from warpffrf.model.mesh.files.inp.solid import Solid
 
 ASSEMBLY_PREFIX = "assembly."
 MANY = 8  # items shown in a note

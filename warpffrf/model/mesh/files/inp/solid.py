@@ -15,12 +15,12 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.checks import part_labels
-from warpffrf.model.mesh.collapsed import face_numbers, left_over, repeated
-from warpffrf.model.mesh.inp.body import OWN, Body, present
-from warpffrf.model.mesh.inp.cells import faces_of, formulation, is_volume
-from warpffrf.model.mesh.inp.deck import Place
-from warpffrf.model.mesh.inp.model import Elements
-from warpffrf.model.mesh.inp.numbers import Table
+from warpffrf.model.mesh.files.collapsed import face_numbers, left_over, repeated
+from warpffrf.model.mesh.files.inp.body import OWN, Body, present
+from warpffrf.model.mesh.files.inp.cells import faces_of, formulation, is_volume
+from warpffrf.model.mesh.files.inp.deck import Place
+from warpffrf.model.mesh.files.inp.model import Elements
+from warpffrf.model.mesh.files.inp.numbers import Table
 
 
 @dataclass(frozen=True, eq=False)

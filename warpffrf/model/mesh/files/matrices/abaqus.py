@@ -16,8 +16,8 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices.file_matrix import FileMatrix, from_triplets
-from warpffrf.model.mesh.matrices.text_table import read_table, whole_numbers
+from warpffrf.model.mesh.files.matrices.file_matrix import FileMatrix, from_triplets
+from warpffrf.model.mesh.files.matrices.text_table import read_table, whole_numbers
 
 COMPONENTS = 6  # dofs 1 to 6 are displacements and rotations
 

@@ -24,7 +24,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.mesh.data import Matrices, Mesh
-from warpffrf.model.mesh.matrices.checks import (
+from warpffrf.model.mesh.files.matrices.checks import (
     require_matrix,
     require_no_mechanism,
     require_no_support_marks,
@@ -32,12 +32,18 @@ from warpffrf.model.mesh.matrices.checks import (
     require_semidefinite,
     require_symmetric,
 )
-from warpffrf.model.mesh.matrices.dofs import mapped_dofs, numbered_dofs, ordered, usual_dofs
-from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
-from warpffrf.model.mesh.matrices.files import read_matrix
-from warpffrf.model.mesh.matrices.motion import RIGID_NOTE, plausibility, require_free, require_mass, require_one_body
-from warpffrf.model.mesh.matrices.surfaces import facet_sets
-from warpffrf.model.named_arguments import named_arguments
+from warpffrf.model.mesh.files.matrices.dofs import mapped_dofs, numbered_dofs, ordered, usual_dofs
+from warpffrf.model.mesh.files.matrices.file_matrix import FileMatrix
+from warpffrf.model.mesh.files.matrices.files import read_matrix
+from warpffrf.model.mesh.files.matrices.motion import (
+    RIGID_NOTE,
+    plausibility,
+    require_free,
+    require_mass,
+    require_one_body,
+)
+from warpffrf.model.mesh.files.matrices.surfaces import facet_sets
+from warpffrf.model.messages.named_arguments import named_arguments
 
 logger = logging.getLogger("warpffrf.mesh")
 POUND = 4.4482216152605  # N, one pound-force by definition

@@ -12,9 +12,9 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices.file_matrix import FileMatrix, from_triplets
-from warpffrf.model.mesh.matrices.text_table import SHOWN, read_table, whole_numbers
-from warpffrf.model.regular_file import MOST_DIGITS, exists, read_named
+from warpffrf.model.files.regular_file import MOST_DIGITS, exists, read_named
+from warpffrf.model.mesh.files.matrices.file_matrix import FileMatrix, from_triplets
+from warpffrf.model.mesh.files.matrices.text_table import SHOWN, read_table, whole_numbers
 
 
 def read(file: Path, name: str | None, role: str) -> FileMatrix:

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices import abaqus, calculix, matrix_market, nastran
-from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
-from warpffrf.model.named_arguments import named_arguments
-from warpffrf.model.regular_file import exists, read_named
+from warpffrf.model.files.regular_file import exists, read_named
+from warpffrf.model.mesh.files.matrices import abaqus, calculix, matrix_market, nastran
+from warpffrf.model.mesh.files.matrices.file_matrix import FileMatrix
+from warpffrf.model.messages.named_arguments import named_arguments
 
 ROLES = ("stiffness", "mass")
 

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
-from warpffrf.model.regular_file import read_named
+from warpffrf.model.files.regular_file import read_named
+from warpffrf.model.mesh.files.matrices.file_matrix import FileMatrix
 
 BANNER = b"%%matrixmarket"  # in small letters, as it is compared
 LAYOUTS = ("coordinate", "array")

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.matrices.file_matrix import FileMatrix
-from warpffrf.model.regular_file import read_named
+from warpffrf.model.files.regular_file import read_named
+from warpffrf.model.mesh.files.matrices.file_matrix import FileMatrix
 
 # data blocks of the global, the analysis and the residual structure's set; DMIG-like short names last
 USUAL_NAMES = {"stiffness": ("KGG", "KAA", "KXX", "KJJ", "K"), "mass": ("MGG", "MAA", "MXX", "MJJ", "M")}

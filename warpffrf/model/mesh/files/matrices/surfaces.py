@@ -16,7 +16,7 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.elements import FACET_KINDS, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, triangles
-from warpffrf.model.mesh.matrices.inner_side import require_on_surface
+from warpffrf.model.mesh.files.matrices.inner_side import require_on_surface
 
 FLAT = 1e-9  # of the square of a facet's size: an area of round-off
 KIND_OF_WIDTH = {len(facet_kind(kind).nodes): kind for kind in FACET_KINDS}

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.regular_file import read_named
+from warpffrf.model.files.regular_file import read_named
 
 COMMENT = "*"  # Abaqus: a keyword or, doubled, a comment
 _TO_PLAIN = str.maketrans({",": " ", "D": "E", "d": "e"})
