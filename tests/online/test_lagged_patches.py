@@ -7,7 +7,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.online import History, run
-from warpffrf.online.compile.patches.tables import tables as patches
+from warpffrf.online.compile.patches import tables as patches
 
 STEEL = wf.Material(210e9, 0.3, 7850.0)
 LOAD, IDLE = 2e4, 5.0  # N

@@ -8,7 +8,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.online import run
 from warpffrf.online.checkpoint import restore
-from warpffrf.online.compile.patches.tables import tables as patches
+from warpffrf.online.compile.patches import tables as patches
 from warpffrf.online.engine import Engine
 from warpffrf_kernels.normal.lasting import AGE
 
