@@ -265,7 +265,7 @@ def machine(reduced: wf.ReducedBody) -> wf.Scene:
     theta = np.radians(np.arange(0.0, 360.0 * TURNS + 2.0))
     gas = wf.signals.Table(theta / SPEED, -gas_force(theta), cubic=True)
     scene.add(wf.forces.PointForce(piston.at((0, 0, 0)), (gas, (1, 0, 0)), name="gas"))
-    grooves = [wf.films.Groove(at, 1e-3, 0.0) for at in GROOVES]  # narrower than a column
+    grooves = [wf.films.AxialGroove(at, 1e-3, 0.0) for at in GROOVES]  # narrower than a column
     scene.add(wf.Film(rod["bore"], crank["pin"], oil=OIL, feeds=grooves, name=FILM))
     return scene
 

@@ -212,7 +212,7 @@ def side_force(theta: np.ndarray, mass: float) -> np.ndarray:
 
 def skirt_form() -> wf.films.Form:
     """Barrel and oval of the skirt: nothing is missing in its middle across the pin."""
-    return wf.films.Barrel(BARREL, SKIRT[1] - SKIRT[0], 0.5 * sum(SKIRT)) + wf.films.Lobes(OVAL, 2)
+    return wf.films.BarrelForm(BARREL, SKIRT[1] - SKIRT[0], 0.5 * sum(SKIRT)) + wf.films.LobedForm(OVAL, 2)
 
 
 def build(*, progress: bool = True) -> wf.Scene:
@@ -253,7 +253,8 @@ def machine(piston_is: wf.ReducedBody, liner_is: wf.ReducedBody | None) -> wf.Sc
         bore = liner["bore"]
     for name in (THRUST, ANTI):
         scene.add(wf.Film(
-            piston[name], bore, oil=OIL, ambient_pressure=AMBIENT, form=skirt_form(), law=ROUGH, friction=FRICTION,
+            piston[name], bore, oil=OIL, ambient_pressure=AMBIENT, form_a=skirt_form(), asperities=ROUGH,
+                boundary_friction=FRICTION,
             name=name,
         ))  # fmt: skip
     return scene

@@ -98,7 +98,7 @@ body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15
                    tangential=True, patch_grid=False, cache=False)
 scene = planets(body, 3, 100e3, friction=0.3, creepage=2e-2)
 for contact in scene.contacts:
-    contact.friction = wf.laws.StribeckCoulomb(0.3, 0.2, 0.05)
+    contact.friction = wf.laws.Stribeck(0.3, 0.2, 0.05)
 history = run(scene, 0.003, step=1e-4, start="equilibrium", progress=False)
 made = {"status": history.status}
 for name, c in history.contacts.items():

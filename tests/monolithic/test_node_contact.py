@@ -38,7 +38,7 @@ LOAD, MASS = 600.0, 0.1  # N, kg
 LAYERS = {
     "linear_layer": laws.LinearLayer(1e13),
     "nonlinear_layer": laws.NonlinearLayer(1e16, 1.5),
-    "table_layer": laws.TableLayer((-4e-6, -1e-6, 0.5e-6), (9e7, 1e7, 0.0)),
+    "tabulated_layer": laws.TabulatedLayer((-4e-6, -1e-6, 0.5e-6), (9e7, 1e7, 0.0)),
     "exponential_asperities": laws.ExponentialAsperities(1e8, 3e-7),
     "greenwood_tripp": laws.GreenwoodTripp(1e-7, 1e10, 5e-5, 1e11),
     "hunt_crossley": laws.HuntCrossley(1e16, 1.5, damping=20.0),
@@ -116,7 +116,7 @@ def test_a_punch_sticks_on_its_stretch(rigid_space: ReducedBody) -> None:
 def test_a_punch_sticks_and_slips(rigid_space: ReducedBody) -> None:
     """Pulled by a spring whose other end runs ahead: amplitude and period of an event-driven solution."""
     k, V, step, end = 1e5, 0.5, 1e-4, 0.017
-    law = laws.StribeckCoulomb(0.4, 0.2, 0.5)
+    law = laws.Stribeck(0.4, 0.2, 0.5)
     scene, punch = on_half_space(rigid_space, FLAT, LOAD, law=laws.LinearLayer(1e13), friction=law)
     scene.add(forces.JointSpringDamper(guided(scene, punch), stiffness=k))
     pull = signals.Ramp(0.0, k * V * end, duration=end)  # with the spring together k (V t - x)

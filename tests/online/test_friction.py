@@ -136,9 +136,9 @@ def test_tractions_stay_within_the_bounds_and_against_the_slip(body) -> None:
 
 
 SPEEDS: dict[str, Any] = {  # slip in this patch is up to 5 mm/s
-    "falls": wf.laws.StribeckCoulomb(0.4, 0.2, 0.2, exponent=1.0),
-    "rises": wf.laws.TableCoulomb((0.0, 0.01, 0.02), (0.1, 0.3, 0.5)),
-    "rises late": wf.laws.TableCoulomb((0.0, 0.001, 0.002), (0.3, 0.3, 0.5)),
+    "falls": wf.laws.Stribeck(0.4, 0.2, 0.2, exponent=1.0),
+    "rises": wf.laws.TabulatedFriction((0.0, 0.01, 0.02), (0.1, 0.3, 0.5)),
+    "rises late": wf.laws.TabulatedFriction((0.0, 0.001, 0.002), (0.3, 0.3, 0.5)),
 }
 
 

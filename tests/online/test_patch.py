@@ -25,7 +25,7 @@ RADIUS, WIDTH = 0.05, 0.02
 NAME = "lower-upper"
 LAWS = [
     wf.laws.LinearLayer(3e14), wf.laws.NonlinearLayer(1e21, 1.5), wf.laws.HuntCrossley(1e20, 1.5, 0.1),
-    wf.laws.TableLayer((-3e-6, -1e-6, 0.0), (1e9, 2e8, 0.0)), wf.laws.ExponentialAsperities(3e8, 5e-7),
+    wf.laws.TabulatedLayer((-3e-6, -1e-6, 0.0), (1e9, 2e8, 0.0)), wf.laws.ExponentialAsperities(3e8, 5e-7),
 ]  # fmt: skip
 # Forces of the run and of the reference on the same cells; tables between levels of W err by 5e-5.
 SAME = 2e-4

@@ -14,7 +14,7 @@ import warp as wp
 import warpffrf as wf
 from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import laws
-from warpffrf.model.friction import StribeckCoulomb
+from warpffrf.model.friction import Stribeck
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.offline.contact.cubature import choose_sampling
@@ -143,7 +143,7 @@ def oiled(bodies: Bodies, yields: bool = False) -> wf.Scene:
     plane = scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
     scene.add(wf.joints.Drive(plane, wf.signals.Constant(300.0), quantity="velocity"))
     scene.add(wf.forces.PointForce(middle, (wf.signals.Table((0.0, 1e-4, 1.0), (2e3, 4e3, 0.0)), 0, 0)))
-    feeds = [wf.films.Groove(np.pi, 1e-4, 1e5)]
+    feeds = [wf.films.AxialGroove(np.pi, 1e-4, 1e5)]
     scene.add(wf.Film(bore["bore"], shaft["rim"], oil=wf.oils.Newtonian(0.01), feeds=feeds))
     return scene
 
@@ -157,7 +157,7 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "friction": lambda b: guided_pair(b["rubbing"], b["rubbing"], load=60e3, speed=60.0, ramp=0.02, friction=0.3),
     "rolling": lambda b: rolling(b, "patched"),
     "unlike rolling": lambda b: rolling(b, "softer"),
-    "rolling, falling friction": lambda b: rolling(b, "patched", StribeckCoulomb(0.4, 0.2, 1e-2)),
+    "rolling, falling friction": lambda b: rolling(b, "patched", Stribeck(0.4, 0.2, 1e-2)),
     "rolling ball": rolling_ball,
     "sparse": pendulum,
     "joint friction": rubbing_pendulum,

@@ -462,7 +462,7 @@ def driven(bodies: dict[str, ReducedBody], creepage: float, friction: Any, strip
     return scene
 
 
-@pytest.mark.parametrize("law", [MU, wf.laws.StribeckCoulomb(0.3, 0.2, 5e-3)], ids=["Coulomb", "Stribeck"])
+@pytest.mark.parametrize("law", [MU, wf.laws.Stribeck(0.3, 0.2, 5e-3)], ids=["Coulomb", "Stribeck"])
 def test_a_run_is_continued_bit_for_bit(bodies, law: Any) -> None:
     """With compliances and factors that serve for many steps."""
     scene, step = driven(bodies, 2e-3, law, COLUMNS), 0.7 * 1.1e-3 / COLUMNS / (SPEED * RADIUS)

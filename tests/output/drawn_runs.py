@@ -45,7 +45,7 @@ def oiled() -> Result:
     plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
     scene.add(joints.Drive(plane, 300.0, quantity="velocity"))
     scene.add(forces.PointForce(middle, (0.0, 0.0, -2e3)))
-    groove = films.Groove(np.pi, 1e-4, 0.0)
+    groove = films.AxialGroove(np.pi, 1e-4, 0.0)
     scene.add(wf.Film(held["bore"], shaft["rim"], oil=oils.Newtonian(0.01), feeds=[groove], name="film"))
     return wf.simulate(scene, 2e-3, step=2e-4, progress=False)
 

@@ -81,7 +81,7 @@ def bearing() -> Scene:
         1.0, (1e-3,) * 3, name="shaft", position=CENTER - np.array(SHAFT.axis_point), center_of_mass=SHAFT_CENTER,
         surfaces={"journal": SHAFT},
     )["journal"]  # fmt: skip
-    feeds = [films.Groove(0.0, 1e-3, 2e5)]
+    feeds = [films.AxialGroove(0.0, 1e-3, 2e5)]
     scene.add(Film(bore, journal, oil=oils.Newtonian(0.04), feeds=feeds, ambient_pressure=1e5, name="bearing"))
     return scene
 

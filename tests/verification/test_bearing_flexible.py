@@ -81,7 +81,7 @@ def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
         ({"roller_diameter": 0.011}, "a cylinder of diameter 0.01 m, and the elements have 0.011 m"),
         ({"element_body": 3}, "must be a reduced body"),
         ({"diameter_deviations": (1e-6, 0.0, 0.0)}, "diameter_deviations are of rigid elements"),
-        ({"cage": wf.bearings.Pockets(1e-4)}, "pockets are of rigid elements"),
+        ({"cage": wf.bearings.PocketCage(1e-4)}, "pockets are of rigid elements"),
         ({"flanges": wf.bearings.Flanges(1e-4)}, "ribs stop rigid rollers"),
     ):
         with pytest.raises(wf.InputError, match=message):

@@ -64,7 +64,7 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
             beyond, cure = "has no evaluation 'hyper' of films", "take evaluation='semi' or 'full'"
         elif not film.b.rigid:
             beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
-        elif film.law is not None:
+        elif film.asperities is not None:
             beyond, cure = "has no asperities beside a film", "leave law out"
         elif film.deviation > 0.0:
             beyond, cure = "has smooth walls of films only", "leave roughness out"
