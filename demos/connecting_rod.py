@@ -156,7 +156,7 @@ def rod_body(material: wf.Material = STEEL, *, progress: bool = True) -> wf.Redu
     bore = wf.surfaces.Bore(radius=BIG, axis_point=(0, 0, 0), axis_direction=(0, -1, 0))
     return wf.reduce(
         rod_mesh(), material, interfaces={"eye": "rigid"}, contact={"bore": bore}, traction_spacing=SPACING, modes=12,
-        patch_grid=False, cache=False, progress=progress,
+        contact_fixed=False, cache=False, progress=progress,
     )  # fmt: skip
 
 

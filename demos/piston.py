@@ -173,7 +173,7 @@ def piston_body(material: wf.Material = ALLOY, *, progress: bool = True) -> wf.R
     skirt = wf.surfaces.Cylinder(radius=BORE - CLEARANCE - OVAL, axis_point=(0, 0, 0), axis_direction=(1, 0, 0))
     return wf.reduce(
         piston_mesh(), material, interfaces={"pin": "rigid", "crown": "average"},
-        contact={THRUST: skirt, ANTI: skirt}, traction_spacing=SPACING, modes=20, patch_grid=False, cache=False,
+        contact={THRUST: skirt, ANTI: skirt}, traction_spacing=SPACING, modes=20, contact_fixed=False, cache=False,
         progress=progress,
     )  # fmt: skip
 
@@ -192,7 +192,7 @@ def liner_body(*, progress: bool = True) -> wf.ReducedBody:
     """The reduced liner: contact surface `bore`, rigid interface `seats`."""
     return wf.reduce(
         liner_mesh(), IRON, interfaces={"seats": "rigid"}, contact={"bore": wf.surfaces.Bore()}, modes=20,
-        patch_grid=False, cache=False, progress=progress,
+        contact_fixed=False, cache=False, progress=progress,
     )  # fmt: skip
 
 

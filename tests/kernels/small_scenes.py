@@ -47,7 +47,7 @@ def roller(**options: Any) -> ReducedBody:
 
 @functools.cache
 def rubbing() -> ReducedBody:
-    return roller(tangential=True, patch_grid=False)
+    return roller(tangential=True, contact_fixed=False)
 
 
 @functools.cache
@@ -56,7 +56,7 @@ def patched(**options: Any) -> ReducedBody:
     made = mesh.roller(RADIUS, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
     return reduce(
         made, options.pop("material", STEEL), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()},
-        max_frequency=12e3, patch_grid=True, cache=False, progress=False, **options,
+        max_frequency=12e3, contact_fixed=True, cache=False, progress=False, **options,
     )  # fmt: skip
 
 
@@ -109,7 +109,7 @@ def ring() -> ReducedBody:
     made = mesh.roller(0.075, 0.055, 0.024, sectors=42, layers=2, axial=3, grading=1.0)
     return reduce(
         made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4,
-        tangential=True, patch_grid=False,
+        tangential=True, contact_fixed=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -120,7 +120,7 @@ def block() -> ReducedBody:
     made = mesh.box((0.02, 0.02, 0.01), (4, 4, 2))
     return reduce(
         made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2,
-        tangential=True, patch_grid=False,
+        tangential=True, contact_fixed=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -225,7 +225,7 @@ def rollers(
     second: ReducedBody,
     *,
     evaluation: str = "semi",
-    grid: str = "material",
+    grid: str = "body_fixed",
     law: Any = None,
     **more: Any,
 ) -> Scene:
@@ -467,30 +467,30 @@ CASES: dict[str, Case] = {
         lambda: rollers(rubbing(), rubbing(), friction=Stribeck(0.4, 0.2, 1e-2)), options=REST
     ),
     "friction, damped layer": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, law=DAMPED), options=REST),
-    "rollers, patch": Case(lambda: rollers(patched(), patched(), grid="patch"), options=REST),
+    "rollers, patch": Case(lambda: rollers(patched(), patched(), grid="contact_fixed"), options=REST),
     "rollers, patch with a layer": Case(
-        lambda: rollers(patched(), patched(), grid="patch", law=laws.LinearLayer(1e14)), options=REST
+        lambda: rollers(patched(), patched(), grid="contact_fixed", law=laws.LinearLayer(1e14)), options=REST
     ),
-    "ball, patch": Case(lambda: ball_on(patched(), grid="patch"), 2e-6),
+    "ball, patch": Case(lambda: ball_on(patched(), grid="contact_fixed"), 2e-6),
     "rollers, patch with a damped layer": Case(
-        lambda: rollers(patched(), patched(), grid="patch", law=DAMPED), options=REST
+        lambda: rollers(patched(), patched(), grid="contact_fixed", law=DAMPED), options=REST
     ),
-    "three rollers, patches": Case(lambda: three_rollers(patched(), grid="patch"), options=REST),
+    "three rollers, patches": Case(lambda: three_rollers(patched(), grid="contact_fixed"), options=REST),
     "rollers, patch with friction": Case(
-        lambda: rollers(rubbing_patched(), rubbing_patched(), grid="patch", friction=0.3), options=REST
+        lambda: rollers(rubbing_patched(), rubbing_patched(), grid="contact_fixed", friction=0.3), options=REST
     ),
     "unlike rollers, patch with friction": Case(
-        lambda: rollers(rubbing_patched(), rubbing_patched(ALUMINIUM), grid="patch", friction=0.3), options=REST
+        lambda: rollers(rubbing_patched(), rubbing_patched(ALUMINIUM), grid="contact_fixed", friction=0.3), options=REST
     ),
     "rollers, patch with falling friction": Case(
         lambda: rollers(
-            rubbing_patched(), rubbing_patched(), grid="patch", friction=Stribeck(0.4, 0.2, 1e-2)
+            rubbing_patched(), rubbing_patched(), grid="contact_fixed", friction=Stribeck(0.4, 0.2, 1e-2)
         ),
         options=REST,
     ),
-    "ball, patch with friction": Case(lambda: ball_on(rubbing_patched(), grid="patch", friction=0.2), 2e-6),
+    "ball, patch with friction": Case(lambda: ball_on(rubbing_patched(), grid="contact_fixed", friction=0.2), 2e-6),
     "three rollers, patches with friction": Case(
-        lambda: three_rollers(rubbing_patched(), grid="patch", friction=0.2), options=REST
+        lambda: three_rollers(rubbing_patched(), grid="contact_fixed", friction=0.2), options=REST
     ),
     "three rollers": Case(lambda: three_rollers(roller()), options=REST),
     "three rollers, friction": Case(lambda: three_rollers(rubbing(), friction=0.2), options=REST),

@@ -24,7 +24,14 @@ STAYS = 1e-9  # m: a run in time comes to rest anew, to its own tolerance; penet
 @functools.cache
 def rim(grid: Any) -> Any:
     return roller_body(
-        120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=grid == "patch"
+        120,
+        layers=4,
+        axial=3,
+        grading=1.6,
+        order=1,
+        max_frequency=15e3,
+        tangential=True,
+        contact_fixed=grid == "contact_fixed",
     )
 
 

@@ -11,8 +11,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-
 from recordings import columns
+
 from warpffrf.model import films, oils, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError

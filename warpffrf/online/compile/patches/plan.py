@@ -93,7 +93,7 @@ class PatchPlan:
         if not across > 0.0:
             raise InputError(
                 f"contact {contact.name!r}: the surfaces are as curved as each other, a patch of cells has no width "
-                'there; use grid="material"'
+                'there; use grid="body_fixed"'
             )
         least, most = NARROWEST / across, widest(contact)
         aspect, follows = _aspect(across, along), rows_follow(contact)
