@@ -87,10 +87,10 @@ def _largest(sizes: Sequence[TermSize], name: str) -> float:
 def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limits: Limits) -> list[Choice]:
     """Grids and cells of contacts that were loaded; `scene`: as the user gave it."""
     found = _grids(scene, result, limits)
-    leaning = {line.of: line for line in lines if line.source == contacts.KINEMATICS and line.size > limits.force}
+    leaning = {line.of: line for line in lines if line.source == contacts.GAPS and line.size > limits.force}
     for contact in scene.contacts:
         if (line := leaning.get(f"moment of contact {contact.name!r}")) is not None and contact.gaps == AUTO:
-            found.append(Choice(KINEMATICS, contact.name, "points", line.basis))
+            found.append(Choice(KINEMATICS, contact.name, "closest_point", line.basis))
         loaded = result.contact(contact.name)
         used = result.history.scene.contact(contact.name)
         if loaded.history.cells is not None and contact.cells is None and np.any(loaded.touching):
