@@ -174,7 +174,7 @@ def test_surfaces_that_rub_go_round_a_loop(rubbing: Scene) -> None:
     assert abs(np.trapezoid(torque, turned)) == pytest.approx(lost[1] + other[0], rel=2e-2)
 
 
-@pytest.mark.parametrize("rubbing", ["material"], indirect=True)
+@pytest.mark.parametrize("rubbing", ["body_fixed"], indirect=True)
 def test_a_static_run_with_friction_goes_on_bit_for_bit(rubbing: Scene) -> None:
     """The state at the end, tractions and their history included, is that of the run in one go."""
     whole = static(rubbing, 1.8, 0.1)
@@ -186,7 +186,7 @@ def test_a_static_run_with_friction_goes_on_bit_for_bit(rubbing: Scene) -> None:
     assert abs(forces_of[0][0]) > 0.1 * abs(forces_of[0][2])
 
 
-@pytest.mark.parametrize("rubbing", ["material"], indirect=True)
+@pytest.mark.parametrize("rubbing", ["body_fixed"], indirect=True)
 def test_tractions_stay_when_a_run_in_time_begins(rubbing: Scene) -> None:
     """Loads go on without a jump, drives stand: the tangential force is what the static run has left."""
     stages = [wf.Stage("load", 7.0, 0.1, kind="static"), wf.Stage("wait", 0.002, 1e-4)]

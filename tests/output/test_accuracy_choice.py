@@ -264,7 +264,7 @@ def test_cells_are_never_forced() -> None:
     """What the program takes by itself, or hats: other contacts and conformal surfaces may rule cells out."""
     scene = pressed(contact_fixed=True)
     result = simulate(scene, 0.01, accuracy=0.1, start="equilibrium", progress=False)
-    assert result.scene.contact(PAIR).grid in ("auto", "material")
+    assert result.scene.contact(PAIR).grid in ("auto", "body_fixed")
 
 
 def test_what_signals_do_too_quickly_is_told() -> None:

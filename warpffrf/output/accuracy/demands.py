@@ -89,7 +89,7 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
     found = _grids(scene, result, limits)
     leaning = {line.of: line for line in lines if line.source == contacts.GAPS and line.size > limits.force}
     for contact in scene.contacts:
-        if (line := leaning.get(f"moment of contact {contact.name!r}")) is not None and contact.gaps == AUTO:
+        if (line := leaning.get(f"moment of contact {contact.name!r}")) is not None and contact.kinematics == AUTO:
             found.append(Choice(KINEMATICS, contact.name, "closest_point", line.basis))
         loaded = result.contact(contact.name)
         used = result.history.scene.contact(contact.name)

@@ -161,7 +161,7 @@ def _contact_choices(scene: Any, base: Setting, found: Choices) -> list[Setting]
     if all(_patch_ready(contact) for contact in scene.contacts):
         pairs.append({"grid": "contact_fixed" if all(c.grid == "body_fixed" for c in scene.contacts) else "material"})
     else:
-        found.left_out.append(("grid", "patch", "a body in contact was reduced without contact_fixed=True"))
+        found.left_out.append(("grid", "contact_fixed", "a body in contact was reduced without contact_fixed=True"))
     if all(contact.a.surface.sampling is not None for contact in scene.contacts):
         pairs.append({"grid": "body_fixed", "evaluation": "hyper"})
     else:

@@ -88,7 +88,8 @@ class PatchPlan:
 
     @classmethod
     def of(cls, contact: Contact, *, off_end: bool = False) -> PatchPlan:
-        """The plan of a contact with grid "patch"; `off_end`: patches of crowns run off an end of their surfaces."""
+        """The plan of a contact with grid "contact_fixed"; `off_end`: patches of crowns run off an end of their
+        surfaces."""
         across, along = relative_curvatures(contact)
         if not across > 0.0:
             raise InputError(
