@@ -47,7 +47,9 @@ def test_the_budget_says_what_is_left_out_and_accuracy_asks_for_points() -> None
     pair = result.history.contacts[PAIR]
     moment = np.linalg.norm(pair.torque, axis=1)[np.linalg.norm(pair.force, axis=1).argmax()]
     assert line.size == pytest.approx(TILT * RADIUS * np.linalg.norm(pair.force, axis=1).max() / moment, rel=0.05)
-    asked = [choice for choice in contact_choices(scene, result, lines, Limits.of(1e-3)) if choice.option == "kinematics"]
+    asked = [
+        choice for choice in contact_choices(scene, result, lines, Limits.of(1e-3)) if choice.option == "kinematics"
+    ]
     assert [(choice.name, choice.value) for choice in asked] == [(PAIR, "closest_point")]
     assert not [c for c in contact_choices(scene, result, lines, Limits.of(0.2)) if c.option == "kinematics"]
     before = scene.content_hash()

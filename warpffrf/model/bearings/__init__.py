@@ -13,12 +13,15 @@ surfaces ask for: a new kind of bearing is a geometry and a builder.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from warpffrf.model.bearings.ball import add_ball_bearing
 from warpffrf.model.bearings.bearing import Bearing
 from warpffrf.model.bearings.cage import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.preload import Preload, PreloadForce, PreloadOffset
 from warpffrf.model.bearings.roller import add_roller_bearing
+from warpffrf.model.errors import no_attribute
 
 __all__ = [
     "Bearing", "Cage", "Flanges", "PocketCage", "Preload", "PreloadForce", "PreloadOffset", "PrescribedCage",
@@ -29,3 +32,7 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)

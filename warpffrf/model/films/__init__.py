@@ -12,6 +12,9 @@ The oils are in `warpffrf.model.oils`.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from warpffrf.model.errors import no_attribute
 from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, AxialGroove, CircumferentialGroove, Feed, SupplyHole
 from warpffrf.model.films.film import EVALUATIONS, Film
@@ -35,3 +38,7 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)

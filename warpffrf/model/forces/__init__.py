@@ -8,6 +8,9 @@ one new file and one line here. What a spring or damper does that is not in prop
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from warpffrf.model.errors import no_attribute
 from warpffrf.model.forces.bearing_spring import BearingSpring
 from warpffrf.model.forces.bushing import Bushing
 from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic, ForcePolynomial, ForceTable, PowerLaw
@@ -72,3 +75,7 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)

@@ -18,9 +18,9 @@ A law of one's own is a subclass of `Law` with a curve of `warpffrf.model.laws.c
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, no_attribute
 from warpffrf.model.friction import (
     Coulomb,
     FrictionLaw,
@@ -92,3 +92,7 @@ def as_law(value: Any, label: str, name: str = "law") -> Law:
             "damping, or take another curve"
         )
     return value
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)
