@@ -18,7 +18,8 @@ from printed import commands, python_blocks
 from warpffrf.cli import app
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("examples", "running", "features"))]
+README = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)  # the front page and what it leads to
 HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
 
 
@@ -54,6 +55,8 @@ def test_examples_are_short() -> None:
 def test_the_two_rollers_run(tmp_path: Path) -> None:
     said = run_example(0, tmp_path)
     assert said.startswith("status            completed"), said
+    quoted = quoted_after(0)
+    assert len(quoted) > 10 and [line for line in quoted if not said_in(line, said)] == []
     width, hertz = (float(x) for x in said.strip().splitlines()[-1].split())
     assert abs(width / hertz - 1.0) < HALF_WIDTH_TOLERANCE
     assert {"rollers.h5", "rollers.rrd"} <= {p.name for p in tmp_path.iterdir()}
@@ -97,7 +100,8 @@ def said_in(quoted: str, said: str) -> bool:
 def quoted_after(number: int) -> list[str]:
     """The lines of output that the README shows after an example, up to the next heading."""
     text = README.split(blocks()[number])[1].split("```")[1].split("\n## ")[0]
-    return [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
+    return [line for line in lines if not line.startswith("warpffrf ")]
 
 
 @pytest.mark.parametrize(("number", "lines"), [(2, 6), (3, 10)])
