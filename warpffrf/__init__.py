@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from warpffrf import examples, study
     from warpffrf.model import (
-        bases,
         bearings,
         damping,
         films,
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
-    from warpffrf.offline import reduce
+    from warpffrf.offline import bases, reduce
     from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
@@ -113,7 +112,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Scene": ("warpffrf.model.scene", "Scene"),
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.reduced.stress_field", "StressPoints"),
-    "bases": ("warpffrf.model.bases", None),
+    "bases": ("warpffrf.offline.bases", None),
     "bearings": ("warpffrf.model.bearings", None),
     "campbell": ("warpffrf.output.campbell", "campbell"),
     "compare": ("warpffrf.output.comparison", "compare"),

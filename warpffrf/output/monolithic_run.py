@@ -218,12 +218,13 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts, films=films,
         energy={line: found.energy.get(line, missing).copy() for line in ENERGY_LINES},
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
-        counters=counters, forces=forces, sensors=sensor_histories(scene, T, bodies, joints, forces),
+        counters=counters, forces=forces,
         notes=[*notes, *found.notes, *left_out_notes(scene, found.dropped, bodies, T),
                *half_turn_notes(springs.laws, bodies, T), *characteristic_notes(springs.laws, stretches, time),
                *deflection_lines(scene, deflections(scene, bodies))],
         checkpoint={} if found.final is None else to_arrays(found.final),
     )  # fmt: skip
+    history.sensors = sensor_histories(history)
     history.notes += [*fall_notes(scene, history), *untouched_notes(scene, history)]
     return history
 

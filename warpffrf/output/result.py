@@ -25,6 +25,7 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SensorHistory,
 )
+from warpffrf.online.history.sensors import sensor_history, sensor_values
 from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from warpffrf.model.scene import Scene
+    from warpffrf.model.sensors import Sensor
     from warpffrf.output.bearings.stiffness import BearingStiffness
     from warpffrf.output.bodies.stress import StressResult
     from warpffrf.output.bodies.stress_below import StressBelow
@@ -240,7 +242,7 @@ class Result(reprs.Shown):
     @property
     def sensor_names(self) -> list[str]:
         """Names of the sensors."""
-        return [*self.history.sensors, *self._stress_sensors]
+        return [*self.history.sensors, *self._late_sensors]
 
     def sensor(self, name: str) -> SensorHistory:
         """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
@@ -249,21 +251,16 @@ class Result(reprs.Shown):
         >>> result.sensor("place").unit
         'm'
         """
-        from warpffrf.model.reduced.stress_field import von_mises
-        from warpffrf.output.bodies.stress import stress_at_point
+        late = self._late_sensors
+        if name in late:
+            return sensor_history(late[name], sensor_values(late[name], self))
+        return _named({**self.history.sensors, **late}, "sensor", name)
 
-        if name not in self.history.sensors and name in self._stress_sensors:
-            sensor = self._stress_sensors[name]
-            tensor = stress_at_point(self, sensor.body.name, sensor.points, sensor.index)
-            values = np.concatenate([tensor, von_mises(tensor)[:, None]], axis=1)
-            return SensorHistory(sensor.kind, sensor.unit, sensor.frame, sensor.components, values)
-        return _named({**self.history.sensors, **self._stress_sensors}, "sensor", name)
-
-    @cached_property
-    def _stress_sensors(self) -> dict[str, Any]:
-        """Sensors of a live scene that the run itself has not evaluated; a file holds the values of all."""
+    @property
+    def _late_sensors(self) -> dict[str, Sensor]:
+        """Sensors of a live scene that are evaluated when they are asked for; a file holds the values of all."""
         sensors = getattr(self.history.scene, "sensors", [])
-        return {s.name: s for s in sensors if s.name not in self.history.sensors and s.kind == "stress"}
+        return {s.name: s for s in sensors if s.name not in self.history.sensors}
 
     def contact(self, name: str) -> PairResult:
         """The contact pair called `name`; raises InputError when there is none.
@@ -291,17 +288,25 @@ class Result(reprs.Shown):
             if body.reduced is not None
         }
 
-    def stress(self, body: str, points: str, *, rows: Sequence[int] | np.ndarray | None = None) -> StressResult:
+    def stress(
+        self,
+        body: str,
+        points: str,
+        *,
+        rows: Sequence[int] | np.ndarray | None = None,
+        only: Sequence[int] | None = None,
+    ) -> StressResult:
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
         points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        rows: numbers (r,) of the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a
-        point and step: of many points name the rows. Raises InputError for a body without stress points of that name,
-        the message lists those there are, and for rows that the run does not have.
+        rows: numbers (r,) of the saved steps wanted, negative ones from the end; only: numbers (p,) of the points
+        wanted; all if None, which takes 48 bytes per point and step: of many points name the rows. Raises InputError
+        for a body without stress points of that name, the message lists those there are, and for rows and points that
+        there are not.
         """
         from warpffrf.output.bodies.stress import stress_result
 
-        return stress_result(self, body, points, rows)
+        return stress_result(self, body, points, rows, only)
 
     def stress_below(
         self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None

@@ -398,9 +398,12 @@ def _method_name(method: str | Monolithic) -> str:
 
 
 def known_integrator(integrator: Any, where: str) -> None:
-    if integrator is not None and not isinstance(integrator, tuple(INTEGRATORS.values())):
+    if integrator is not None and not isinstance(integrator, (Integrator, *CHECK_INTEGRATORS)):
         names = ", ".join(f"integrators.{kind.__name__}()" for kind in INTEGRATORS.values())
-        raise InputError(f"{where}: integrator must be one of {names}, got {integrator!r}; names are for scene files")
+        raise InputError(
+            f"{where}: integrator must be one of {names}, or an integrators.Integrator of your own, got "
+            f"{integrator!r}; names are for scene files"
+        )
 
 
 def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:

@@ -200,7 +200,6 @@ def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
     laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators,
     treatments of local modes, the monolithic method, stress points, parts of bearings."""
-    from warpffrf.model.bases import BASES
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
@@ -212,6 +211,7 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
     from warpffrf.monolithic import Monolithic
+    from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
     others = [StressPoints, LapCells, Monolithic, DowsonHigginson, iso_vg]

@@ -37,6 +37,7 @@ from warpffrf.model.laws.law import Law
 from warpffrf.model.laws.linear_layer import LinearLayer
 from warpffrf.model.laws.lumped import (
     LUMPED_LAWS,
+    Approach,
     ForceTable,
     HertzPoint,
     IsoLamina,
@@ -57,10 +58,10 @@ LAWS = {
 }  # fmt: skip
 
 __all__ = [
-    "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw", "GreenwoodTripp",
-    "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
-    "RegularisedCoulomb", "RollingHysteresis", "RollingLever", "RollingResistance", "StribeckCoulomb", "TableCoulomb",
-    "TableLayer", "TractionCurve", "Unilateral", "as_law", "curves",
+    "LAWS", "LUMPED_LAWS", "Approach", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw",
+    "GreenwoodTripp", "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "LumpedLaw", "NonlinearLayer",
+    "PalmgrenLine", "PowerForce", "RegularisedCoulomb", "RollingHysteresis", "RollingLever", "RollingResistance",
+    "StribeckCoulomb", "TableCoulomb", "TableLayer", "TractionCurve", "Unilateral", "as_law", "curves",
 ]  # fmt: skip
 
 

@@ -236,12 +236,13 @@ def history_of(scene: Scene, rows: Rows) -> History:
         r, p, v, w, q, qd, vdot, wdot, qdd = np.split(x, ends, axis=1)
         bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
     forces = force_histories(scene, ForceTable(), times, np.zeros((T, 0)), np.zeros((T, 0, 6)), bodies)
-    return History(
+    history = History(
         scene=scene, time=times, step_size=rows["step"], bodies=bodies, joints={}, contacts={}, forces=forces,
-        sensors=sensor_histories(scene, T, bodies, {}, forces),
         energy={name: energy[:, i].copy() for i, name in enumerate(ENERGY_LINES)},
         iterations=rows["iterations"], factorisations=np.zeros(T, dtype=int),
     )  # fmt: skip
+    history.sensors = sensor_histories(history)
+    return history
 
 
 def _checkpoint(states: list[Motion], energy: list[float], t: float) -> dict[str, np.ndarray]:
