@@ -19,7 +19,7 @@ import numpy as np
 from warpffrf import monolithic
 from warpffrf.model.checks.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.checks.overlap import refuse_overlap
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces.notes import characteristic_notes
@@ -94,7 +94,7 @@ def run_monolithic(
     continued = isinstance(start, History | Unfinished)
     began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
     if not isinstance(start, Unfinished):
-        refuse_short_tables(scene, began, began + step_count(duration, step)[0] * step)
+        refuse_short_signals(scene, began, began + step_count(duration, step)[0] * step)
     if not continued:
         if start == "initial":
             refuse_positions(scene)

@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
 from warpffrf.model.messages.console import speaking
@@ -291,7 +291,7 @@ def _staged(
         end = (monolithic_checkpoint.time_of if reference else time_of)(beginning.checkpoint)
     for stage in stages:
         begin, end = end, end + stage.duration
-        refuse_short_tables(stage.scene(scene), begin, end)
+        refuse_short_signals(stage.scene(scene), begin, end)
     parts: dict[str, Result] = {}
     interrupted = ""
     with outputs.locked(results) as whole:

@@ -54,7 +54,8 @@ class Feed(ABC):
 
     @abstractmethod
     def nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """The nodes (columns, rows) nearest to it, none in the first and the last row."""
+        """The nodes (columns, rows) bool of the grid of the surface `shape`, at theta (columns,) [rad, of a plane m],
+        z (rows,) [m], that are nearest to it, none in the first and the last row."""
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""

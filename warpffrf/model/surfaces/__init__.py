@@ -3,8 +3,8 @@
     outside   Cylinder  CrownedCylinder  ProfiledCylinder  Groove  Sphere  Cone  Plane
     inside    Bore      Ring (grooved)                             Cup     ConicalBore
 
-What they share is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). A surface of
-one's own is a subclass of `RevolutionShape` with a `profile`, or of one of these.
+What they share is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES`
+has them by kind. A surface of one's own is a subclass of `RevolutionShape` with a `profile`, or of one of these.
 """
 
 from __future__ import annotations

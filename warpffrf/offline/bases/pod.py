@@ -97,6 +97,7 @@ class POD(Basis):
             )
 
     def columns(self, problem: BasisProblem) -> RawBasis:
+        """The leading POD vectors of the body `problem`. Raises `InputError` for snapshots that do not fit it."""
         problem.require_fits(self.kind, problem.limits.count or 0, "POD vectors")
         facts: dict = {}
         if self.snapshots is None:

@@ -200,6 +200,8 @@ class TrialVectorDerivatives(ModalBasis):
         return self.first, self.second
 
     def columns(self, problem: BasisProblem) -> RawBasis:
+        """Vibration modes and joint modes of the body `problem`. Raises `InputError` where there is no mode to take
+        derivatives of."""
         if problem.mesh is None:
             raise ValueError("trial vector derivatives need the mesh of the body")
         problem.require_fits(self.kind, problem.limits.count or 0, "vibration modes")

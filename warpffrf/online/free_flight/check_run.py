@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Rows, Source, Unfinished
@@ -156,7 +156,7 @@ def run_check(
     count = _Counts(time_of(start.checkpoint) if isinstance(start, History) else 0.0)
     if isinstance(start, Unfinished):
         count = _Counts.of(start.checkpoint[COUNTS])
-    refuse_short_tables(scene, count.begin, count.begin + steps * step)
+    refuse_short_signals(scene, count.begin, count.begin + steps * step)
     began = time.perf_counter()
     start_warp()  # the clock of the checkpoint is a structure of Warp
     plan = InertiaPlan.of(scene)
