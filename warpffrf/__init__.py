@@ -28,7 +28,7 @@ if TYPE_CHECKING:
         surfaces,
     )
     from warpffrf.model.contact import Contact
-    from warpffrf.model.errors import InputError
+    from warpffrf.model.errors import InputError, RunError
     from warpffrf.model.films import Film
     from warpffrf.model.laps import Lap, LapCells
     from warpffrf.model.lumped_contact import LumpedContact
@@ -64,6 +64,7 @@ __all__ = [
     "Material",
     "ReducedBody",
     "Result",
+    "RunError",
     "Scene",
     "Stage",
     "StressPoints",
@@ -109,6 +110,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Material": ("warpffrf.model.material", "Material"),
     "ReducedBody": ("warpffrf.model.reduced.body", "ReducedBody"),
     "Result": ("warpffrf.output.result", "Result"),
+    "RunError": ("warpffrf.model.errors", "RunError"),
     "Scene": ("warpffrf.model.scene", "Scene"),
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.reduced.stress_field", "StressPoints"),

@@ -316,9 +316,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
             "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self", "with_bodies")),
         },
-        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "progress", "overwrite"))},
+        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "progress", "overwrite", "check"))},
         "simulate": {
-            "": form_of("simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume"))
+            "": form_of(
+                "simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume", "check")
+            )
         },
         "stages": {"": form_of("stage", Stage, {"overrides": "overrides"})},
     }
