@@ -316,7 +316,7 @@ def test_a_run_that_never_touches_and_one_without_rows(result: Result, tmp_path:
     assert not found.touching.any() and not found.half_width.any() and not found.peak_pressure.any()
     assert not open_run.skins()["upper"].pressure(0).any() and "open in the last row" in open_run.report()
     assert np.all(np.isfinite(open_run.stress("lower", "top").tensor))
-    open_run.plot("summary")
+    open_run.summary()
     assert record(open_run, tmp_path / "open.rrd", max_frames=1).frames == 1
     empty = Result.load(tmp_path / "run.h5")
     history, contact = empty.history, empty.history.contacts[PAIR]
@@ -333,7 +333,7 @@ def test_a_run_that_never_touches_and_one_without_rows(result: Result, tmp_path:
 
 
 def test_plots_and_report(result: Result, tmp_path: Path) -> None:
-    figure = result.plot("summary")
+    figure = result.summary()
     figure.savefig(tmp_path / "summary.png", dpi=40)
     assert (tmp_path / "summary.png").stat().st_size > 0
     text = result.report()

@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -396,27 +396,12 @@ class Result(reprs.Shown):
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return f"Result(status={self.status!r}, rows={len(self.time)}, end={end}, contacts={self.contact_names})"
 
-    @overload
-    def plot(
-        self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
-        film: str | None = None, row: int | None = None, lap: str | None = None, channel: str | None = None,
-        speed: str | None = None, bearing: str | None = None,
-    ) -> Figure: ...  # fmt: skip
-
-    @overload
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
         row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
         bearing: str | None = None,
-    ) -> Axes: ...  # fmt: skip
-
-    def plot(
-        self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
-        bearing: str | None = None,
-    ) -> Any:  # fmt: skip
-        """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
-        returns a Figure.
+    ) -> Axes:  # fmt: skip
+        """Draw one kind of plot on the matplotlib axes `ax` (new ones when None) and return them.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
         film, lap, bearing: likewise the oil film, the lap and the bearing; row: the saved step of their maps and loads,
@@ -425,12 +410,23 @@ class Result(reprs.Shown):
         `warpffrf plot --list`. Raises InputError for an unknown kind, pair, film, lap, bearing, history or body, and
         what a run has not.
 
-        >>> result.plot().savefig("summary.png")
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
         return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed, bearing)
+
+    def summary(
+        self, *, contact: str | None = None, film: str | None = None, row: int | None = None, lap: str | None = None
+    ) -> Figure:
+        """A matplotlib Figure with every plot that the run has data for; contact, film, row, lap: as of `plot`. Raises
+        InputError as `plot`.
+
+        >>> result.summary().savefig("summary.png")
+        """
+        from warpffrf.output.plots import figure
+
+        return figure.summary(self, contact, film, row, lap)
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,
