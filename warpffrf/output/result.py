@@ -173,8 +173,8 @@ class Result(reprs.Shown):
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
         """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central
         differences of twelve equilibria (`warpffrf.output.bearings.stiffness`); `.left_out` names friction and loads of
-        elements that are not in it. Raises InputError for flexible rings that nothing holds, for a bearing without
-        load, and for a result that was read from a file."""
+        elements that are not in it. NaN, with `.reason`, of a bearing without load. Raises InputError for flexible
+        rings that nothing holds, and for a result that was read from a file."""
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)
@@ -360,14 +360,14 @@ class Result(reprs.Shown):
         a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far
         it is, on stderr.
 
-        Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
-        method and the check integrators.
+        Where it cannot be made, of results that were read from a file without one, of the monolithic method and the
+        check integrators, it is one line "not estimated" of size NaN, whose `basis` is the reason.
         """
         from warpffrf.output.budget import budget
 
         if not self.history.budget:
             if reason := budget.why_not(self):
-                raise InputError(f"not made: {reason}")
+                return [BudgetLine(budget.UNKNOWN, "all results", np.nan, f"not made: {reason}")]
             with speaking(progress):
                 self.history.budget = budget.error_budget(self, progress=progress)
         return self.history.budget
