@@ -31,7 +31,7 @@ def written(folder: Path) -> Path:
 
 
 def test_the_scripts_work(tmp_path: Path) -> None:
-    assert len(SCRIPTS) == PAGE.count("```python") == 12
+    assert len(SCRIPTS) == PAGE.count("```python") == 15
     done = subprocess.run([sys.executable, "-c", RUN_ALL], cwd=written(tmp_path), capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 

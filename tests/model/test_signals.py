@@ -1,5 +1,7 @@
 """Signals: values, derivatives, integrals, and the border."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -98,6 +100,7 @@ def test_a_step_is_a_jump() -> None:
 
 
 def test_a_table_of_a_file(tmp_path) -> None:
+    columns: Any
     for text, columns in (
         ("# of a bench\ntime [s];speed;load\n0;5;1.5\n0.2;6;2.5\n", {"time": "time [s]", "value": "load"}),
         ("0, 1.5\n\n0.2, 2.5\n", {}),

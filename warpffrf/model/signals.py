@@ -310,7 +310,7 @@ class Harmonics(Signal):
         fastest = np.sum(powers * np.abs(c[owner, 1:]) * np.diff(ends)[:, None] ** (powers - 1), axis=1)
         counts = np.maximum(np.ceil(fastest * np.diff(ends) * orders / FIRST - 1e-9), 1.0)
         self._require_few(float(counts.sum()))
-        parts = [np.linspace(*ends[i : i + 2], int(n), endpoint=False) for i, n in enumerate(counts)]
+        parts = [np.linspace(ends[i], ends[i + 1], int(n), endpoint=False) for i, n in enumerate(counts)]
         owner = np.repeat(owner, counts.astype(int))
         at = np.append(np.concatenate(parts), self.duration)
         pair = [np.pad(series, (0, orders - len(series))) for series in (self.cosines, self.sines)]

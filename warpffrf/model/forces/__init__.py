@@ -10,7 +10,14 @@ from __future__ import annotations
 
 from warpffrf.model.forces.bearing import Bearing
 from warpffrf.model.forces.bushing import Bushing
-from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic, ForcePolynomial, ForceTable, PowerLaw
+from warpffrf.model.forces.characteristics import (
+    CHARACTERISTICS,
+    Characteristic,
+    ForcePolynomial,
+    ForceTable,
+    Pieces,
+    PowerLaw,
+)
 from warpffrf.model.forces.cylindrical_friction import CylindricalFriction
 from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.joint_spring import JointSpringDamper, TorsionalSpringDamper
@@ -56,6 +63,7 @@ __all__ = [
     "ForceTable",
     "JointSpringDamper",
     "NodalLoad",
+    "Pieces",
     "PointForce",
     "PointLoad",
     "PointTorque",
