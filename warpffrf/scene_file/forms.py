@@ -192,7 +192,11 @@ def signal_kinds() -> dict[str, Form]:
     from warpffrf.model import signals
 
     classes = [cls for _, cls in _classes(signals) if issubclass(cls, signals.Signal) and cls is not signals.Signal]
-    return {snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in classes}
+    found = {}
+    for cls in classes:
+        signals_in = [p.name for p in inspect.signature(cls).parameters.values() if "Signal" in str(p.annotation)]
+        found[snake_case(cls.__name__)] = form_of(snake_case(cls.__name__), cls, dict.fromkeys(signals_in, "value"))
+    return found
 
 
 @cache
