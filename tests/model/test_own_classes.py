@@ -68,6 +68,20 @@ def test_a_surface_of_ones_own_is_read_from_a_file() -> None:
     assert type(found) is Stub and found.describe() == own.describe()
 
 
+class Nameless(wf.sensors.JointReaction):
+    """A sensor without a kind."""
+
+    kind = ""
+
+
+def test_a_class_without_a_kind_is_refused() -> None:
+    scene = wf.Scene()
+    body = scene.add_rigid_body(1.0, (1.0, 1.0, 1.0), name="body")
+    pin = scene.add(wf.joints.Revolute(scene.ground, body.at((0, 0, 0)), axis=(0, 0, 1)))
+    with pytest.raises(InputError, match="scene: Nameless has no kind; give the class one"):
+        scene.add(Nameless(pin))
+
+
 def test_a_base_without_what_it_needs_is_not_made() -> None:
     for base in (wf.sensors.Sensor, wf.forces.Force, wf.integrators.Integrator, wf.bases.Basis):
         with pytest.raises(TypeError, match="abstract"):

@@ -196,6 +196,8 @@ class Scene(reprs.Shown):
                 f"scene: {item!r} cannot be added; joints, drives, forces, contacts, films, laps and sensors can"
             )
         thing: Any = item
+        if not thing.kind:
+            raise InputError(f"scene: {type(thing).__name__} has no kind; give the class one, as kind = 'power'")
         members = getattr(self, where)
         names = {member.name for member in members}
         if thing.name in names and any(member is thing for member in members):
