@@ -250,7 +250,7 @@ def test_too_fast_patches_are_in_the_budget(patch: Result) -> None:
 
 @pytest.mark.parametrize("kind", [*FRICTION_PLOTS, "summary"])
 def test_plots_draw_cells(patch: Result, kind: str, tmp_path: Path) -> None:
-    figure = patch.plot("summary") if kind == "summary" else Figure()
+    figure = patch.summary() if kind == "summary" else Figure()
     if kind != "summary":
         axes = patch.plot(kind, figure.add_subplot())
         assert "[" in axes.get_xlabel() and "[" in axes.get_ylabel() and axes.has_data()

@@ -101,7 +101,7 @@ def test_it_reports_plots_saves_and_records(both: tuple[Result, Result], tmp_pat
     result = both[1]
     text = result.report()
     assert "not booked" in text and "works of forces" in text and "nan " not in text.lower()
-    assert result.plot("summary") is not None
+    assert result.summary() is not None
     loaded = Result.load(result.save(tmp_path / "r.h5"))
     assert off(result.contact(PAIR).mean_pressure, loaded.contact(PAIR).mean_pressure) == 0.0
     assert record(result, tmp_path / "r.rrd").frames == len(result.time)

@@ -90,7 +90,7 @@ def test_an_old_file_says_what_its_version_read_out_of_it(unpacked: dict[str, Pa
 def test_an_old_file_is_reported_drawn_and_written_anew(unpacked: dict[str, Path], name: str, tmp_path: Path) -> None:
     result = wf.Result.load(unpacked[name])
     assert "status            completed" in result.report(progress=False)
-    result.plot().savefig(tmp_path / "summary.png")
+    result.summary().savefig(tmp_path / "summary.png")
     plt.close("all")
     table = result.to_dataframe()
     for skin in result.skins().values():

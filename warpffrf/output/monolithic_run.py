@@ -19,7 +19,7 @@ import numpy as np
 from warpffrf import monolithic
 from warpffrf.model.checks.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.checks.overlap import refuse_overlap
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces.notes import characteristic_notes
@@ -94,7 +94,7 @@ def run_monolithic(
     continued = isinstance(start, History | Unfinished)
     began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
     if not isinstance(start, Unfinished):
-        refuse_short_tables(scene, began, began + step_count(duration, step)[0] * step)
+        refuse_short_signals(scene, began, began + step_count(duration, step)[0] * step)
     if not continued:
         if start == "initial":
             refuse_positions(scene)
@@ -218,12 +218,13 @@ def to_history(found: monolithic.MonolithicHistory, notes: list[str]) -> History
         scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts, films=films,
         energy={line: found.energy.get(line, missing).copy() for line in ENERGY_LINES},
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
-        counters=counters, forces=forces, sensors=sensor_histories(scene, T, bodies, joints, forces),
+        counters=counters, forces=forces,
         notes=[*notes, *found.notes, *left_out_notes(scene, found.dropped, bodies, T),
                *half_turn_notes(springs.laws, bodies, T), *characteristic_notes(springs.laws, stretches, time),
                *deflection_lines(scene, deflections(scene, bodies))],
         checkpoint={} if found.final is None else to_arrays(found.final),
     )  # fmt: skip
+    history.sensors = sensor_histories(history)
     history.notes += [*fall_notes(scene, history), *untouched_notes(scene, history)]
     return history
 

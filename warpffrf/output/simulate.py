@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.checks.signal_cover import refuse_short_tables
-from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
+from warpffrf.model.checks.signal_cover import refuse_short_signals
+from warpffrf.model.errors import MOST_COUNTED, InputError, RunError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
 from warpffrf.model.messages.console import speaking
 from warpffrf.model.messages.interruption import terminated_as_interrupted
@@ -33,7 +33,7 @@ from warpffrf.output.budget.budget import largest_of_each
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import ENDING
 from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows
-from warpffrf.output.outputs import KEEP_EVERY, Outputs
+from warpffrf.output.outputs import KEEP_EVERY, Kind, Outputs
 from warpffrf.output.result import Result
 
 METHODS = ("separated", "monolithic")
@@ -78,6 +78,7 @@ def simulate(
     record_every: int | None = None,
     device: str | None = None,
     progress: bool = True,
+    check: bool = False,
     project_start: bool = False,
     overwrite: bool = False,
     resume: bool = False,
@@ -112,8 +113,9 @@ def simulate(
     variable WARPFFRF_DEVICE names, else the CPU. progress: what is being done, and the notes of the run, on stderr:
     bars on a terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages,
     results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails
-    does not raise: see `status` and `message` of the Result. Wrong input raises InputError before the run. Threads may
-    call it at once, and get the same bits: steps go on side by side, all else one after the other
+    does not raise, see `status` and `message` of the Result; with check a run that does not complete raises `RunError`,
+    whose `result` has what was computed, after its files were written. Wrong input raises InputError before the run.
+    Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
     (`warpffrf.online.turn`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
@@ -168,18 +170,18 @@ def simulate(
                 refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
             if limits is not None and duration is not None:
                 found = _accurate(scene, beginning, duration, step, limits, options, outputs, results)
-                return outputs.record(found, record, record_every, progress)
+                return checked(outputs.record(found, record, record_every, progress), check)
             if duration is None or step is None:
                 raise InputError(
                     "simulate: give duration and step, or stages=[Stage(name, duration, step), ...], or duration and "
                     "accuracy="
                 )
             found = outputs.run(scene, _run, beginning, duration, step, options, results)
-            return outputs.record(found, record, record_every, progress)
+            return checked(outputs.record(found, record, record_every, progress), check)
         if duration is not None or step is not None:
             raise InputError("simulate: stages have their own duration and step; leave those of the run out")
         found = _staged(scene, check_stages(scene, stages), beginning, results, options, outputs)
-        return outputs.record(found, record, record_every, progress)
+        return checked(outputs.record(found, record, record_every, progress), check)
 
 
 def _run(
@@ -291,7 +293,7 @@ def _staged(
         end = (monolithic_checkpoint.time_of if reference else time_of)(beginning.checkpoint)
     for stage in stages:
         begin, end = end, end + stage.duration
-        refuse_short_tables(stage.scene(scene), begin, end)
+        refuse_short_signals(stage.scene(scene), begin, end)
     parts: dict[str, Result] = {}
     interrupted = ""
     with outputs.locked(results) as whole:
@@ -353,6 +355,7 @@ def equilibrium(
     record: str | os.PathLike[str] | None = None,
     device: str | None = None,
     progress: bool = True,
+    check: bool = False,
     overwrite: bool = False,
 ) -> Result:
     """The static state of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
@@ -361,9 +364,9 @@ def equilibrium(
     contact surfaces from where they are pressed together, as that of laps does in any case
     (`warpffrf.online.start.rub_to_rest`, with the path of loads that this means). Runs that `start` from the Result, in
     time or static, go on with it.
-    Not converging is a status, not an exception; wrong input raises InputError. results, record: files to write (.h5,
-    .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on stderr.
-    overwrite: replace files of an earlier call.
+    Not converging is a status; with check it raises `RunError`. Wrong input raises InputError. results, record: files
+    to write (.h5, .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on
+    stderr. overwrite: replace files of an earlier call.
 
     >>> rest = wf.equilibrium(scene, progress=False)
     >>> round(float(rest.contact("lower-upper").force_magnitude[0]))  # N, of the spring and the push
@@ -375,7 +378,14 @@ def equilibrium(
     with terminated_as_interrupted(), speaking(progress), outputs.locked(results) as whole:
         log.info("equilibrium: %s", _holds(scene))
         found = whole.written(Result(find_equilibrium(scene, friction=friction, device=device, progress=progress)))
-        return outputs.record(found, record, None, progress)
+        return checked(outputs.record(found, record, None, progress), check)
+
+
+def checked(result: Kind, check: bool) -> Kind:
+    """The `result`. Raises `RunError` for one that did not complete, if `check`."""
+    if check and result.status != "completed":
+        raise RunError(result)
+    return result
 
 
 def known(option: str, value: str, values: tuple[str, ...]) -> None:
@@ -398,9 +408,12 @@ def _method_name(method: str | Monolithic) -> str:
 
 
 def known_integrator(integrator: Any, where: str) -> None:
-    if integrator is not None and not isinstance(integrator, tuple(INTEGRATORS.values())):
+    if integrator is not None and not isinstance(integrator, (Integrator, *CHECK_INTEGRATORS)):
         names = ", ".join(f"integrators.{kind.__name__}()" for kind in INTEGRATORS.values())
-        raise InputError(f"{where}: integrator must be one of {names}, got {integrator!r}; names are for scene files")
+        raise InputError(
+            f"{where}: integrator must be one of {names}, or an integrators.Integrator of your own, got "
+            f"{integrator!r}; names are for scene files"
+        )
 
 
 def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:

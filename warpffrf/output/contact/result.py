@@ -195,7 +195,7 @@ class ContactResult(PairResult):
         """How right the von Mises stress below the line is in saved step `i`, and the depth of its maximum, by flexible
         body; bodies whose cells at the surface are no hexahedra are left out.
 
-        Raises `InputError` where nothing touches, where the contact is no line, and where the mesh is too coarse to
+        NaN, and the `reason`, where nothing touches, where the contact is no line, and where the mesh is too coarse to
         tell.
         """
         return stress_errors(self, i)
