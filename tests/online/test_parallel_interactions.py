@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 
 import warpffrf as wf
+from references import monolithic
 from warpffrf.model.errors import InputError
 from warpffrf.online import Engine, run
 
@@ -41,8 +40,8 @@ def pressed(roller: wf.ReducedBody, *options: dict, speed: float = 0.0) -> wf.Sc
     return scene
 
 
-def layers(*stiffness: float, **more: Any) -> list[dict]:
-    return [{"law": wf.laws.LinearLayer(stiffness=k), **more} for k in stiffness]
+def layers(*stiffness: float) -> list[dict]:
+    return [{"law": wf.laws.LinearLayer(stiffness=k)} for k in stiffness]
 
 
 def test_layers_side_by_side_share_the_pressure(roller: wf.ReducedBody) -> None:
@@ -59,10 +58,10 @@ def test_layers_side_by_side_share_the_pressure(roller: wf.ReducedBody) -> None:
 
 
 def test_the_monolithic_reference_shares_alike(roller: wf.ReducedBody) -> None:
-    scene = pressed(roller, *layers(*PARTS, evaluation="full"))
-    history = wf.simulate(scene, STEP, step=STEP, start="equilibrium", method="monolithic", progress=False)
+    scene = pressed(roller, *layers(*PARTS))
+    history = monolithic.run(scene, STEP, step=STEP, start="equilibrium", at_nodes=True, progress=False)
     for number, stiffness in enumerate(PARTS):
-        force = history.contact(f"part {number}").force[-1]
+        force = history.contacts[f"part {number}"].force[-1]
         assert float(force[2]) == pytest.approx(-stiffness / WHOLE * LOAD, rel=SAME)
 
 

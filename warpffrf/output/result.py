@@ -355,8 +355,8 @@ class Result(reprs.Shown):
         a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far
         it is, on stderr.
 
-        Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
-        method and the check integrators.
+        Raises InputError where it cannot be made: of results that were read from a file without one, and of the check
+        integrators.
         """
         from warpffrf.output.budget import budget
 

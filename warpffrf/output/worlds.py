@@ -82,8 +82,7 @@ def simulate_worlds(
     save every so many steps, and the last. device: "cpu" or "cuda:0", None for what WARPFFRF_DEVICE names. progress:
     bar and notes on stderr, notes that several scenes share once. project_start: change initial velocities that do not
     fit the joints.
-    Stages, accuracy, going on from a Result, resume, recordings, the monolithic method and check integrators are for
-    single runs.
+    Stages, accuracy, going on from a Result, resume, recordings and check integrators are for single runs.
 
     Raises InputError before the run for wrong input, with the number of the scene, counted from 0, in front; and where
     scenes are of another kind than the first, with what differs.

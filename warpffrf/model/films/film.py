@@ -28,7 +28,7 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces.form_deviations import Form, as_form
 from warpffrf.model.surfaces.round_form import refuse_form
 
-EVALUATIONS = ("semi", "hyper", "full")
+EVALUATIONS = ("semi", "hyper")
 PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
@@ -51,8 +51,7 @@ class Film(reprs.Item):
     deviate from their true shapes (`warpffrf.films`). roughness, roughness_second: `films.Roughness` of the two walls,
     with the flow factors of Patir and Cheng; None for smooth ones. evaluation: "semi", all hats of the contact grid at
     all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
-    few points, or "full", pressures at the FE nodes of the first surface, which method "monolithic" solves for. name:
-    default "<first body>-<second body>". Raises `InputError`.
+    few points. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "films"
