@@ -1,5 +1,6 @@
-"""Evaluations "semi" and "hyper" beside the law at FE nodes: `python bench/evaluations.py [--json FILE] [--errors | --times |
---layers]`.
+"""Evaluations "semi" and "hyper" beside the law at FE nodes.
+
+`python bench/evaluations.py [--json FILE] [--errors | --times | --layers]`
 
 *Errors* of "semi" and "hyper" against "full", two rollers with a stiff layer between them rolling over each other at a
 constant approach: force, pressure and stress, on finer and finer meshes, with two layers, on equal and unequal grids.

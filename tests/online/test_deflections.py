@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from references.membrane import membrane_energy
 from warpffrf.model import joints
 from warpffrf.model.forces import PointForce
 from warpffrf.model.integrators import RungeKutta4
@@ -16,7 +17,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.interface_motion import interface_motion
-from warpffrf.model.reduced.membrane import membrane_energy, membrane_forms
+from warpffrf.model.reduced.membrane import membrane_forms
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.diagnosis.deflections import (

@@ -127,7 +127,7 @@ def simulate_worlds(
         )
 
     named = {"integrator": integrator, "save_every": save_every, "project_start": project_start, "local": local}
-    named |= {"step_error": step_error, "method": "separated"} | ({"kind": kind} if kind == "static" else {})
+    named |= {"step_error": step_error} | ({"kind": kind} if kind == "static" else {})
     named |= {} if energy_tolerance is None else {"energy_tolerance": energy_tolerance}
     outputs = Outputs(overwrite)
     files, left_over = _files(results, len(scenes), outputs)

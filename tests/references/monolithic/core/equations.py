@@ -21,6 +21,7 @@ from typing import Any
 
 import numpy as np
 
+from references.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from references.monolithic.core.description import SceneData, SpringData
 from references.monolithic.core.inertia_forces import inertia_forces
 from references.monolithic.core.integrator import Formula
@@ -30,7 +31,6 @@ from references.monolithic.core.rows import Function, MarkerState, RowStates, ma
 from references.monolithic.core.state import Layout, State
 from references.monolithic.core.tension import Tensions, tensions_of
 from warpffrf.model import rotation as rot
-from warpffrf.model.reduced.membrane import membrane_energy, membrane_gradient, membrane_tangent
 
 TURN = 2.0 * np.pi
 ANGLES = ("angle", "second_angle", "twist")  # coordinates that are angles
