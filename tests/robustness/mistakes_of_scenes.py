@@ -194,7 +194,7 @@ CONTACTS = (
     Mistake(
         "evaluation='best'",
         lambda w: Contact(w.lower["rim"], w.floor, evaluation="best"),
-        ("known: 'full', 'semi', 'hyper'",),
+        ("known: 'semi', 'hyper'",),
     ),
     Mistake(
         "cell_error in per cent",
