@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -22,7 +24,7 @@ def roller() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=180, layers=5, axial=2, grading=1.6, order=1)
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=6,
-        tangential=True, patch_grid=False, progress=False,
+        tangential=True, contact_fixed=False, progress=False,
     )  # fmt: skip
 
 
@@ -40,8 +42,8 @@ def pressed(roller: wf.ReducedBody, *options: dict, speed: float = 0.0) -> wf.Sc
     return scene
 
 
-def layers(*stiffness: float) -> list[dict]:
-    return [{"law": wf.laws.LinearLayer(stiffness=k)} for k in stiffness]
+def layers(*stiffness: float, **more: Any) -> list[dict]:
+    return [{"law": wf.laws.LinearLayer(stiffness=k), **more} for k in stiffness]
 
 
 def test_layers_side_by_side_share_the_pressure(roller: wf.ReducedBody) -> None:

@@ -68,7 +68,7 @@ def film() -> tuple[wf.Scene, dict[str, Any]]:
     turn = scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), shaft.at((0, 0, 0)), axis=Y, name="plane"))
     scene.add(wf.joints.Drive(turn, wf.signals.Constant(300.0), quantity="velocity", name="speed"))
     scene.add(wf.forces.PointForce(shaft.at((0, 0, 0)), (2e3, 0.0, 0.0), name="load"))
-    groove = wf.films.Groove(np.pi, 1e-4, 0.0)
+    groove = wf.films.AxialGroove(np.pi, 1e-4, 0.0)
     scene.add(wf.Film(held["bore"], shaft["rim"], oil=wf.oils.Newtonian(0.01), feeds=[groove], name="film"))
     return scene, {"duration": 4e-5, "step": 1e-5}
 

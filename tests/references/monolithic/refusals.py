@@ -37,9 +37,9 @@ def refuse_contacts(scene: Any, at_nodes: bool) -> None:
         label = f"contact {contact.name!r}"
         if contact.evaluation == "hyper":
             raise InputError(f"{label}: the monolithic reference has no evaluation 'hyper'; use evaluation 'semi'")
-        if contact.grid == "patch":
+        if contact.grid == "contact_fixed":
             raise InputError(
-                f"{label}: the monolithic reference has no cells that travel with the patch; use grid='material', or "
+                f"{label}: the monolithic reference has no cells that travel with the patch; use grid='body_fixed', or "
                 "warpffrf.simulate"
             )
         beyond = _beyond(contact)
@@ -65,8 +65,8 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
             beyond, cure = "has no evaluation 'hyper' of films", "take evaluation='semi'"
         elif not film.b.rigid:
             beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
-        elif film.law is not None:
-            beyond, cure = "has no asperities beside a film", "leave law out"
+        elif film.asperities is not None:
+            beyond, cure = "has no asperities beside a film", "leave asperities out"
         elif film.deviation > 0.0:
             beyond, cure = "has smooth walls of films only", "leave roughness out"
         elif film.oil.density is not None:
@@ -85,8 +85,8 @@ def _beyond(contact: Any) -> str | None:
     """What of `contact` is not on the line of centres, in words."""
     if contact.friction.acts:
         return "friction"
-    if contact.gaps == "points":
-        return 'gaps="points"'
+    if contact.kinematics == "closest_point":
+        return 'kinematics="closest_point"'
     if contact.b.rigid:
         return f"a rigid partner, {contact.b.label},"
     for port in (contact.a, contact.b):
