@@ -12,6 +12,7 @@ from offline_bodies import STEEL
 from plates import plate
 
 from references.large_deflections.body import StVenantKirchhoffBody
+from references.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.material import Material
@@ -19,7 +20,6 @@ from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.elements import CELL_KINDS
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from warpffrf.model.reduced.second_order_motion import motion_of, skin_displacement
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import free_model

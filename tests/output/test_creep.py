@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,7 +29,6 @@ from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, S
 from warpffrf.output.contact.friction import STICK as STICKS
 from warpffrf.output.contact.pressure_wrench import traction_wrench
 from warpffrf.output.geometry.grid_places import rotate
-from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
@@ -367,18 +365,6 @@ def test_a_ball_that_spins_on_the_contact_grid(shape: Any) -> None:
     assert found.spin_creepage == pytest.approx([spin], rel=ROUND)
     assert found.t_gamma == pytest.approx(found.field_power, rel=ROUND)
     assert found.spin_moment[0] < 0.0
-
-
-def test_creep_at_nodes_is_that_of_the_centre(rubbing: Result, tmp_path: Path) -> None:
-    """Pairs of evaluation "full" record the creep of the node next to the middle of the force, also after a file."""
-    scene = rubbing.history.scene
-    assert isinstance(scene, SceneView)
-    scene = replace(scene, pairs={name: replace(pair, at_nodes=True) for name, pair in scene.pairs.items()})
-    loaded = Result.load(Result(replace(rubbing.history, scene=scene)).save(tmp_path / "run.h5"))
-    for result, at_nodes in ((loaded, True), (rubbing, False)):
-        contact = result.contact(PAIR)
-        assert contact.view.at_nodes is at_nodes
-        assert np.array_equal(contact.creep_place, contact.patch_center) is at_nodes
 
 
 def test_a_frictionless_pair_has_no_creepages(result: Result) -> None:

@@ -80,9 +80,7 @@ def test_stages_join(result: Result) -> None:
     )
 
 
-def test_methods_that_lack_them_say_so() -> None:
-    with pytest.raises(InputError, match=r"lumped contact 'line'.*method 'separated'"):
-        simulate(roller_on_floor(), 1e-3, step=1e-4, method="monolithic", progress=False)
+def test_integrators_that_lack_them_say_so() -> None:
     with pytest.raises(InputError, match="lumped_contact 'line': only scenes of free bodies"):
         simulate(roller_on_floor(), 1e-3, step=1e-4, integrator=RungeKutta4(), progress=False)
 

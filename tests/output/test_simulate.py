@@ -141,7 +141,7 @@ def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
     assert not calls
 
 
-@pytest.mark.parametrize("option", ["start", "method", "local"])
+@pytest.mark.parametrize("option", ["start", "kind", "local"])
 def test_unknown_options_list_the_known(calls: list, scene: Any, option: str) -> None:
     with pytest.raises(InputError, match=f"{option} (is )?'nonsense'.*; known: '"):
         simulate(scene, 0.1, step=1e-4, **{option: "nonsense"})  # pyright: ignore[reportArgumentType]

@@ -203,7 +203,7 @@ def signal_kinds() -> dict[str, Form]:
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
     laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators,
-    treatments of local modes, the monolithic method, stress points, parts of bearings."""
+    treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
@@ -214,11 +214,10 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
-    from warpffrf.monolithic import Monolithic
     from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, LapCells, Monolithic, DowsonHigginson, iso_vg]
+    others = [StressPoints, LapCells, DowsonHigginson, iso_vg]
     others += [online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {

@@ -38,7 +38,7 @@ from warpffrf.online.history.user_frame import user_frame
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core.control import Clock
 
-METHOD = "check"
+KIND = "check"
 COUNTS = "check_counts"  # in the checkpoint of a run under way
 ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.advance}
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
@@ -173,7 +173,7 @@ def run_check(
     if not continued:
         rows.add(count.begin, 0.0, states, accepted, 0)
     if keeper is not None:
-        keeper.begin(Source(METHOD, scene))
+        keeper.begin(Source(KIND, scene))
 
     def keep(keeper: Keeper) -> None:
         checkpoint = _checkpoint(states, accepted, count.begin + count.done * step) | {COUNTS: count.to_array()}

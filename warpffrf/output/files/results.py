@@ -376,7 +376,6 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
         for v in view.laps.values()
     ]
     group.attrs["laps"] = json.dumps(laps)
-    group.attrs["at_nodes"] = json.dumps([p.name for p in view.pairs.values() if p.at_nodes])
     fixed = [
         b
         for p in (*view.pairs.values(), *view.lumped.values(), *view.films.values(), *view.laps.values())
@@ -428,8 +427,6 @@ def _get_scene(file: Any, older: Older) -> SceneView:
         )
         for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs.get("laps", "[]"))
     }  # fmt: skip
-    for name in json.loads(group.attrs.get("at_nodes", "[]")):
-        pairs[name] = replace(pairs[name], at_nodes=True)
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
     joints = tuple(json.loads(group.attrs["joints"]))
     bearings = json.loads(group.attrs.get("bearings", "{}"))

@@ -52,8 +52,6 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
             "energy residual   no share is told: nothing moves, the energies are round-off of forces times lengths, "
             f"{idle:.2g} J"
         )
-    elif np.all(np.isnan(residual)):
-        lines.append("energy residual   not booked by this method")
     else:
         lines.append(
             f"energy residual   {residual[-1]:+.3e} at the end, {np.ptp(residual):.3e} peak to peak, over the energy "
