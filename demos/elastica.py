@@ -6,8 +6,8 @@ Large deflection of cantilever beams, Q. Appl. Math. 3, 1945, 272).
 
 What to expect. The frame of a body takes rotations of any size, modes take what remains between its ends. With
 `stiffening` deflections shorten the body, to second order in the modes: a beam whose fibres do not stretch moves its
-ends towards each other by the integral of w'^2/2. What is neglected is of fourth order in the energy, and goes with the
-angle by which ends rotate from the body's mean axes. A beam cut in n bodies has 1/n of that angle in each, so that
+ends towards each other by the integral of w'^2/2. What is neglected is of fourth order in the energy, and grows with
+the angle by which ends rotate from the body's mean axes. A beam cut in n bodies has 1/n of that angle in each, so that
 
     error of the deflection ~ (angle of an end)^4 ~ n^-4        at a given load.
 

@@ -1,4 +1,4 @@
-r"""A crowned roller on a rigid plane, tilted by 0.5 mrad, then rotated: where the load goes.
+r"""A crowned roller on a rigid plane, tilted by 0.5 mrad, then rotated: where the load acts.
 
 A small steel roller with a crown is pressed on a plane with 1 kN through a cradle that can tilt it. From the static
 state the cradle tilts the roller's axis by phi = 0.5 mrad against the plane; then the roller rotates under its load.

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
-both_sizes = pytest.mark.parametrize("quick", [True, pytest.param(False, marks=pytest.mark.slow)])
+
+def both_sizes(test: Callable[..., None]) -> Callable[..., None]:
+    """A whole demo, `quick` and in full: two slow tests."""
+    return pytest.mark.slow(pytest.mark.parametrize("quick", [True, False])(test))
 
 
 @dataclass(frozen=True)

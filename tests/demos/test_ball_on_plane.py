@@ -42,7 +42,6 @@ def checks(result: wf.Result) -> list[Check]:
     ]  # fmt: skip
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     (result,) = demo.main(tmp_path, quick=quick, progress=False)

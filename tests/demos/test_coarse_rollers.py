@@ -92,7 +92,6 @@ def test_the_pressed_pair_carries_the_load_and_is_hertzian() -> None:
     assert found == pytest.approx(LARGEST * peak, rel=MISES)
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     """Compared with the run of the demo `two_rollers` as well, whose mesh is made for the contact."""

@@ -221,7 +221,6 @@ def test_the_data_of_the_demo_are_those_of_their_script(mesh: wf.mesh.Mesh) -> N
     assert -np.asarray(demo.gas()(times)) == pytest.approx(make.gas_force(THETA[::40]), abs=30.0)  # a spline, 31 kN
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     size, balance = (demo.QUICK, 4.0 * BALANCE) if quick else (demo.FULL, BALANCE)

@@ -182,7 +182,6 @@ def test_both_creepages_share_what_friction_gives(body: wf.ReducedBody) -> None:
     assert 0.95 < np.hypot(*found.forces[0]) < 1.0 and found.forces[0, 0] > found.forces[0, 1] > 0.6
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, body: wf.ReducedBody, quick: bool) -> None:
     size, columns, kalker_error = (demo.QUICK, 13, 0.04) if quick else (demo.FULL, 17, 0.02)

@@ -91,7 +91,6 @@ def test_the_rollers_of_every_row_just_touch() -> None:
     assert demo.place(1 / 4, 1e-3) == pytest.approx(2e-3)
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick: bool) -> None:
     few = demo.Size(curvatures=(0.0, 1 / 8, 1 / 2), loads=(4000.0,), tilts=(0.0, 1e-3))

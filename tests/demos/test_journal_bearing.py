@@ -118,7 +118,7 @@ class Linear:
 
     @property
     def critical(self) -> tuple[float, float]:
-        """Critical mass [kg] and the frequency of whirl there [rad/s], see the module."""
+        """Critical mass [kg] and the frequency of whirl there [rad/s], see the demo."""
         K, C = self.stiffness, self.damping
         k = (K[0, 0] * C[1, 1] + K[1, 1] * C[0, 0] - K[0, 1] * C[1, 0] - K[1, 0] * C[0, 1]) / np.trace(C)
         square = ((K[0, 0] - k) * (K[1, 1] - k) - K[0, 1] * K[1, 0]) / np.linalg.det(C)
@@ -232,7 +232,6 @@ def linear() -> Linear:
     return linear_film()
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, linear: Linear, quick: bool) -> None:
     size = demo.QUICK if quick else demo.FULL

@@ -166,7 +166,6 @@ def swing(strips: demo.Strips, force: float, frequency: float, size: Size) -> tu
     return result, Swing(result.time - result.time[0], place, result.lap(JOINT).loss, rest - demo.END)
 
 
-@pytest.mark.slow
 @both_sizes
 def test_vibration_loops_and_full_elements_agree(quick: bool) -> None:
     size = demo.QUICK if quick else demo.FULL

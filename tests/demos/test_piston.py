@@ -284,7 +284,6 @@ def test_the_mesh_of_the_demo_is_that_of_its_script(mesh: wf.mesh.Mesh) -> None:
     assert BORE - CLEARANCE - demo.OVAL == make.SKIRT_RADIUS and demo.SKIRT == make.SKIRT
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, body: wf.ReducedBody, quick: bool) -> None:
     size, balance = (demo.QUICK, 4.0 * BALANCE) if quick else (demo.FULL, BALANCE)

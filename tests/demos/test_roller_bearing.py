@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 from checks import Check, both_sizes, left_behind, missed
 from scipy.optimize import brentq
 
@@ -89,7 +88,6 @@ def checks(results: dict[str, wf.Result], ring: RingOnFeet) -> list[Check]:
     ]  # fmt: skip
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     feet, stiff = demo.main(tmp_path, quick=quick, progress=False)

@@ -17,7 +17,7 @@ from references.large_deflections.equilibrium_path import EquilibriumPath, pushe
 Array = np.ndarray
 LIMIT, LOWER, PATH = 2e-3, 5e-3, 0.025  # of both limit loads, of the path over the upper one: at its end, 0.2 rad
 LANDS, BEFORE = 5e-3, 5e-3  # of the crown behind the jump and before it, at the same load
-LATE, SLOW = 0.012, 8.0  # of the limit loads: how late a load that grows for 8 s is, see the module
+LATE, SLOW = 0.012, 8.0  # of the limit loads, s: delay of a jump under a load that grows so long; as rate^(2/3)
 WORK = 5.0 * LATE  # of the work of a cycle: jumps that are late
 TAKEN = 0.03  # of it: what the integrator takes in the place of damping
 

@@ -106,7 +106,6 @@ def test_without_stiffening_the_lag_is_wrong(runs: dict[bool, list]) -> None:
     assert lag.error > 0.1 and difference.error > 0.2
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     result, bare = demo.main(tmp_path, quick=quick, progress=False)

@@ -77,7 +77,6 @@ def test_the_patch_goes_along_the_crown_and_the_cradle_holds_the_torque(monkeypa
     assert pair.half_widths[i] == pytest.approx((a, b), rel=0.05)  # two nodes across, four along in a half-axis
 
 
-@pytest.mark.slow
 @both_sizes
 def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     (result,) = demo.main(tmp_path, quick=quick, progress=False)

@@ -76,6 +76,7 @@ def test_the_demo_in_full_is_hertzian(tmp_path: Path) -> None:
     assert demo.settled(result, contact.force_magnitude) == pytest.approx(static, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_script_runs_by_itself(tmp_path: Path) -> None:
     """From another folder, without anything of a checkout but the package: its figures are those of the command."""
     root = Path(__file__).resolve().parents[2]
