@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -130,7 +131,8 @@ def main(out: str | Path = "out/ball_in_ring", *, quick: bool = False, progress:
     save_panels(panels(result), f"{stem}.png", overwrite=True)
 
     contact, (arm, ball) = result.contact(PAIR), speeds(result)
-    found, hertz = contact.half_widths[0] * 1e6, contact.hertz(0)
+    hertz: Any = contact.hertz(0)
+    found = contact.half_widths[0] * 1e6
     faster = -ball[-20:].mean() / arm[-20:].mean() * BALL / (BOTTOM - BALL) - 1.0
     print(f"half-axis along the groove {found[0]:8.5g} um   Hertz {hertz.semi_axes[1] * 1e6:8.5g}")
     print(f"half-axis across           {found[1]:8.5g} um   Hertz {hertz.semi_axes[0] * 1e6:8.5g}")

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import permutations
 from pathlib import Path
+from typing import Any
 
 import meshio
 import numpy as np
@@ -169,9 +170,9 @@ def _rise(x: np.ndarray, begin: float, end: float) -> np.ndarray:
 def write(mesh: wf.mesh.Mesh, cells: str, facets: str, file: Path) -> None:
     """Gmsh's format 2.2 with the facet sets of the mesh as groups; `cells`, `facets`: their names in meshio."""
     groups = [mesh.facets(name).single[1] for name in mesh.sets]
-    blocks = [(cells, mesh.single[1]), *((facets, group) for group in groups)]
+    blocks: Any = [(cells, mesh.single[1]), *((facets, group) for group in groups)]
     numbers = [np.full(len(block), n, dtype=np.int32) for n, (_, block) in enumerate(blocks)]
-    data = {"gmsh:physical": numbers, "gmsh:geometrical": [number + 1 for number in numbers]}
+    data: Any = {"gmsh:physical": numbers, "gmsh:geometrical": [number + 1 for number in numbers]}
     names = {name: np.array([n, 2]) for n, name in enumerate(mesh.sets, start=1)}
     meshio.write(file, meshio.Mesh(mesh.points, blocks, cell_data=data, field_data=names), "gmsh22", binary=True)
 

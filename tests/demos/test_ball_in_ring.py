@@ -87,4 +87,4 @@ def test_the_patch_is_an_ellipse_of_hertz(result: wf.Result) -> None:
 def test_the_whole_demo(tmp_path: Path, quick: bool) -> None:
     (result,) = demo.main(tmp_path, quick=quick, progress=False)
     left_behind(tmp_path, "ball_in_ring")
-    assert not missed(checks(result))
+    assert not missed(checks(result.scene, result))

@@ -291,14 +291,14 @@ def test_film_and_gas_put_in_what_the_mechanism_gains() -> None:
     ))  # fmt: skip
     moving = SOME_ROD.mass * np.sum(centre**2, axis=1) + SOME_ROD.inertia[1, 1] * at.rate**2
     energy = 0.5 * (moving + demo.PISTON_MASS * piston**2)
-    power = np.sum(forces.film * pin, axis=1) - demo.gas_force(THETA) * piston
+    power = np.sum(forces.film * pin, axis=1) - make.gas_force(THETA) * piston
     inner = slice(2, -2)
     assert np.gradient(energy, h)[inner] == pytest.approx(power[inner], abs=1e-4 * np.abs(power).max())
 
 
 def test_the_gas_repeats_after_two_turns_and_burns_behind_the_dead_centre() -> None:
-    force = demo.gas_force(THETA)
-    assert force == pytest.approx(demo.gas_force(THETA + 4.0 * np.pi), abs=1e-6)
+    force = make.gas_force(THETA)
+    assert force == pytest.approx(make.gas_force(THETA + 4.0 * np.pi), abs=1e-6)
     degrees = np.degrees(THETA)
     assert 365.0 < degrees[np.argmax(force)] < 400.0
     assert not np.any(force[(degrees < make.INLET_SHUTS[0]) | (degrees > make.OUTLET_OPENS[1] + 1e-6)])

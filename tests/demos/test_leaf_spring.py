@@ -231,9 +231,9 @@ def test_the_clamp_is_what_makes_it_softer_than_beams(monkeypatch: pytest.Monkey
 
 def test_other_friction_is_told_from_it(quick: Bent, monkeypatch: pytest.MonkeyPatch) -> None:
     assert not missed(checks(quick))
-    monkeypatch.setattr(demo, "FRICTION", 0.303)
+    monkeypatch.setitem(globals(), "FRICTION", 0.303)
     found = reference_checks(quick, followed(demo.QUICK))
     assert not any(check.passed for check in found)
-    monkeypatch.setattr(demo, "BEAMS", replace(BEAMS, friction=0.35))
+    monkeypatch.setitem(globals(), "BEAMS", replace(BEAMS, friction=0.35))
     failed = [check.name for check in checks(quick) if not check.passed]
     assert sum("loss per cycle" in name for name in failed) == 3

@@ -359,8 +359,8 @@ def test_the_rod_carries_what_the_mechanism_gains() -> None:
 
 
 def test_without_inertia_the_side_force_is_that_of_the_lean(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(demo, "ROD_MASS", 0.0)
-    monkeypatch.setattr(demo, "ROD_INERTIA", (0.0, 0.0, 0.0))
+    monkeypatch.setitem(globals(), "ROD_MASS", 0.0)
+    monkeypatch.setitem(globals(), "ROD_INERTIA", (0.0, 0.0, 0.0))
     theta = np.linspace(0.0, 4.0 * np.pi, 721)
     at = Mechanism.at(theta)
     along = -make.gas_force(theta) - MASS * at.piston_acceleration

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -61,7 +60,9 @@ class EquilibriumPath:
         return float(F_1 * (there - w_1) - up + down - F_2 * (w_2 - back))
 
 
-def pushed_arch(mesh: Mesh, material: Material, top: Sequence[float], farthest: float, steps: int) -> EquilibriumPath:
+def pushed_arch(
+    mesh: Mesh, material: Material, top: tuple[float, float, float], farthest: float, steps: int
+) -> EquilibriumPath:
     """The path of an arch held at its facet sets `x_min` and `x_max` and pushed down at `crown`, of St. Venant-
     Kirchhoff's material, in `steps` of the way `farthest` [m] of the node at `top` [m] and one more; w is the mean over
     the crown."""
