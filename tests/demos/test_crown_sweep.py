@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,6 +20,7 @@ from references.closed_forms import contact_modulus
 from references.closed_forms.elliptic import EllipticContact
 from warpffrf.study.sweeps.outcome import Sweep, open_sweep
 
+ROOT = Path(__file__).resolve().parents[2]
 MODULUS = contact_modulus(STEEL, STEEL)
 STORE = "crown_sweep.sweep"
 BALANCE = 1e-6  # of the load
@@ -107,3 +111,20 @@ def test_the_whole_demo(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, quick: 
     shutil.rmtree(tmp_path / STORE)
     (tmp_path / "crown_sweep.html").unlink()
     left_behind(tmp_path, "crown_sweep")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("by", ["command", "script"])
+def test_workers_of_the_command_and_of_the_script_import_the_scene(tmp_path: Path, by: str) -> None:
+    """From another folder: the functions of a sweep are in a module of the path, or in the script itself."""
+    script = tmp_path / "sweep_script.py"
+    text = (ROOT / "demos" / "crown_sweep.py").read_text(encoding="utf-8")
+    script.write_text(text.replace("    main()\n", "    main(quick=True)\n"), encoding="utf-8")
+    words = ["-m", "warpffrf", "demo", "crown-sweep", "--quick"] if by == "command" else [script.name]
+    path = os.pathsep.join([str(ROOT), str(ROOT / "kernels")])
+    done = subprocess.run(
+        [sys.executable, *words], cwd=tmp_path, env={**os.environ, "PYTHONPATH": path}, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert "the best" in done.stdout
+    assert open_sweep(tmp_path / "out" / "crown_sweep" / STORE).counts == {"completed": 12}
