@@ -47,14 +47,15 @@ FULL, QUICK = Size(), Size(sectors=900, layers=8, axial=10)
 
 
 def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
-    """The scene: bodies `roller`, `carriage`, `cradle`, joints `guide`, `tilt`, `axle`, contact `roller-plane`."""
+    """The scene: bodies `roller`, `carriage`, `cradle`, joints `guide`, `tilt`, `axle`, contact `roller-plane`, which
+    uses the nodes of the mesh."""
     mesh = wf.mesh.roller(
         RADIUS, BORE_RADIUS, WIDTH, crown_radius=CROWN, sectors=size.sectors, layers=size.layers, axial=size.axial,
         tread=TREAD,
     )  # fmt: skip
     reduced = wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.CrownedCylinder(crown_radius=CROWN)},
-        modes=0, progress=progress,
+        modes=0, patch_grid=False, progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     roller = scene.add_body(reduced, name="roller", position=(0, 0, RADIUS))

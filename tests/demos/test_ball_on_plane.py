@@ -24,7 +24,7 @@ def checks(result: wf.Result) -> list[Check]:
     """The figures of a run."""
     pair = result.contact(PAIR)
     friction = pair.friction
-    grid = pair.spacing / HERTZ.half_width
+    grid = float(pair.spacing) / HERTZ.half_width
     stick = float(np.sqrt(friction.stick_area[-1] / np.pi)) / HERTZ.half_width
     work = result.energy["friction"]
     return [
