@@ -173,7 +173,7 @@ def checks(bent: Bent) -> list[Check]:
 
 BONDED = 0.02  # softer than beams with leaves that are bonded in the clamp: 1.7 % was seen
 SHARE = 0.29  # of the loss of the tips: what the clamp adds
-SAME = 0.02  # of that share
+SAME_SHARE = 0.02  # of that share
 
 
 def bent(size: demo.Size) -> Bent:
@@ -220,7 +220,7 @@ def test_the_clamp_is_what_makes_it_softer_than_beams(monkeypatch: pytest.Monkey
     size = demo.Size(steps=4)
     clamped = bent(size)
     tips, rim = np.sum([clamped.loss(name) for name in demo.JOINTS], axis=0)
-    assert rim / tips == pytest.approx(SHARE, abs=SAME)
+    assert rim / tips == pytest.approx(SHARE, abs=SAME_SHARE)
     monkeypatch.setattr(demo, "DOWEL", demo.CLAMP)
     bonded = bent(size)
     for row, sense in ((size.steps, 1.0), (2 * size.steps, -1.0)):
