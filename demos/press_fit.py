@@ -99,7 +99,8 @@ def main(out: str | Path = "out/press_fit", *, quick: bool = False, progress: bo
     loop.legend(frameon=False)
     for axes, row in ((some, slips), (more, n)):
         result.plot("lap_state", axes, row=row)
-        axes.set(title=f"The seat unrolled at {torque[row] / TORQUE:.2f} of the torque of whole slip", aspect="auto")
+        axes.set(title=f"Unrolled at {torque[row] / TORQUE:.2f} of the torque of whole slip", aspect="auto")
+        axes.set(xlabel="around [mm]", ylabel="along the axis [mm]")
     figure.savefig(f"{stem}.png")
     plt.close(figure)
 
