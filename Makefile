@@ -22,10 +22,10 @@ $(STAMP): pyproject.toml constraints.txt
 	touch $@
 
 demo: $(STAMP)
-	$(BIN)/python demos/two_rollers.py
+	$(BIN)/warpffrf demo two-rollers
 
 demos: $(STAMP)
-	set -e; for script in demos/*.py; do echo "== $$script"; $(BIN)/python $$script; done
+	set -e; for script in demos/[a-z]*.py; do echo "== $$script"; $(BIN)/warpffrf demo $$(basename $$script .py | tr _ -); done
 
 test: lint types
 	$(BIN)/python -m pytest

@@ -148,17 +148,20 @@ def test_verbose_says_more_and_with_times(coarse: Path, tmp_path: Path, capsys: 
     assert all(" ms] " in line for line in said[1].splitlines())
 
 
-def test_quiet_demos_print_no_figures(capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch) -> None:
-    def main(out: Path, *, quick: bool, progress: bool) -> int:
+def test_quiet_demos_print_no_figures(
+    capsys: pytest.CaptureFixture, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    def main(out: Path, *, quick: bool, progress: bool) -> list[SimpleNamespace]:
         print(f"figures {progress}")
-        return 1
+        return [SimpleNamespace(status="not_converged", message="a shorter step")]
 
     monkeypatch.setitem(sys.modules, "two_rollers", SimpleNamespace(main=main))  # type: ignore[arg-type]
     said = []
     for level in ([], ["-q"]):
-        assert cli.main([*level, "demo", "two-rollers"]) == 1  # the code says how it went
-        said.append(capsys.readouterr().out)
-    assert said == ["figures True\n", ""]
+        assert cli.main([*level, "demo", "two-rollers", "--out", str(tmp_path)]) == 1  # the code says how it went
+        said.append(capsys.readouterr())
+    assert [out for out, _ in said] == ["figures True\n", ""]
+    assert all("not_converged: a shorter step" in err for _, err in said)
 
 
 @pytest.mark.parametrize("command", [[], ["demo"], ["reduce"], ["study", "speed-error"]], ids=" ".join)

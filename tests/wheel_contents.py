@@ -49,11 +49,18 @@ def faults_of_readme(inside: set[str]) -> list[str]:
     return faults
 
 
+def demo_files() -> list[str]:
+    """The scripts of demos/ and their data, relative to the checkout."""
+    found = [*(ROOT / "demos").glob("*.py"), *(path for path in (ROOT / "demos" / "data").iterdir() if path.is_file())]
+    return [path.relative_to(ROOT).as_posix() for path in found]
+
+
 def faults_of_files(in_wheel: set[str], in_sdist: set[str], name: str) -> list[str]:
     """Files that are missing, and such as nobody wants."""
     wanted = {
         f"warpffrf/examples/{n.replace('-', '_')}/{file}" for n in examples.names() for file in examples.get(n).files
     }
+    wanted |= {f"warpffrf/{file}" for file in demo_files()}
     wanted |= {"warpffrf/py.typed", "warpffrf_kernels/py.typed", "warpffrf/scene_file/scene_file.md"}
     wanted |= {f"{name}.dist-info/licenses/LICENSE"}
     faults = [f"the wheel lacks {file}" for file in sorted(wanted - in_wheel)]

@@ -9,7 +9,7 @@ import warpffrf as wf
 from demos.ball_on_plane import (
     DOWN_ON_PLANE,
     FRICTION,
-    HERTZ,
+    HALF_WIDTH,
     LOAD,
     RADIUS,
     SLIDE_INERTIA,
@@ -41,9 +41,7 @@ def test_a_drilling_ball() -> None:
     result = wf.simulate(scene, DURATION, step=STEP, start="equilibrium", integrator=integrator, progress=False)
     friction = result.contact("pair").friction
     assert friction.spin_velocity[-1] == pytest.approx(-SPEED, rel=BALANCE)  # outwards is down
-    assert friction.spin_moment[-1] == pytest.approx(
-        3.0 * np.pi / 16.0 * FRICTION * LOAD * HERTZ.half_width, rel=MOMENT
-    )
+    assert friction.spin_moment[-1] == pytest.approx(3.0 * np.pi / 16.0 * FRICTION * LOAD * HALF_WIDTH, rel=MOMENT)
     assert friction.spin_moment[-1] == pytest.approx(result.joint("turn").torque[-1, 2], rel=BALANCE)
     assert friction.power[-1] == pytest.approx(SPEED * friction.spin_moment[-1], rel=BALANCE)
     assert np.isnan(friction.t_gamma[-1]) and np.isnan(friction.spin_creepage[-1])  # it does not roll

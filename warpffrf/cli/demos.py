@@ -1,4 +1,4 @@
-"""`warpffrf demo NAME`: runs a script of the folder demos/, which a wheel has within the package."""
+"""`warpffrf demo NAME`: runs a script of the folder demos/, which a wheel contains as a folder of the package."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ PACKAGE = Path(__file__).resolve().parents[1]
 
 
 def folder() -> Path:
-    """Where the scripts are: in the package as a wheel has it, beside it in a checkout."""
+    """The folder of the scripts: inside the package in a wheel, next to it in a checkout."""
     inside = PACKAGE / "demos"
     return inside if inside.is_dir() else PACKAGE.parent / "demos"
 
 
 def names() -> dict[str, Path]:
-    """The scripts of demos by the names of the command line, `two-rollers`."""
+    """Name on the command line, `two-rollers`, -> script."""
     return {path.stem.replace("_", "-"): path for path in sorted(folder().glob("[a-z]*.py"))}
 
 
@@ -35,8 +35,8 @@ def about(script: Path) -> str:
 
 
 def demo(
-    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Of a demo; left out: list them.")] = None,
-    out: Annotated[Path | None, typer.Option("--out", help="Folder for the results; left out: out/NAME.")] = None,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Of a demo; without it: list them.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for the results; without it: out/NAME.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="A coarser, shorter version.")] = False,
 ) -> None:
     """Run a complete example, print its figures and write results, recording and picture to a folder."""
@@ -50,8 +50,13 @@ def demo(
 
         if name not in scripts:
             raise unknown_name("demo", name, list(scripts))
-        sys.path.insert(0, str(folder()))  # as `python demos/NAME.py` has it, in processes of its own too
+        results = out or Path("out") / scripts[name].stem
+        results.mkdir(parents=True, exist_ok=True)  # refused before the run, not after it
+        sys.path.insert(0, str(folder()))  # as with `python demos/NAME.py`; workers of a sweep get this path as well
         module: Any = importlib.import_module(scripts[name].stem)
         with redirect_stdout(StringIO()) if Asked.quiet else nullcontext():
-            code = module.main(out or Path("out") / scripts[name].stem, quick=quick, progress=not Asked.quiet)
-    raise typer.Exit(code)
+            found = module.main(results, quick=quick, progress=not Asked.quiet)
+    failed = [result for result in found if result.status != "completed"]
+    for result in failed:
+        print(f"error: {result.status}: {result.message}", file=sys.stderr)
+    raise typer.Exit(1 if failed else 0)

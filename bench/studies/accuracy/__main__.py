@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import sys
 import time
+from pathlib import Path
 
-from demos.checks import writable_folder
 from studies.accuracy.machines import MACHINES
 from studies.accuracy.measured import measure, page
 from warpffrf.model.errors import unknown_name
@@ -16,7 +16,8 @@ FOLDER, PAGE = "docs/studies", "accuracy.md"
 def main() -> None:
     """Write the page, of the machines that are named, or all."""
     arguments = sys.argv[1:]
-    folder = writable_folder(arguments[0] if arguments else FOLDER)
+    folder = Path(arguments[0] if arguments else FOLDER)
+    folder.mkdir(parents=True, exist_ok=True)
     names = arguments[1:] or list(MACHINES)
     for name in names:
         if name not in MACHINES:

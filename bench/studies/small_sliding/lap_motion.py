@@ -4,8 +4,8 @@ Part of `studies.small_sliding.lap_acceptance`. A pair of blocks that a spring h
 axis of no symmetry: nothing acts on it from outside, so that momentum stays, and the same pair turned as a whole has
 the same forces, turned. A mass on a spring at the end of the bar of `lap_cases` swings with few per cent of damping by
 the slip of the bar. Over a cycle the force F of the spring falls by pi 2 zeta, 2 zeta = D/(2 pi U) with the loss D and
-the energy U = F x/2 of the loop that load steps follow between the same forces (`demos.lap_joint` derives it); the
-place of the mass falls faster, by secant over tangent of a joint that gets softer.
+the energy U = F x/2 of the loop that load steps follow between the same forces (derived in tests/demos/lap_loops.py);
+the place of the mass falls faster, by secant over tangent of a joint that gets softer.
 """
 
 from __future__ import annotations

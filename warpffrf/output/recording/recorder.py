@@ -112,6 +112,8 @@ def record(
     finite are left out and listed in the answer and in the recording. progress: how far it is, on stderr. Raises
     InputError for a path that cannot be written, a factor or count that is not positive, a colour that the run does not
     have, a run without saved rows, and a file that exists, unless `overwrite` is set and warpffrf wrote it.
+
+    >>> info = wf.record(result, "rollers.rrd", max_frames=20)
     """
     result = _result(result)
     if deformation_factor is not None and not deformation_factor > 0.0:

@@ -1,8 +1,8 @@
 r"""Loops of force over place in load steps, and full finite elements with friction that go through them.
 
 Two strips lie on each other, held at their far ends, the end of the upper one on a carriage that goes along x by given
-places, and bolts draw them together. What the reference of `demos.lap_joint` is made of: every node of the
-meshes, no code of engine or reduction [`references.small_sliding`].
+places, and bolts draw them together. The reference of `demos.lap_joint`: every node of the meshes, no code of
+engine or reduction [`references.small_sliding`].
 
 **A held body that rides.** With the carriage at x, the displacement v = u - x e_x of the upper strip is zero at its
 end, as full finite elements with supports have it. Cells see the slip x (t . e_x) beside what v gives,
@@ -23,7 +23,19 @@ springs k a_z a_z^T + (T/l) (a_x a_x^T + a_y a_y^T) with T as it is at rest, and
 
     D = 8 int_0^a g dx - 4 a g(a).
 
-**Swings.** Let go, the carriage turns round at tops and bottoms; cycle n goes from one top to the next one.
+It is for pressures that stay and joints that begin without tractions; strips bend and press elsewhere as they are
+pulled, and tightening leaves tractions. So it is a check of the loop of full slip, where both hardly matter.
+
+**Swings.** Released, the carriage reverses at tops and bottoms; cycle n goes from one top to the next one. Half a cycle
+begins at rest in m + e and ends at rest in -(m - e), so that the force has done no work between. It is the half loop of
+amplitude m, which takes D/2, but begun further out by e, with a force that is F_a'(m) e higher all the way of 2 m,
+
+    D/2 = 2 m F_a' e,       so that in a cycle       D = m dF,       ln(F_n/F_(n+1)) = D/(m F) = D/(2 U),   U = m F/2.
+
+It is the amplitude of the *force* that falls by pi 2 zeta with 2 zeta = D/(2 pi U) of the loop; that of the place falls
+faster where the joint becomes softer. Forces are those of the first loading at the tops that the carriage comes to. At
+larger amplitudes the frequency falls with the secant stiffness k of the loops, (2 pi f)^2 = k/M, M the modal mass at
+the carriage.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The frame on its bushings by other ways: the full finite-element model, and a rigid body on springs.
 
-Both are derived in `frame_on_bushings`. Matrices of the mesh come from the assembly that reductions use too; everything
+Matrices of the mesh come from the assembly that reductions use too; everything
 after that (rigid mounts, springs, loads, solution) is done here, with all nodes and without modes.
 """
 
