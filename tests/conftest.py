@@ -18,8 +18,10 @@ os.environ["WARP_CACHE_PATH"] = str(Path(__file__).resolve().parents[1] / ".warp
 import hypothesis
 import warp as wp
 
+from launch_order.check import complaints
 from warpffrf.online.device import chosen_device
 from warpffrf.online.step.kernel_cache import sound
+from warpffrf.online.step.program import WHOLE, Program
 from warpffrf.online.warp_start import start_warp
 
 hypothesis.settings.register_profile("no clock", deadline=None)  # no test depends on how busy the machine is
@@ -41,7 +43,22 @@ def _load_alone(module: wp.Module, device: Any, block_dim: int | None = None, *r
     return found
 
 
+_begin = Program.__init__
+_in_order: set[frozenset[str]] = set()
+
+
+def _begin_in_order(program: Program, compiled: Any, sizes: Any, *rest: Any) -> None:
+    """The order of launches is right in each kind of scene that a test makes."""
+    _begin(program, compiled, sizes, *rest)
+    kind = frozenset(name for name, size in sizes.items() if size)
+    if kind not in _in_order:
+        wrong = complaints([(phase, program.parts[phase]) for phase in WHOLE], sizes)
+        assert not wrong, "\n".join(wrong)
+        _in_order.add(kind)
+
+
 setattr(wp.Module, "load", _load_alone)  # noqa: B010
+setattr(Program, "__init__", _begin_in_order)  # noqa: B010
 
 start_warp()
 wp.set_device(chosen_device(None))

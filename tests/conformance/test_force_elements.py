@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-import warp as wp
 
 from warpffrf.model import forces, joints
 from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.online.engine import Engine
+from warpffrf.online.step.launches import blocks, threads
 from warpffrf_kernels.constraints import geometric_stiffness, rows
 
 STEP = 1e-5  # of the central differences: truncation 1e-10, round-off 1e-11
@@ -117,16 +117,10 @@ class Rows:
     def __call__(self, r: np.ndarray, A: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Values (rows,), gradients (rows, 6 bodies) and wrenches (rows, 6)."""
         e = self.engine
-        x, s = e.scratch, e.state
+        x, program = e.scratch, e.graph.program
         x.r1.assign(r[None])
         x.axes.assign(A[None])
-        wp.launch_tiled(
-            rows.evaluate_rows, dim=(1,), block_dim=64, device=e.compiled.device,
-            inputs=[e.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
-                    x.interface_motion],
-            outputs=[x.C, x.C_modal.flatten(), x.coordinate, x.defect, x.softness, s.drive_rate, x.row_wrench,
-                     x.row_pull],
-        )  # fmt: skip
+        blocks(rows.evaluate_rows).go(program.arrays, program.sizes, program.device)
         return tuple(y.numpy()[0].copy() for y in (x.coordinate, x.C, x.row_wrench))
 
 
@@ -194,9 +188,8 @@ def test_geometric_stiffness_agrees_with_differences(name: str) -> None:
             expected[:, 6 * body + c] = (sides[0] - sides[1]) / (2.0 * STEP)
     evaluate(r, A)
     x.tangent.zero_()
-    inputs = [evaluate.engine.models, s.ctl, x.r1, x.axes, x.slope, x.interface_motion, s.lam, x.row_wrench]
-    device = evaluate.engine.compiled.device
-    wp.launch(geometric_stiffness.stiffen, dim=1, inputs=inputs, outputs=[x.tangent], device=device)
+    program = evaluate.engine.graph.program
+    threads(geometric_stiffness.stiffen).go(program.arrays, program.sizes, program.device)
     found = x.tangent.numpy()[0][:12, :12]
     tolerance = 1e-3 if "bushing" in name else 1e-8
     assert np.abs(found - expected).max() < tolerance * np.abs(expected).max()

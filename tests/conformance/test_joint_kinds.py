@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-import warp as wp
 from joint_scenes import FREE, KINDS, PLACE, SPAN, make_joint, moved, pair
 
 from warpffrf.model import joints
@@ -20,10 +19,10 @@ from warpffrf.model.checks.redundancy import (
 from warpffrf.model.joints.rows import Row, gradient, value
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine
+from warpffrf.online.step.launches import blocks
 from warpffrf_kernels.bodies import interfaces
 from warpffrf_kernels.constraints import rows as row_kernels
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.scalars import BLOCK
 
 STEP = 1e-6  # of central differences: truncation 1e-12, round-off 1e-10
 DERIVATIVE_TOLERANCE = 1e-8
@@ -103,24 +102,16 @@ def test_gradients_agree_with_finite_differences(kind: str) -> None:
 def evaluate_on_device(scene: Scene, pose: Pose) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Defects, rigid and modal gradients of all rows in a pose, and the wrenches they are made of, from the kernel."""
     engine = Engine(scene)
-    m, s, x = engine.compiled, engine.state, engine.scratch
+    m, x = engine.compiled, engine.scratch
     q = np.concatenate([np.zeros(0), *pose.modal])
     x.r1.assign(np.array([[pose.position[i] + pose.axes[i] @ b.center_of_mass for i, b in enumerate(scene.bodies)]]))
     x.axes.assign(pose.axes[None])
     if len(q):
         x.q1.assign(q[None])
     engine.control(run=1, moved=1)
-    wp.launch_tiled(
-        interfaces.move_interfaces, dim=(1,), block_dim=BLOCK,
-        inputs=[engine.models, s.ctl, x.q1.flatten(), x.slope, x.interface_motion],
-    )  # fmt: skip
-    wp.launch_tiled(
-        row_kernels.evaluate_rows, dim=(1,),
-        inputs=[engine.models, s.ctl, s.clk, x.r1, x.axes, x.v1, x.omega1, x.qd1.flatten(), s.lam, s.stretch, x.slope,
-                x.interface_motion, x.C, x.C_modal.flatten(), x.coordinate, x.defect, x.softness, s.drive_rate,
-                x.row_wrench, x.row_pull],
-        block_dim=BLOCK,
-    )  # fmt: skip
+    program = engine.graph.program
+    for kernel in (interfaces.move_interfaces, row_kernels.evaluate_rows):
+        blocks(kernel).go(program.arrays, program.sizes, program.device)
     n = m.row_count
     return tuple(a.numpy()[0][:n].copy() for a in (x.defect, x.C, x.C_modal, x.row_wrench))  # type: ignore[return-value]
 

@@ -36,6 +36,7 @@ template <class T> struct Pointer {
     Pointer operator+(long long i) const { return Pointer(at + i, first, count, name); }
     Pointer operator-(long long i) const { return Pointer(at - i, first, count, name); }
     operator Pointer<const T>() const { return Pointer<const T>(at, first, count, name); }
+    explicit operator bool() const { return at != nullptr; }
 };
 
 template <class T> struct Bare;

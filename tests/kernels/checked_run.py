@@ -86,11 +86,12 @@ def watch_launches(folder: Path) -> set[str]:
     class LaunchByLaunch(graph.StepGraph):
         """The step of a graph without recording one."""
 
-        def replay(self, budget: int) -> None:
+        def replay(self, budget: int | np.ndarray) -> float:
             more: Any = self.scratch.more
-            self.scratch.budget.fill_(budget + 1)
+            self.scratch.budget.assign(np.full(self.state.ctl.shape, budget, dtype=np.int32) + 1)
             self.program.run(("count",))
             wp.capture_while(more, self._attempt)
+            return 0.0
 
     setattr(launches.Launch, "go", announced)  # noqa: B010
     setattr(engine, "StepGraph", LaunchByLaunch)  # noqa: B010

@@ -1,9 +1,10 @@
-"""Kernels whose signatures are right, and some whose signatures are not, for the check of signatures."""
-# pyright: reportInvalidTypeForm=false
+"""Kernels for the check of what kernels read, write and change."""
+# pyright: reportInvalidTypeForm=false, reportIndexIssue=false, reportArgumentType=false
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.state import MotionState
 
 real = wp.float64
 
@@ -17,31 +18,39 @@ def through(a: wp.array(dtype=real), b: wp.array(dtype=real), c: wp.array(dtype=
     native(a, b, c, 0)
 
 
-@wp.kernel
-def right(x: wp.array(dtype=real), y: out(wp.array(dtype=real))):
+@wp.func
+def by_topic(motion: MotionState, w: int) -> real:
+    return motion.q[w, 0] + motion.qd[w, 0]
+
+
+@kernel
+def direct(x: wp.array(dtype=real), y: wp.array(dtype=real)):
     y[0] = x[0]
 
 
-@wp.kernel
-def unmarked(x: wp.array(dtype=real), y: wp.array(dtype=real)):
+@kernel
+def kept(x: wp.array(dtype=real), y: wp.array(dtype=real)):
     y[0] = x[0]
+    y[1] = y[0]
 
 
-@wp.kernel
-def not_read(x: wp.array(dtype=real), y: inout(wp.array(dtype=real))):
-    y[0] = x[0]
+@kernel
+def idle(x: wp.array(dtype=real), y: wp.array(dtype=real)):
+    pass
 
 
-@wp.kernel
-def early(y: inout(wp.array(dtype=real)), x: wp.array(dtype=real)):
-    y[0] += x[0]
-
-
-@wp.kernel
-def indirect(x: wp.array(dtype=real), y: out(wp.array(dtype=real)), z: inout(wp.array(dtype=real))):
+@kernel
+def indirect(x: wp.array(dtype=real), y: wp.array(dtype=real), z: wp.array(dtype=real)):
     through(x, y, z)
 
 
-@wp.kernel
-def atomic(x: wp.array(dtype=real), y: inout(wp.array(dtype=real))):
+@kernel
+def atomic(x: wp.array(dtype=real), y: wp.array(dtype=real)):
     wp.atomic_add(y, 0, x[0])
+
+
+@kernel
+def of_topics(state: MotionState):
+    w = wp.tid()
+    state.qd_rate[w, 0] = by_topic(state, w)
+    state.v[w, 0] += state.v_rate[w, 0]

@@ -7,11 +7,10 @@ put back into the whole system."""
 from __future__ import annotations
 
 import numpy as np
-import warp as wp
 
 from warpffrf.online import Engine
+from warpffrf.online.step.launches import blocks
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.scalars import BLOCK
 from warpffrf_kernels.kinematics import line_of_centres_weights
 
 ROUND_OFF = 1e-12  # relative to the largest entry: sums of some hundred terms
@@ -118,12 +117,8 @@ def test_stencil_holds_a_row_that_only_inner_points_reach(engine: Engine) -> Non
     kept = {name: getattr(x, name).numpy().copy() for name in names}
     x.point_place.assign(changed)
     engine.control(run=1, moved=1)
-    wp.launch_tiled(
-        line_of_centres_weights.weigh, dim=(1, 1),
-        inputs=[engine.models, x.center, x.window, x.station, x.station_wrench, x.point_gap, x.point_place],
-        outputs=[engine.state.ctl, *(getattr(x, name) for name in names)], block_dim=BLOCK,
-        device=engine.compiled.device,
-    )  # fmt: skip
+    program = engine.graph.program
+    blocks(line_of_centres_weights.weigh, "pair").go(program.arrays, program.sizes, program.device)
     failure = int(engine.word("failure")[0])
     low, high = x.window.numpy()[0, 0] + m.window.half
     inside = slice(low * rows, (high + 1) * rows)

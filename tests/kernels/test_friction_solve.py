@@ -5,14 +5,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import warp as wp
+from zero_topics import given, zeros
 
 from references.half_space.friction_program import residual, solve
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.compile.outer_pattern import find_pattern, on_device
 from warpffrf.online.device import chosen_device
 from warpffrf_kernels.core import control as k
+from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import BLOCK
+from warpffrf_kernels.core.scratch import OuterSystem
 from warpffrf_kernels.friction import stick_slip_solve
 
 SAME = 1e-10  # of the largest bound: both stop at 1e-12 of it, and the compliances' condition is below 100
@@ -42,9 +46,6 @@ def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple
     model.capacity.cells, model.pairs.count, model.pairs.coupled_capacity = n, P, N
     model.outer.count = model.outer.row_offset = N
 
-    def zeros(*shape: int) -> wp.array:
-        return wp.zeros(shape, dtype=wp.float64)
-
     def put(values, kind: type = float) -> wp.array:
         return wp.array(np.asarray(values, kind), dtype=wp.float64 if kind is float else wp.int32)
 
@@ -55,25 +56,24 @@ def device_solve(D, right, bound, start, softness=None, L=None, M=None) -> tuple
     model.pairs.coupled_count, model.pairs.coupled = kept
     words = host_structs(k.Control, 1)
     words["run"] = 1
-    ctl, tau = wp.array(words, dtype=k.Control), flat(start)
     pattern = find_pattern(1, np.zeros(1, int), np.zeros((0, 2), int), np.zeros((0, 2), bool))
     owner, patterns = on_device(pattern, chosen_device(None))
-    order = wp.zeros(2 * P * n, dtype=wp.int32)
-    wp.launch_tiled(
-        stick_slip_solve.solve_tractions, dim=(1,), block_dim=BLOCK,
-        inputs=[wp.array([model], dtype=Model), patterns, flat(D), flat(L),
-                flat(M), flat(V), flat(blocks[..., [0, 0, 1], [0, 1, 1]]), put(np.linalg.inv(M)[None]), zeros(1, 1, 1),
-                wp.zeros(1, dtype=wp.int32), flat(right), flat(bound),
-                zeros(P * n) if softness is None else flat(softness)],
-        outputs=[ctl, put(np.tile([0, n, 0], (1, P, 1)), int), tau, *(zeros(2 * P * n) for _ in range(4)),
-                 zeros(P * n), zeros(P * n), order, wp.zeros(2 * P * n, dtype=wp.int32), zeros(1, 4), zeros(1, 2),
-                 zeros(2 * P * n),
-                 zeros(P * 4 * n * n), zeros(P * 2 * n * N), zeros(P * N * N), zeros(N), zeros(N), zeros(1, N, N),
-                 zeros(1, N), wp.zeros((1, N), dtype=wp.int32), zeros(pattern.factor_size), zeros(2 * N),
-                 zeros(BLOCK * pattern.widest), wp.zeros((1, 2), dtype=wp.int32), zeros(1, N, N), zeros(N * N)],
-    )  # fmt: skip
+    sizes = {
+        "pair": P, "friction_pair": P, "speed_pair": P, "cell": n, "speed_cell": n, "coupled": N, "friction_outer": N,
+        "speed_outer": N, "friction_factor": pattern.factor_size, "friction_line": BLOCK * pattern.widest,
+    }  # fmt: skip
+    run, slopes, cells = Run(), zeros(SlipSpeedSolve, sizes), zeros(FrictionSolve, sizes)
+    run.models, run.ctl = wp.array([model], dtype=Model), wp.array(words, dtype=k.Control)
+    slopes.speed_D, slopes.speed_L, slopes.speed_M, slopes.speed_V = flat(D), flat(L), flat(M), flat(V)
+    slopes.speed_diagonal, slopes.speed_bordered = flat(blocks[..., [0, 0, 1], [0, 1, 1]]), put(np.linalg.inv(M)[None])
+    slopes.speed_right, slopes.speed_tau = flat(right), flat(start)
+    cells.cell_block = put(np.tile([0, n, 0], (1, P, 1)), int)
+    soft = np.zeros(P * n) if softness is None else softness
+    topics = [(run, Run), (slopes, SlipSpeedSolve), (zeros(OuterSystem, {}), OuterSystem), (cells, FrictionSolve)]
+    inputs = [*(given(*topic) for topic in topics), patterns, flat(bound), flat(soft)]
+    wp.launch_tiled(stick_slip_solve.solve_tractions, dim=(1,), block_dim=BLOCK, inputs=inputs)
     del kept, owner
-    return tau.numpy().copy(), ctl.numpy()[0].copy()
+    return slopes.speed_tau.numpy().copy(), run.ctl.numpy()[0].copy()
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -12,8 +12,9 @@ from studies.speed import against_exudyn as study
 from warpffrf.model import joints
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine
+from warpffrf.online.step.launches import blocks
 from warpffrf_kernels.bodies import interfaces
-from warpffrf_kernels.core.scalars import BLOCK, dot, weighted
+from warpffrf_kernels.core.scalars import dot, weighted
 
 ROUND_OFF = 1e-14  # of the sum of absolute values: machine precision times the terms of a partial sum
 
@@ -59,7 +60,7 @@ def engine() -> Engine:
 
 def test_interfaces_move_as_their_modes_say(engine: Engine) -> None:
     """Phi q; and the mean of Phi q and slope q where loads stiffen the body."""
-    x, m = engine.scratch, engine.compiled
+    x, m, program = engine.scratch, engine.compiled, engine.graph.program
     random = np.random.default_rng(0)
     q = random.normal(size=m.model.modes.count)
     slope = random.normal(size=m.interface_modes.shape)
@@ -75,10 +76,7 @@ def test_interfaces_move_as_their_modes_say(engine: Engine) -> None:
     ):
         x.slope.assign(now.ravel())
         m.model.interfaces.stiffening_start.assign(np.zeros_like(start) if stiffened else start)
-        wp.launch_tiled(
-            interfaces.move_interfaces, dim=(1,), inputs=[engine.models, engine.state.ctl, x.q1.flatten(), x.slope],
-            outputs=[x.interface_motion], block_dim=BLOCK, device=m.device,
-        )  # fmt: skip
+        blocks(interfaces.move_interfaces).go(program.arrays, program.sizes, program.device)
         found = x.interface_motion.numpy()[0]
         assert found == pytest.approx(np.array(expected), abs=1e-12 * np.abs(expected).max())
     m.model.interfaces.stiffening_start.assign(start)

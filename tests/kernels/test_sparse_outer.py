@@ -7,13 +7,16 @@ from typing import Any
 import numpy as np
 import pytest
 import warp as wp
+from zero_topics import given, zeros
 
 from warpffrf.online.arrays.declaration import host_structs
 from warpffrf.online.compile.outer_pattern import GROUND, OuterPattern, find_pattern, on_device
 from warpffrf.online.device import chosen_device
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import BLOCK
+from warpffrf_kernels.core.scratch import OuterSystem
 from warpffrf_kernels.linear import outer_solve
 
 DEVIATION = 1e-13  # of the solution, times the condition number: some hundred times round-off
@@ -80,19 +83,15 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     kept, patterns = on_device(pattern, chosen_device(None))
     ctl = host_structs(k.Control, 1)
     ctl["run"], ctl["moved"], ctl["refresh"] = 1, 1, refresh
-    ctl_w: Any = wp.array(ctl, dtype=k.Control)
-    sizes = (pattern.factor_size, 2 * pattern.outer_count, BLOCK * pattern.widest)
-    scratch = [wp.zeros(max(n, 1), dtype=wp.float64) for n in sizes]
-    fallback, z = wp.zeros((1, 2), dtype=int), wp.zeros(size, dtype=wp.float64)
-    wp.launch_tiled(
-        outer_solve.solve_outer, dim=(1,), block_dim=BLOCK,
-        inputs=[wp.array([m], dtype=Model), patterns, wp.array(A[None], dtype=wp.float64),
-                wp.array(b, dtype=wp.float64), wp.zeros((1, 1, 1), dtype=wp.float64), wp.zeros(1, dtype=int)],
-        outputs=[ctl_w, wp.zeros((1, size), dtype=wp.float64), wp.zeros((1, size), dtype=int), *scratch, fallback,
-                 wp.zeros((1, size, size), dtype=wp.float64), wp.zeros(size * size, dtype=wp.float64), z],
-    )  # fmt: skip
+    run: Any = Run()
+    run.models, run.ctl = wp.array([m], dtype=Model), wp.array(ctl, dtype=k.Control)
+    lines = BLOCK * pattern.widest
+    outer = zeros(OuterSystem, {"outer": size, "factor_number": pattern.factor_size, "factor_line": lines})
+    outer.tangent = wp.array(A[None], dtype=wp.float64)
+    inputs = [given(run, Run), given(outer, OuterSystem), patterns, wp.array(b, dtype=wp.float64)]
+    wp.launch_tiled(outer_solve.solve_outer, dim=(1,), block_dim=BLOCK, inputs=inputs)
     del kept
-    return z.numpy(), fallback.numpy()[0], int(ctl_w.numpy()["failure"][0])
+    return outer.z.numpy(), outer.fallback.numpy()[0], int(run.ctl.numpy()["failure"][0])
 
 
 @pytest.mark.parametrize("modes, flexible", [(0, False), (0, True), (3, True)])

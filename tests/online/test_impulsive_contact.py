@@ -24,6 +24,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.local_dynamics import LocalDynamics
 from warpffrf.online.run import run
 from warpffrf.online.settings import Settings
+from warpffrf.online.step.launches import threads
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.step.commit import LEAST_GAIN, MOST_GAINED, decide
 
@@ -134,11 +135,10 @@ def test_quasi_static_modes_know_nothing_of_it(block: ReducedBody) -> None:
 def test_impacts_together_gain_a_hundredth() -> None:
     """The gate: steps that each gain less than the tolerance are accepted until half of what is left is less; then only
     the smallest are, and a loss makes room again. Losses are those of the integrator and no matter of it."""
-    import warp as wp
 
     engine = Engine(bars(bar(2)))
     engine.enter(k.DYNAMIC, 1e-6, target=10**6)
-    state, work = engine.state, engine.scratch
+    state, program = engine.state, engine.graph.program
     tolerance = engine.settings.energy_tolerance
 
     def accepted(gain: float) -> bool:
@@ -151,13 +151,7 @@ def test_impacts_together_gain_a_hundredth() -> None:
         force[0, 0, 0, 0] = 1.0
         state.pair_force.assign(force)
         engine.control(every=1, attempt=1, accept=0, failure=0, level=0, sub=0, status=0)
-        inputs = [
-            engine.models, state.energy, work.dx, state.pair_force, work.restless, work.wanted,
-            work.created_now, state.lumped_force, state.lumped_energy, work.lumped_taken, state.lumped_gained,
-            work.hold_force,
-        ]  # fmt: skip
-        outputs = [state.impulsive, state.ctl, state.clk]
-        wp.launch(decide, dim=1, inputs=inputs, outputs=outputs, device=engine.compiled.device)
+        threads(decide).go(program.arrays, program.sizes, program.device)
         return bool(engine.word("accept")[0])
 
     assert not accepted(1.1 * tolerance) and accepted(-1.1 * tolerance)

@@ -12,6 +12,7 @@ import pytest
 import warp as wp
 
 import warpffrf as wf
+from launch_order.check import bound_of, complaints
 from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import laws
 from warpffrf.model.friction import Stribeck
@@ -31,7 +32,7 @@ from warpffrf.online.step import phases, snapshot
 from warpffrf.online.step.launches import DECLARED, blocks, threads
 from warpffrf.online.step.phases import Participant
 from warpffrf.online.step.program import PARTICIPANTS, WHOLE
-from warpffrf_kernels.bodies import motion
+from warpffrf_kernels.bodies import membrane, motion
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import Declaration, integers, parts, reals, vectors
 from warpffrf_kernels.core.model import Model
@@ -185,7 +186,7 @@ def steps(scene: wf.Scene, step: float, poison: bool, **options: Any) -> tuple[S
 
 def make_unusable(engine: Engine) -> None:
     """NaN, and numbers that mean nothing, in all scratch arrays that are not declared to carry anything over."""
-    set_by_some = {name for launch in engine.graph.program.launches() for name in launch.written}
+    set_by_some = {name for launch in engine.graph.program.launches() for name in bound_of(launch).written}
     for name, declaration in Scratch.declarations.items():
         if declaration.carried or declaration.dtype not in POISON:
             continue
@@ -215,7 +216,7 @@ def test_scratch_carries_nothing_from_step_to_step(name: str, bodies: Bodies) ->
 def wrong(*participants: Participant, declared: dict[str, Declaration] | None = None) -> list[str]:
     """Complaints about the order of participants in a scene that has everything."""
     placed = [(phase, phases.collect(participants, phase)) for phase in WHOLE]
-    return phases.complaints(placed, dict.fromkeys(NAMES, 3), declared or DECLARED)
+    return complaints(placed, dict.fromkeys(NAMES, 3), declared or DECLARED)
 
 
 def test_the_order_of_all_participants_is_right() -> None:
@@ -251,18 +252,18 @@ def test_a_phase_that_is_none_is_refused() -> None:
 @pytest.mark.parametrize(
     ("given", "message"),
     [
-        ({"dx": "no_such"}, r"launch of motion.predict_bodies: no array is called 'no_such'; declare it in"),
-        ({"nothing": "dx"}, "it has no parameter nothing"),
-        ({"dx": "dq"}, "dq does not have the type of parameter dx"),
-        ({"dx": "held_ball"}, "held_ball does not have the type of parameter dx"),
-        ({"dx": "applied"}, "parameter dx has 2 axes, applied is declared with 3"),
+        ({"q1": "no_such"}, r"launch of membrane.stretch_fibres: no array is called 'no_such'; declare it in"),
+        ({"nothing": "q"}, "it takes no array nothing"),
+        ({"run": "q"}, "it takes no array run"),
+        ({"q1": "dx"}, "dx does not have the type of parameter q1"),
+        ({"membrane_amplitude": "load"}, "parameter membrane_amplitude has 2 axes, load is declared with 3"),
         ({"when": "nowhere"}, "'nowhere' is no axis"),
     ],
 )
 def test_a_launch_that_does_not_fit_is_refused(given: dict[str, str], message: str) -> None:
-    blocks(motion.predict_bodies, dx="psi", psi="dx")  # other arrays of the same form fit
+    blocks(membrane.stretch_fibres, q1="qd")  # other arrays of the same form fit
     with pytest.raises(TypeError, match=message):
-        blocks(motion.predict_bodies, **given)
+        blocks(membrane.stretch_fibres, **given)
 
 
 def test_declarations_that_do_not_fit_are_refused() -> None:

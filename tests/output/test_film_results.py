@@ -34,7 +34,7 @@ from warpffrf.output.plots.figure import write_figure
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
-from warpffrf_kernels.films.keeping import NUMBERS
+from warpffrf_kernels.core.films import NUMBERS
 
 R, CLEARANCE, WALL = 0.03, 40e-6, 1.5  # m, m, outer over inner radius
 COLUMNS, ROWS, STEPS = 24, 7, 6

@@ -27,11 +27,13 @@ motion -q.K_k q/2 of the interface: its derivative is `slope`, the force of a ro
 import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import line_of, marker_of
-from warpffrf_kernels.core.access import changed, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import hat
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, mat33, real, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -56,49 +58,37 @@ def triple(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> vec3:
     return vec3(a[w, d, at], a[w, d, at + 1], a[w, d, at + 2])
 
 
-@wp.kernel
-def uncondense(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    receptance: changed(wp.array2d(dtype=real)),
-    tangent: out(wp.array3d(dtype=real)),
-):
+@kernel
+def uncondense(run: Run, system: OuterSystem, receptance: wp.array2d(dtype=real)):
     """Lanes over dense modes: their lines and columns of their body's block of the tangent, a diagonal as yet; nothing
     of them is condensed."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     d = lane
     while d < model.dense.count:
         b = model.dense.body[d]
         at = 6 * model.bodies.count + d
         for i in range(6):
-            tangent[w, 6 * b + i, at] = real(0.0)
-            tangent[w, at, 6 * b + i] = real(0.0)
+            system.tangent[w, 6 * b + i, at] = real(0.0)
+            system.tangent[w, at, 6 * b + i] = real(0.0)
         i = int(0)
         while i < model.bodies.dense_count[b]:
-            tangent[w, at, 6 * model.bodies.count + model.bodies.dense_start[b] + i] = real(0.0)
+            system.tangent[w, at, 6 * model.bodies.count + model.bodies.dense_start[b] + i] = real(0.0)
             i += 1
         m = model.dense.mode[d]
-        tangent[w, at, at] = real(1.0) / receptance[w, m]
+        system.tangent[w, at, at] = real(1.0) / receptance[w, m]
         receptance[w, m] = real(0.0)
         d += wp.block_dim()
 
 
-@wp.kernel
-def sum_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    q1: wp.array(dtype=real),
-    qd1: wp.array(dtype=real),
-    qd1_rate: wp.array(dtype=real),
-    sums: out(wp.array3d(dtype=real)),
-):
+@kernel
+def sum_modes(run: Run, trial: Trial, qd1: wp.array(dtype=real), qd1_rate: wp.array(dtype=real)):
     """Lanes over dense modes: P, P', g, g', g'' of each."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     d = lane
     while d < model.dense.count:
@@ -112,50 +102,37 @@ def sum_modes(
         stride = count * count
         for c in range(6):
             row = at + c * stride
-            sums[w, d, c] = model.dense.first[d, c] + real(2.0) * dot(count, model.dense.table, row, q1, start)
-            sums[w, d, 6 + c] = real(2.0) * dot(count, model.dense.table, row, qd1, start)
+            trial.inertia_sums[w, d, c] = model.dense.first[d, c] + real(2.0) * dot(
+                count, model.dense.table, row, trial.q1, start
+            )
+            trial.inertia_sums[w, d, 6 + c] = real(2.0) * dot(count, model.dense.table, row, qd1, start)
         for c in range(3):
             row = at + (6 + c) * stride
-            sums[w, d, 12 + c] = dot(count, model.dense.table, row, q1, start)
-            sums[w, d, 15 + c] = dot(count, model.dense.table, row, qd1, start)
-            sums[w, d, 18 + c] = dot(count, model.dense.table, row, qd1_rate, start)
+            trial.inertia_sums[w, d, 12 + c] = dot(count, model.dense.table, row, trial.q1, start)
+            trial.inertia_sums[w, d, 15 + c] = dot(count, model.dense.table, row, qd1, start)
+            trial.inertia_sums[w, d, 18 + c] = dot(count, model.dense.table, row, qd1_rate, start)
         d += wp.block_dim()
 
 
-@wp.kernel
-def add_inertia(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    omega1: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    q1: wp.array2d(dtype=real),
-    qd1: wp.array2d(dtype=real),
-    qd1_rate: wp.array2d(dtype=real),
-    psi_inverse: wp.array2d(dtype=mat33),
-    sums: wp.array3d(dtype=real),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array2d(dtype=real)),
-    tangent: changed(wp.array3d(dtype=real)),
-    extra_energy: out(wp.array2d(dtype=real)),
-):
+@kernel
+def add_inertia(run: Run, trial: Trial, residuals: Residuals, system: OuterSystem, q1: wp.array2d(dtype=real)):
     """Lanes over bodies: unbalanced torque and modal forces, the dense blocks of the tangent but their pair terms
     (`couple_modes`), and the kinetic energy of these terms.
     """
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     half = real(0.5)
-    acc = clk[w].outer.acc
-    vel = clk[w].outer.vel
+    acc = run.clk[w].outer.acc
+    vel = run.clk[w].outer.vel
     b = lane
     while b < model.bodies.count:
-        extra_energy[w, b] = real(0.0)
+        trial.extra_energy[w, b] = real(0.0)
         count = model.bodies.inertia_count[b]
         if count > 0:
-            spin = omega1[w, b]
-            turn = omega1_rate[w, b]
+            spin = trial.omega1[w, b]
+            turn = trial.omega1_rate[w, b]
             dJ = mat33(real(0.0))
             dJ_rate = mat33(real(0.0))
             h = vec3(real(0.0))
@@ -165,63 +142,54 @@ def add_inertia(
             i = int(0)
             while i < count:
                 d = first + i
-                P = symmetric(sums, w, d, 0)
-                g = triple(sums, w, d, 12)
+                P = symmetric(trial.inertia_sums, w, d, 0)
+                g = triple(trial.inertia_sums, w, d, 12)
                 dJ += (half * q1[w, n + i]) * (P + first_order(model, d))
-                dJ_rate += qd1[w, n + i] * P
-                h += qd1[w, n + i] * g
-                h_rate += qd1_rate[w, n + i] * g
+                dJ_rate += trial.qd1[w, n + i] * P
+                h += trial.qd1[w, n + i] * g
+                h_rate += trial.qd1_rate[w, n + i] * g
                 i += 1
             extra = dJ * spin
             t = dJ * turn + dJ_rate * spin + h_rate + wp.cross(spin, extra + h)
-            extra_energy[w, b] = half * wp.dot(spin, extra) + wp.dot(spin, h)
-            Ti = psi_inverse[w, b]
+            trial.extra_energy[w, b] = half * wp.dot(spin, extra) + wp.dot(spin, h)
+            Ti = trial.psi_inverse[w, b]
             S = (acc * dJ + vel * (hat(spin) * dJ - hat(extra + h) + dJ_rate)) * Ti
             o = 6 * b + 3
             for r in range(3):
-                residual[w, o + r] = residual[w, o + r] + t[r]
+                residuals.residual[w, o + r] = residuals.residual[w, o + r] + t[r]
                 for c in range(3):
-                    tangent[w, o + r, o + c] = tangent[w, o + r, o + c] + S[r, c]
+                    system.tangent[w, o + r, o + c] = system.tangent[w, o + r, o + c] + S[r, c]
             i = int(0)
             while i < count:
                 d = first + i
                 m = n + i
-                P = symmetric(sums, w, d, 0)
-                g = triple(sums, w, d, 12)
-                g1 = triple(sums, w, d, 15)
-                g2 = triple(sums, w, d, 18)
+                P = symmetric(trial.inertia_sums, w, d, 0)
+                g = triple(trial.inertia_sums, w, d, 12)
+                g1 = triple(trial.inertia_sums, w, d, 15)
+                g2 = triple(trial.inertia_sums, w, d, 18)
                 P_spin = P * spin
                 value = real(2.0) * wp.dot(spin, g1) + wp.dot(turn, g) - half * wp.dot(spin, P_spin)
-                modal_residual[w, m] = modal_residual[w, m] + value
-                column = P * turn + vel * P_spin + symmetric(sums, w, d, 6) * spin - g2 + acc * g
+                residuals.modal_residual[w, m] = residuals.modal_residual[w, m] + value
+                column = P * turn + vel * P_spin + symmetric(trial.inertia_sums, w, d, 6) * spin - g2 + acc * g
                 column += wp.cross(spin, P_spin + vel * g - g1)
                 line = vel * (real(2.0) * g1 - P_spin) + acc * g
                 line = wp.transpose(Ti) * line
                 at = 6 * model.bodies.count + d
                 for r in range(3):
-                    tangent[w, o + r, at] = column[r]
-                    tangent[w, at, o + r] = line[r]
+                    system.tangent[w, o + r, at] = column[r]
+                    system.tangent[w, at, o + r] = line[r]
                 i += 1
         b += wp.block_dim()
 
 
-@wp.kernel
-def couple_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    omega1: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    lam: wp.array2d(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-    tangent: changed(wp.array(dtype=real)),
-):
+@kernel
+def couple_modes(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, tangent: wp.array(dtype=real)):
     """Per world, lanes over the entries of a line, line by line: 2 VEL w.G_ij + wdot.G_ij - w.J2_ij w in line j,
     column i, and the geometric stiffness of the forces at interfaces.
     """
     w, _ = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
     d = int(0)
     N = model.outer.count
@@ -231,14 +199,14 @@ def couple_modes(
         if d - model.bodies.dense_start[b] >= count:
             d += 1
             continue
-        s = omega1[w, b]
+        s = trial.omega1[w, b]
         line = (w * N + 6 * model.bodies.count + d) * N + 6 * model.bodies.count + model.bodies.dense_start[b]
         at = model.bodies.inertia_start[b] + (d - model.bodies.dense_start[b]) * count
         stride = count * count
         two = real(2.0)
         for c in range(3):
             axpy(count, -s[c] * s[c], model.dense.table, at + c * stride, tangent, line)
-            along = two * clk[w].outer.vel * s[c] + omega1_rate[w, b][c]
+            along = two * run.clk[w].outer.vel * s[c] + trial.omega1_rate[w, b][c]
             axpy(count, along, model.dense.table, at + (6 + c) * stride, tangent, line)
         axpy(count, -two * s[0] * s[1], model.dense.table, at + 3 * stride, tangent, line)
         axpy(count, -two * s[1] * s[2], model.dense.table, at + 4 * stride, tangent, line)
@@ -251,24 +219,19 @@ def couple_modes(
                 if f >= 0 and model.markers.body[marker] == b and model.interfaces.stiffening_start[f] >= 0:
                     begin = model.interfaces.stiffening_start[f] + (d - model.bodies.dense_start[b]) * count
                     for c in range(6):
-                        pull = -lam[w, row] * row_pull[w, 2 * row + side, c]
+                        pull = -loads.lam[w, row] * residuals.row_pull[w, 2 * row + side, c]
                         if pull != real(0.0):  # most are, along the axes of the body
                             axpy(count, pull, model.interfaces.stiffening, begin + c * stride, tangent, line)
             row += 1
         d += 1
 
 
-@wp.kernel
-def shorten_interfaces(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    q1: wp.array(dtype=real),
-    slope: out(wp.array(dtype=real)),
-):
+@kernel
+def shorten_interfaces(run: Run, q1: wp.array(dtype=real), slope: wp.array(dtype=real)):
     """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q where loads stiffen the body."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     f = lane
     while f < model.interfaces.count:

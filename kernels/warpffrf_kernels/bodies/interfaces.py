@@ -11,11 +11,12 @@ that every sum over modes is contiguous; only the first `global_count` entries o
 
 import warp as wp
 
-from warpffrf_kernels.core.access import out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import exponential, matrix
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, vec3, weighted
+from warpffrf_kernels.core.scratch import Residuals, Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -50,18 +51,12 @@ def add_load(
 ): ...
 
 
-@wp.kernel
-def move_interfaces(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    q1: wp.array(dtype=real),
-    slope: wp.array(dtype=real),
-    motion: out(wp.array3d(dtype=real)),
-):
+@kernel
+def move_interfaces(run: Run, trial: Trial):
     """Lanes over the six components of all interfaces: `motion` (W, interfaces, 6), m and rad."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     i = lane
     while i < 6 * model.interfaces.count:
@@ -70,11 +65,11 @@ def move_interfaces(
         b = model.interfaces.body[f]
         n = model.bodies.global_count[b]
         modes = w * model.modes.count + model.bodies.modal_start[b]
-        value = dot(n, slope, line_of(model, w, f) + c * model.interfaces.width, q1, modes)
+        value = dot(n, trial.slope, line_of(model, w, f) + c * model.interfaces.width, trial.q1, modes)
         if model.interfaces.stiffening_start[f] >= 0:
-            straight = dot(n, model.interfaces.modes, i * model.interfaces.width, q1, modes)
+            straight = dot(n, model.interfaces.modes, i * model.interfaces.width, trial.q1, modes)
             value = real(0.5) * (value + straight)
-        motion[w, f, c] = value
+        trial.interface_motion[w, f, c] = value
         i += wp.block_dim()
 
 
@@ -137,14 +132,7 @@ def modal_line(model: Model, w: int, row: int, b: int) -> int:
 
 
 @wp.func
-def pulled(
-    model: Model,
-    w: int,
-    row: int,
-    C_modal: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-    load: wp.array(dtype=real),
-) -> real:
+def pulled(model: Model, w: int, row: int, residuals: Residuals, load: wp.array(dtype=real)) -> real:
     """C_m sigma^-1 load of a row, over the global modes of the bodies that it ends on."""
     total = real(0.0)
     for side in range(2):
@@ -152,19 +140,12 @@ def pulled(
         if b >= 0:
             at = w * model.modes.count + model.bodies.modal_start[b]
             line = modal_line(model, w, row, b)
-            total += weighted(model.bodies.global_count[b], C_modal, line, receptance, at, load, at)
+            total += weighted(model.bodies.global_count[b], residuals.C_modal, line, residuals.receptance, at, load, at)
     return total
 
 
 @wp.func
-def compliance(
-    model: Model,
-    w: int,
-    row: int,
-    other: int,
-    C_modal: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-) -> real:
+def compliance(model: Model, w: int, row: int, other: int, residuals: Residuals) -> real:
     """C_m sigma^-1 C_m^T of two rows, over the global modes of the bodies that both end on."""
     total = real(0.0)
     for side in range(2):
@@ -173,6 +154,7 @@ def compliance(
             at = w * model.modes.count + model.bodies.modal_start[b]
             line = modal_line(model, w, row, b)
             total += weighted(
-                model.bodies.global_count[b], C_modal, line, receptance, at, C_modal, modal_line(model, w, other, b)
-            )
+                model.bodies.global_count[b], residuals.C_modal, line, residuals.receptance, at, residuals.C_modal,
+                modal_line(model, w, other, b),
+            )  # fmt: skip
     return total

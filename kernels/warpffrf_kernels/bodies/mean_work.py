@@ -35,126 +35,97 @@ import warp as wp
 from warpffrf_kernels.bodies.interfaces import line_of, marker_of
 from warpffrf_kernels.bodies.membrane import slope_line
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import share_of_miss
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.func
-def pull_of_rows(
-    model: Model, w: int, interface: int, c: int, lam: wp.array2d(dtype=real), row_pull: wp.array3d(dtype=real)
-) -> real:
+def pull_of_rows(model: Model, w: int, interface: int, c: int, loads: LoadState, residuals: Residuals) -> real:
     """Component c of what all rows pull at an interface with, body axes."""
     total = real(0.0)
     row = int(0)
     while row < model.rows.count:
         for side in range(2):
             if model.markers.interface[marker_of(model, row, side)] == interface:
-                total += lam[w, row] * row_pull[w, 2 * row + side, c]
+                total += loads.lam[w, row] * residuals.row_pull[w, 2 * row + side, c]
         row += 1
     return total
 
 
-@wp.kernel
-def change_pulls(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    lam: wp.array2d(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-    interface_pull: wp.array3d(dtype=real),
-    pull_change: out(wp.array3d(dtype=real)),
-):
+@kernel
+def change_pulls(run: Run, loads: LoadState, residuals: Residuals, trial: Trial):
     """Lanes over interfaces: what their pulls have changed by in the attempt."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     f = lane
     while f < model.interfaces.count:
         for c in range(6):
-            pull_change[w, f, c] = pull_of_rows(model, w, f, c, lam, row_pull) - interface_pull[w, f, c]
+            trial.pull_change[w, f, c] = pull_of_rows(model, w, f, c, loads, residuals) - loads.interface_pull[w, f, c]
         f += wp.block_dim()
 
 
-@wp.kernel
-def add_mean_work(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    membrane_slope: wp.array(dtype=real),
-    membrane_slope0: wp.array(dtype=real),
-    membrane_amplitude: wp.array2d(dtype=real),
-    membrane_amplitude0: wp.array2d(dtype=real),
-    slope: wp.array(dtype=real),
-    slope0: wp.array(dtype=real),
-    pull_change: wp.array3d(dtype=real),
-    lag: wp.array3d(dtype=real),
-    modal_residual: changed(wp.array2d(dtype=real)),
-    lag1: out(wp.array3d(dtype=real)),
-):
+@kernel
+def add_mean_work(run: Run, trial: Trial, loads: LoadState, residuals: Residuals):
     """Lanes over dense modes: y_1 and Y_1, and Y_1 among the unbalanced forces; none but in steps in time that remember
     accelerations."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    rule = clk[w].outer
+    rule = run.clk[w].outer
     one = real(1.0)
     quarter = real(0.25)
-    whole = share_of_miss(ctl, clk, w) != real(0.0)
+    whole = share_of_miss(run, w) != real(0.0)
     d = lane
     while d < model.dense.count:
         b = model.dense.body[d]
         i = d - model.bodies.dense_start[b]
-        lag1[w, 0, d] = real(0.0)
-        lag1[w, 1, d] = real(0.0)
+        trial.lag1[w, 0, d] = real(0.0)
+        trial.lag1[w, 1, d] = real(0.0)
         if whole and i < model.bodies.inertia_count[b]:
             miss = real(0.0)
             s = model.bodies.square_start[b]
             while s < model.bodies.square_start[b + 1]:
                 at = slope_line(model, w, s) + i
-                change = membrane_amplitude[w, s] - membrane_amplitude0[w, s]
-                miss -= quarter * change * (membrane_slope[at] - membrane_slope0[at])
+                change = trial.membrane_amplitude[w, s] - trial.membrane_amplitude0[w, s]
+                miss -= quarter * change * (trial.membrane_slope[at] - trial.membrane_slope0[at])
                 s += 1
             f = int(0)
             while f < model.interfaces.count:
                 if model.interfaces.body[f] == b and model.interfaces.stiffening_start[f] >= 0:
                     for c in range(6):
                         at = line_of(model, w, f) + c * model.interfaces.width + i
-                        miss -= quarter * pull_change[w, f, c] * (slope[at] - slope0[at])
+                        miss -= quarter * trial.pull_change[w, f, c] * (trial.slope[at] - trial.slope0[at])
                 f += 1
-            old = lag[w, 0, d]
-            if ctl[w].trapezoidal != 0:  # from the true accelerations
-                old = lag[w, 1, d]
+            old = loads.lag[w, 0, d]
+            if run.ctl[w].trapezoidal != 0:  # from the true accelerations
+                old = loads.lag[w, 1, d]
             new = (miss - (one - rule.gamma) * old) / rule.gamma
-            force = (one - rule.alpha_m) * new + rule.alpha_m * old - rule.alpha_f * lag[w, 1, d]
-            lag1[w, 0, d] = new
-            lag1[w, 1, d] = force / (one - rule.alpha_f)
+            force = (one - rule.alpha_m) * new + rule.alpha_m * old - rule.alpha_f * loads.lag[w, 1, d]
+            trial.lag1[w, 0, d] = new
+            trial.lag1[w, 1, d] = force / (one - rule.alpha_f)
             m = model.dense.mode[d]
-            modal_residual[w, m] = modal_residual[w, m] + lag1[w, 1, d]
+            residuals.modal_residual[w, m] = residuals.modal_residual[w, m] + trial.lag1[w, 1, d]
         d += wp.block_dim()
 
 
-@wp.kernel
-def couple_pulls(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    slope: wp.array(dtype=real),
-    slope0: wp.array(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def couple_pulls(run: Run, trial: Trial, residuals: Residuals, system: OuterSystem):
     """Lanes over dense modes: dY_1 by the multipliers of rows."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
-    part = real(0.25) * share_of_miss(ctl, clk, w)
+    part = real(0.25) * share_of_miss(run, w)
     d = lane
     while part != real(0.0) and d < model.dense.count:
         b = model.dense.body[d]
@@ -167,50 +138,40 @@ def couple_pulls(
                 f = model.markers.interface[marker]
                 if f >= 0 and model.markers.body[marker] == b and model.interfaces.stiffening_start[f] >= 0:
                     for c in range(6):
-                        pull = row_pull[w, 2 * row + side, c]
+                        pull = residuals.row_pull[w, 2 * row + side, c]
                         if pull != real(0.0):  # most are, along the axes of the body
                             at = line_of(model, w, f) + c * model.interfaces.width + i
-                            total += pull * (slope[at] - slope0[at])
+                            total += pull * (trial.slope[at] - trial.slope0[at])
             if total != real(0.0):
                 line = 6 * model.bodies.count + d
                 column = model.outer.row_offset + row
-                tangent[w, line, column] = tangent[w, line, column] - part * total
+                system.tangent[w, line, column] = system.tangent[w, line, column] - part * total
             row += 1
         d += wp.block_dim()
 
 
-@wp.kernel
-def keep_lags(
-    ctl: wp.array(dtype=Control),
-    lag1: wp.array3d(dtype=real),
-    lag: out(wp.array3d(dtype=real)),
-):
+@kernel
+def keep_lags(run: Run, trial: Trial, loads: LoadState):
     """Lanes over dense modes: y and Y of an accepted attempt."""
     w, lane = wp.tid()
-    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+    if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
         return
     d = lane
-    while d < lag.shape[2]:
+    while d < loads.lag.shape[2]:
         for i in range(2):
-            lag[w, i, d] = lag1[w, i, d]
+            loads.lag[w, i, d] = trial.lag1[w, i, d]
         d += wp.block_dim()
 
 
-@wp.kernel
-def keep_pulls(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    lam: wp.array2d(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-    interface_pull: out(wp.array3d(dtype=real)),
-):
+@kernel
+def keep_pulls(run: Run, loads: LoadState, residuals: Residuals):
     """Lanes over interfaces: what rows pull with at the end of an accepted attempt."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+    model = run.models[w]
+    if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
         return
     f = lane
     while f < model.interfaces.count:
         for c in range(6):
-            interface_pull[w, f, c] = pull_of_rows(model, w, f, c, lam, row_pull)
+            loads.interface_pull[w, f, c] = pull_of_rows(model, w, f, c, loads, residuals)
         f += wp.block_dim()

@@ -10,11 +10,12 @@ tangent is ever that of a spring that pushes.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import share_of_miss
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real
+from warpffrf_kernels.core.scratch import Residuals, Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -44,18 +45,15 @@ def slope_line(model: Model, w: int, square: int) -> int:
     return w * model.membrane.lines + model.membrane.line_start[square]
 
 
-@wp.kernel
+@kernel
 def stretch_fibres(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    q1: wp.array(dtype=real),
-    membrane_slope: out(wp.array(dtype=real)),
-    membrane_amplitude: out(wp.array2d(dtype=real)),
-):
+    run: Run, q1: wp.array(dtype=real), membrane_slope: wp.array(dtype=real),
+    membrane_amplitude: wp.array2d(dtype=real),
+):  # fmt: skip
     """Lanes over squares: y_r and e_r."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     s = lane
     while s < model.membrane.count:
@@ -76,18 +74,12 @@ def stretch_fibres(
         s += wp.block_dim()
 
 
-@wp.kernel
-def add_membrane_forces(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    membrane_slope: wp.array(dtype=real),
-    membrane_amplitude: wp.array2d(dtype=real),
-    modal_residual: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def add_membrane_forces(run: Run, trial: Trial, residuals: Residuals):
     """Lanes over dense modes: unbalanced forces."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     d = lane
     while d < model.dense.count:
@@ -97,30 +89,21 @@ def add_membrane_forces(
             total = real(0.0)
             s = model.bodies.square_start[b]
             while s < model.bodies.square_start[b + 1]:
-                total += membrane_amplitude[w, s] * membrane_slope[slope_line(model, w, s) + i]
+                total += trial.membrane_amplitude[w, s] * trial.membrane_slope[slope_line(model, w, s) + i]
                 s += 1
             m = model.dense.mode[d]
-            modal_residual[w, m] = modal_residual[w, m] + total
+            residuals.modal_residual[w, m] = residuals.modal_residual[w, m] + total
         d += wp.block_dim()
 
 
-@wp.kernel
-def stiffen_membranes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    membrane_slope: wp.array(dtype=real),
-    membrane_slope0: wp.array(dtype=real),
-    membrane_amplitude: wp.array2d(dtype=real),
-    membrane_amplitude0: wp.array2d(dtype=real),
-    tangent: changed(wp.array(dtype=real)),
-):
+@kernel
+def stiffen_membranes(run: Run, trial: Trial, tangent: wp.array(dtype=real)):
     """Lanes over dense modes: their lines of the tangent, with that of the mean work (`mean_work`)."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
-    part = real(0.25) * share_of_miss(ctl, clk, w)
+    part = real(0.25) * share_of_miss(run, w)
     d = lane
     N = model.outer.count
     while d < model.dense.count:
@@ -133,11 +116,11 @@ def stiffen_membranes(
             while s < model.bodies.square_start[b + 1]:
                 line = slope_line(model, w, s)
                 form = model.membrane.table_start[s] + i * count
-                u = membrane_slope[line + i]
-                e = membrane_amplitude[w, s]
+                u = trial.membrane_slope[line + i]
+                e = trial.membrane_amplitude[w, s]
                 if part != real(0.0):
-                    u -= part * (u - membrane_slope0[line + i])
-                    e -= part * (e - membrane_amplitude0[w, s])
-                add_lines(count, u, membrane_slope, line, e, model.membrane.table, form, tangent, at)
+                    u -= part * (u - trial.membrane_slope0[line + i])
+                    e -= part * (e - trial.membrane_amplitude0[w, s])
+                add_lines(count, u, trial.membrane_slope, line, e, model.membrane.table, form, tangent, at)
                 s += 1
         d += wp.block_dim()

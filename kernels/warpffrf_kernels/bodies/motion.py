@@ -33,8 +33,7 @@ omega^2 q = f`. What a deforming body adds to these: `inertia`.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import (
     EXACT,
     acceleration_of,
@@ -47,92 +46,89 @@ from warpffrf_kernels.core.integration import (
     rule_of,
     velocity_of,
 )
-from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import exponential, hat, matrix, tangent_inverse
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import LoadState, MotionState
 
 wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.func
-def first_tau(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> real:
+def first_tau(run: Run, w: int) -> real:
     """The first proximal step of a load step [s]."""
-    return clk[w].tau * wp.pow(real(0.01), real(ctl[w].careful))
+    return run.clk[w].tau * wp.pow(real(0.01), real(run.ctl[w].careful))
 
 
-@wp.kernel
-def begin_step(
-    models: wp.array(dtype=Model),
-    coefficients: wp.array2d(dtype=real),
-    local_coefficients: wp.array2d(dtype=real),
-    budget: wp.array(dtype=int),
-    ctl: inout(wp.array(dtype=Control)),
-    clk: inout(wp.array(dtype=Clock)),
-):
+@kernel
+def begin_step(run: Run):
     """Per world: step size, end time and coefficients (alpha_m, alpha_f, beta, gamma) of this attempt."""
     w = wp.tid()
-    ctl[w].run = 0
-    ctl[w].attempt = 0
-    ctl[w].accept = 0
-    ctl[w].record = 0
-    if ctl[w].status != 0 or ctl[w].step >= ctl[w].target or budget[w] <= 0:
+    run.ctl[w].run = 0
+    run.ctl[w].attempt = 0
+    run.ctl[w].accept = 0
+    run.ctl[w].record = 0
+    if run.ctl[w].status != 0 or run.ctl[w].step >= run.ctl[w].target or run.budget[w] <= 0:
         return
-    ctl[w].run = 1
-    ctl[w].attempt = 1
-    ctl[w].moved = 1
-    ctl[w].reassemble = 1
-    ctl[w].refresh = 1
-    ctl[w].recenter = 0
-    ctl[w].iteration = 0
-    ctl[w].inner = 0
-    ctl[w].changes = 0
-    ctl[w].failure = 0
-    ctl[w].slots = 0
-    ctl[w].fresh = 0
-    ctl[w].touched = ctl[w].active
-    h_user = clk[w].user_step
-    fraction = wp.pow(real(0.5), real(ctl[w].level))
+    run.ctl[w].run = 1
+    run.ctl[w].attempt = 1
+    run.ctl[w].moved = 1
+    run.ctl[w].reassemble = 1
+    run.ctl[w].refresh = 1
+    run.ctl[w].recenter = 0
+    run.ctl[w].iteration = 0
+    run.ctl[w].inner = 0
+    run.ctl[w].changes = 0
+    run.ctl[w].failure = 0
+    run.ctl[w].slots = 0
+    run.ctl[w].fresh = 0
+    run.ctl[w].touched = run.ctl[w].active
+    h_user = run.clk[w].user_step
+    fraction = wp.pow(real(0.5), real(run.ctl[w].level))
     h = h_user * fraction
     am = real(0.0)
     af = real(0.0)
     beta = real(1.0)
     gamma = real(0.0)
-    clk[w].next_time = clk[w].time
-    ctl[w].trapezoidal = 0
-    ctl[w].round = 0
-    if ctl[w].mode == k.DYNAMIC or ctl[w].mode == k.LOADING:
-        clk[w].next_time = clk[w].start_time + h_user * (real(ctl[w].step) + real(ctl[w].sub + 1) * fraction)
-    if ctl[w].mode == k.DYNAMIC:
-        am = coefficients[w, 0]
-        af = coefficients[w, 1]
-        beta = coefficients[w, 2]
-        gamma = coefficients[w, 3]
+    run.clk[w].next_time = run.clk[w].time
+    run.ctl[w].trapezoidal = 0
+    run.ctl[w].round = 0
+    if run.ctl[w].mode == k.DYNAMIC or run.ctl[w].mode == k.LOADING:
+        run.clk[w].next_time = run.clk[w].start_time + h_user * (
+            real(run.ctl[w].step) + real(run.ctl[w].sub + 1) * fraction
+        )
+    if run.ctl[w].mode == k.DYNAMIC:
+        am = run.coefficients[w, 0]
+        af = run.coefficients[w, 1]
+        beta = run.coefficients[w, 2]
+        gamma = run.coefficients[w, 3]
         # see `impulsive_contact`
-        if ctl[w].again != 0 and (ctl[w].shaken == 0 or models[w].elements[0].layers.count > 0):
-            ctl[w].trapezoidal = 1
+        if run.ctl[w].again != 0 and (run.ctl[w].shaken == 0 or run.models[w].elements[0].layers.count > 0):
+            run.ctl[w].trapezoidal = 1
             am = real(0.0)
             af = real(0.0)
             beta = real(0.25)
             gamma = real(0.5)
-    if ctl[w].mode == k.START or ctl[w].mode == k.PROJECT:
+    if run.ctl[w].mode == k.START or run.ctl[w].mode == k.PROJECT:
         gamma = real(1.0)
-        clk[w].next_time = clk[w].time + h
-        if ctl[w].mode == k.START:
+        run.clk[w].next_time = run.clk[w].time + h
+        if run.ctl[w].mode == k.START:
             beta = real(0.5)
-    clk[w].h = h
-    clk[w].outer = coefficients_from(am, af, beta, gamma, h)
-    ctl[w].turned = 0
-    if ctl[w].mode == k.LOADING:
-        clk[w].outer = coefficients_from(am, af, beta, gamma, first_tau(ctl, clk, w))
-        ctl[w].forget = 1  # friction of joints may become another within the step
-    if ctl[w].mode == k.DYNAMIC and ctl[w].forget != 0:
-        clk[w].outer = forgetful(h)
-    if ctl[w].mode == k.DYNAMIC:
-        am = local_coefficients[w, 0]
-        af = local_coefficients[w, 1]
-        beta = local_coefficients[w, 2]
-        gamma = local_coefficients[w, 3]
-    clk[w].local = coefficients_from(am, af, beta, gamma, h)
+    run.clk[w].h = h
+    run.clk[w].outer = coefficients_from(am, af, beta, gamma, h)
+    run.ctl[w].turned = 0
+    if run.ctl[w].mode == k.LOADING:
+        run.clk[w].outer = coefficients_from(am, af, beta, gamma, first_tau(run, w))
+        run.ctl[w].forget = 1  # friction of joints may become another within the step
+    if run.ctl[w].mode == k.DYNAMIC and run.ctl[w].forget != 0:
+        run.clk[w].outer = forgetful(h)
+    if run.ctl[w].mode == k.DYNAMIC:
+        am = run.local_coefficients[w, 0]
+        af = run.local_coefficients[w, 1]
+        beta = run.local_coefficients[w, 2]
+        gamma = run.local_coefficients[w, 3]
+    run.clk[w].local = coefficients_from(am, af, beta, gamma, h)
 
 
 @wp.func
@@ -170,229 +166,167 @@ def exact_step(table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real
 
 
 @wp.func
-def driven_step(
-    ctl: wp.array(dtype=Control), table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real, f0: real
-):
+def driven_step(run: Run, trial: Trial, w: int, m: int, q0: real, v0: real, f0: real):
     """`exact_step`, and where contact is impulsive the same for the load f1 all through the step."""
-    held, D, slid, S = exact_step(table, w, m, q0, v0, f0)
-    if ctl[w].impulsive == k.IMPULSIVE:
-        held -= table[w, m, 3] * f0
-        D += table[w, m, 3]
-        slid -= table[w, m, 7] * f0
-        S += table[w, m, 7]
+    held, D, slid, S = exact_step(trial.exact, w, m, q0, v0, f0)
+    if run.ctl[w].impulsive == k.IMPULSIVE:
+        held -= trial.exact[w, m, 3] * f0
+        D += trial.exact[w, m, 3]
+        slid -= trial.exact[w, m, 7] * f0
+        S += trial.exact[w, m, 7]
     return held, D, slid, S
 
 
-@wp.kernel
-def predict_bodies(
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    v: wp.array2d(dtype=vec3),
-    v_rate: wp.array2d(dtype=vec3),
-    v_alg: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-    omega_rate: wp.array2d(dtype=vec3),
-    omega_alg: wp.array2d(dtype=vec3),
-    dx: out(wp.array2d(dtype=vec3)),
-    psi: out(wp.array2d(dtype=vec3)),
-):
+@kernel
+def predict_bodies(run: Run, state: MotionState, impulses: ImpulsiveContact, trial: Trial):
     w, lane = wp.tid()
-    if ctl[w].run == 0 or ctl[w].again != 0:  # an attempt that repeats one starts from where that has led
+    if run.ctl[w].run == 0 or run.ctl[w].again != 0:  # an attempt that repeats one starts from where that has led
         return
-    h = clk[w].h
-    rule = clk[w].outer
+    h = run.clk[w].h
+    rule = run.clk[w].outer
     b = lane
-    while b < v.shape[1]:
-        dx[w, b] = predicted(h, rule, v[w, b], v_rate[w, b], v_alg[w, b])
-        psi[w, b] = predicted(h, rule, omega[w, b], omega_rate[w, b], omega_alg[w, b])
+    while b < state.v.shape[1]:
+        trial.dx[w, b] = predicted(h, rule, state.v[w, b], impulses.v_rate0[w, b], impulses.v_alg0[w, b])
+        trial.psi[w, b] = predicted(h, rule, state.omega[w, b], impulses.omega_rate0[w, b], impulses.omega_alg0[w, b])
         b += wp.block_dim()
 
 
-@wp.kernel
-def predict_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    q: wp.array2d(dtype=real),
-    qd: wp.array2d(dtype=real),
-    qd_rate: wp.array2d(dtype=real),
-    qd_alg: wp.array2d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    dq: out(wp.array2d(dtype=real)),
-    exact: inout(wp.array3d(dtype=real)),
-):
+@kernel
+def predict_modes(run: Run, state: MotionState, impulses: ImpulsiveContact, loads: LoadState, trial: Trial):
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
     m = lane
-    while m < qd.shape[1]:
-        if ctl[w].again == 0:
-            rule = coefficients_of(clk, w, rule_of(model, ctl, clk, w, m))
-            p = predicted(clk[w].h, rule, vec3(qd[w, m]), vec3(qd_rate[w, m]), vec3(qd_alg[w, m]))
-            dq[w, m] = p[0]
-        if rule_of(model, ctl, clk, w, m) == EXACT:  # the load of before, kept
-            f0 = modal_load[w, 0, m]
-            if exact[w, m, 0] != clk[w].h:
-                write_exact(model.modes.stiffness[m], model.modes.damping[m], clk[w].h, exact, w, m)
-            held, D, slid, S = driven_step(ctl, exact, w, m, q[w, m], qd[w, m], f0)
-            dq[w, m] = held + D * f0 - q[w, m]
+    while m < state.qd.shape[1]:
+        if run.ctl[w].again == 0:
+            rule = coefficients_of(run.clk, w, rule_of(model, run, w, m))
+            p = predicted(
+                run.clk[w].h, rule, vec3(state.qd[w, m]), vec3(impulses.qd_rate0[w, m]), vec3(impulses.qd_alg0[w, m])
+            )
+            trial.dq[w, m] = p[0]
+        if rule_of(model, run, w, m) == EXACT:  # the load of before, kept
+            f0 = loads.modal_load[w, 0, m]
+            if trial.exact[w, m, 0] != run.clk[w].h:
+                write_exact(model.modes.stiffness[m], model.modes.damping[m], run.clk[w].h, trial.exact, w, m)
+            held, D, slid, S = driven_step(run, trial, w, m, state.q[w, m], state.qd[w, m], f0)
+            trial.dq[w, m] = held + D * f0 - state.q[w, m]
         m += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def move_bodies(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    v: wp.array2d(dtype=vec3),
-    v_rate: wp.array2d(dtype=vec3),
-    v_alg: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-    omega_rate: wp.array2d(dtype=vec3),
-    omega_alg: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    centre_dx: wp.array2d(dtype=vec3),
-    centre_psi: wp.array2d(dtype=vec3),
-    r1: out(wp.array2d(dtype=vec3)),
-    p1: out(wp.array2d(dtype=quat)),
-    axes: out(wp.array2d(dtype=mat33)),
-    v1: out(wp.array2d(dtype=vec3)),
-    v1_rate: out(wp.array2d(dtype=vec3)),
-    omega1: out(wp.array2d(dtype=vec3)),
-    omega1_rate: out(wp.array2d(dtype=vec3)),
-    residual: out(wp.array2d(dtype=real)),
-    tangent: out(wp.array3d(dtype=real)),
-    psi_inverse: out(wp.array2d(dtype=mat33)),
+    run: Run, state: MotionState, impulses: ImpulsiveContact, trial: Trial, residuals: Residuals, system: OuterSystem
 ):
     """Trial state of each body, its unbalanced inertia and gravity forces, and their tangent (blocks of `tangent`)."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    h = clk[w].h
-    rule = clk[w].outer
+    h = run.clk[w].h
+    rule = run.clk[w].outer
     b = lane
     while b < model.bodies.count:
-        a_t = acceleration_of(ctl[w].mode, h, rule, dx[w, b], centre_dx[w, b], v[w, b], v_alg[w, b])
-        a_r = acceleration_of(ctl[w].mode, h, rule, psi[w, b], centre_psi[w, b], omega[w, b], omega_alg[w, b])
-        vel = velocity_of(h, rule, v[w, b], v_alg[w, b], a_t)
-        spin = velocity_of(h, rule, omega[w, b], omega_alg[w, b], a_r)
-        acc = rate_of(rule, v_rate[w, b], v_alg[w, b], a_t)
-        spin_rate = rate_of(rule, omega_rate[w, b], omega_alg[w, b], a_r)
-        q1 = wp.normalize(p[w, b] * exponential(psi[w, b]))
-        r1[w, b] = r[w, b] + dx[w, b]
-        p1[w, b] = q1
-        axes[w, b] = matrix(q1)
-        v1[w, b] = vel
-        v1_rate[w, b] = acc
-        omega1[w, b] = spin
-        omega1_rate[w, b] = spin_rate
+        a_t = acceleration_of(
+            run.ctl[w].mode, h, rule, trial.dx[w, b], trial.centre_dx[w, b], state.v[w, b], impulses.v_alg0[w, b]
+        )
+        a_r = acceleration_of(
+            run.ctl[w].mode, h, rule, trial.psi[w, b], trial.centre_psi[w, b], state.omega[w, b],
+            impulses.omega_alg0[w, b],
+        )  # fmt: skip
+        vel = velocity_of(h, rule, state.v[w, b], impulses.v_alg0[w, b], a_t)
+        spin = velocity_of(h, rule, state.omega[w, b], impulses.omega_alg0[w, b], a_r)
+        acc = rate_of(rule, impulses.v_rate0[w, b], impulses.v_alg0[w, b], a_t)
+        spin_rate = rate_of(rule, impulses.omega_rate0[w, b], impulses.omega_alg0[w, b], a_r)
+        q1 = wp.normalize(state.p[w, b] * exponential(trial.psi[w, b]))
+        trial.r1[w, b] = state.r[w, b] + trial.dx[w, b]
+        trial.p1[w, b] = q1
+        trial.axes[w, b] = matrix(q1)
+        trial.v1[w, b] = vel
+        trial.v1_rate[w, b] = acc
+        trial.omega1[w, b] = spin
+        trial.omega1_rate[w, b] = spin_rate
         m = model.bodies.mass[b]
         J = model.bodies.inertia[b]
         f = m * acc - m * model.gravity
         t = J * spin_rate + wp.cross(spin, J * spin)
-        Ti = tangent_inverse(psi[w, b])
-        psi_inverse[w, b] = Ti
-        S = (clk[w].outer.acc * J + clk[w].outer.vel * (hat(spin) * J - hat(J * spin))) * Ti
+        Ti = tangent_inverse(trial.psi[w, b])
+        trial.psi_inverse[w, b] = Ti
+        S = (run.clk[w].outer.acc * J + run.clk[w].outer.vel * (hat(spin) * J - hat(J * spin))) * Ti
         o = 6 * b
         for i in range(3):
-            residual[w, o + i] = f[i]
-            residual[w, o + 3 + i] = t[i]
+            residuals.residual[w, o + i] = f[i]
+            residuals.residual[w, o + 3 + i] = t[i]
             for j in range(3):
-                tangent[w, o + i, o + j] = real(0.0)
-                tangent[w, o + i, o + 3 + j] = real(0.0)
-                tangent[w, o + 3 + i, o + j] = real(0.0)
-                tangent[w, o + 3 + i, o + 3 + j] = S[i, j]
-            tangent[w, o + i, o + i] = m * clk[w].outer.acc
+                system.tangent[w, o + i, o + j] = real(0.0)
+                system.tangent[w, o + i, o + 3 + j] = real(0.0)
+                system.tangent[w, o + 3 + i, o + j] = real(0.0)
+                system.tangent[w, o + 3 + i, o + 3 + j] = S[i, j]
+            system.tangent[w, o + i, o + i] = m * run.clk[w].outer.acc
         b += wp.block_dim()
 
 
-@wp.kernel
-def hold_motions(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    centre_dx: wp.array2d(dtype=vec3),
-    centre_psi: wp.array2d(dtype=vec3),
-    hold: wp.array3d(dtype=real),
-    hold_count: wp.array(dtype=int),
-    residual: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def hold_motions(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals):
     """Per world, in static steps: the force n (n.d) of each held motion n."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not is_static(ctl, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not is_static(run.ctl, w):
         return
     h = int(0)
-    while h < hold_count[w]:
+    while h < system.hold_count[w]:
         along = real(0.0)
         b = int(0)
         while b < model.bodies.count:
-            d = dx[w, b]
-            turn = psi[w, b]
-            if ctl[w].mode == k.LOADING:
-                d -= centre_dx[w, b]
-                turn -= centre_psi[w, b]
+            d = trial.dx[w, b]
+            turn = trial.psi[w, b]
+            if run.ctl[w].mode == k.LOADING:
+                d -= trial.centre_dx[w, b]
+                turn -= trial.centre_psi[w, b]
             for c in range(3):
-                along += hold[w, h, 6 * b + c] * d[c] + hold[w, h, 6 * b + 3 + c] * turn[c]
+                along += system.hold[w, h, 6 * b + c] * d[c] + system.hold[w, h, 6 * b + 3 + c] * turn[c]
             b += 1
         i = int(0)
         while i < 6 * model.bodies.count:
-            residual[w, i] = residual[w, i] + hold[w, h, i] * along
+            residuals.residual[w, i] = residuals.residual[w, i] + system.hold[w, h, i] * along
             i += 1
         h += 1
 
 
-@wp.kernel
+@kernel
 def move_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    q: wp.array2d(dtype=real),
-    qd: wp.array2d(dtype=real),
-    qd_rate: wp.array2d(dtype=real),
-    qd_alg: wp.array2d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    exact: wp.array3d(dtype=real),
-    dq: wp.array2d(dtype=real),
-    centre_dq: wp.array2d(dtype=real),
-    q1: inout(wp.array2d(dtype=real)),
-    qd1: inout(wp.array2d(dtype=real)),
-    qd1_rate: out(wp.array2d(dtype=real)),
-    modal_residual: out(wp.array2d(dtype=real)),
-    receptance: out(wp.array2d(dtype=real)),
-):
+    run: Run, state: MotionState, impulses: ImpulsiveContact, loads: LoadState, trial: Trial, residuals: Residuals,
+    q1: wp.array2d(dtype=real), receptance: wp.array2d(dtype=real),
+):  # fmt: skip
     """Trial state of each global mode, its unbalanced force, and the inverse of its (diagonal) tangent."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     m = lane
     while m < model.modes.count:
         c = model.modes.damping[m]
         stiffness = model.modes.stiffness[m]
-        q1[w, m] = q[w, m] + dq[w, m]
-        if rule_of(model, ctl, clk, w, m) == EXACT:
-            held, D, slid, S = driven_step(ctl, exact, w, m, q[w, m], qd[w, m], modal_load[w, 0, m])
+        q1[w, m] = state.q[w, m] + trial.dq[w, m]
+        if rule_of(model, run, w, m) == EXACT:
+            held, D, slid, S = driven_step(run, trial, w, m, state.q[w, m], state.qd[w, m], loads.modal_load[w, 0, m])
             f1 = (q1[w, m] - held) / D
-            qd1[w, m] = slid + S * f1
-            qd1_rate[w, m] = f1 - c * qd1[w, m] - stiffness * q1[w, m]
-            modal_residual[w, m] = f1
+            trial.qd1[w, m] = slid + S * f1
+            trial.qd1_rate[w, m] = f1 - c * trial.qd1[w, m] - stiffness * q1[w, m]
+            residuals.modal_residual[w, m] = f1
             receptance[w, m] = D
         else:
-            h = clk[w].h
-            rule = coefficients_of(clk, w, rule_of(model, ctl, clk, w, m))
-            centre = vec3(centre_dq[w, m])
-            a = acceleration_of(ctl[w].mode, h, rule, vec3(dq[w, m]), centre, vec3(qd[w, m]), vec3(qd_alg[w, m]))
-            vel = velocity_of(h, rule, vec3(qd[w, m]), vec3(qd_alg[w, m]), a)
-            rate = rate_of(rule, vec3(qd_rate[w, m]), vec3(qd_alg[w, m]), a)
-            qd1[w, m] = vel[0]
-            qd1_rate[w, m] = rate[0]
-            modal_residual[w, m] = rate[0] + c * vel[0] + stiffness * q1[w, m]
+            h = run.clk[w].h
+            rule = coefficients_of(run.clk, w, rule_of(model, run, w, m))
+            centre = vec3(trial.centre_dq[w, m])
+            a = acceleration_of(
+                run.ctl[w].mode, h, rule, vec3(trial.dq[w, m]), centre, vec3(state.qd[w, m]),
+                vec3(impulses.qd_alg0[w, m]),
+            )  # fmt: skip
+            vel = velocity_of(h, rule, vec3(state.qd[w, m]), vec3(impulses.qd_alg0[w, m]), a)
+            rate = rate_of(rule, vec3(impulses.qd_rate0[w, m]), vec3(impulses.qd_alg0[w, m]), a)
+            trial.qd1[w, m] = vel[0]
+            trial.qd1_rate[w, m] = rate[0]
+            residuals.modal_residual[w, m] = rate[0] + c * vel[0] + stiffness * q1[w, m]
             receptance[w, m] = real(1.0) / (rule.acc + c * rule.vel + stiffness)
         m += wp.block_dim()

@@ -20,10 +20,12 @@ import warp as wp
 from warpffrf_kernels.bodies.interfaces import add_load, line_of
 from warpffrf_kernels.constraints.rows import evaluate_signal
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import Residuals, Trial
+from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -73,79 +75,61 @@ def flexibility_of(
 ) -> int: ...
 
 
-@wp.kernel
-def couple_springs(
-    models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
-    lam: wp.array2d(dtype=real),
-    coordinate: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    flexibility: inout(wp.array(dtype=real)),
-    defect: out(wp.array2d(dtype=real)),
-    softness: out(wp.array2d(dtype=real)),
-):
+@kernel
+def couple_springs(run: Run, loads: LoadState, residuals: Residuals):
     """Lanes over groups: their flexibility, and the defects of their rows; `softness` gets its diagonal."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     g = lane
     while g < model.groups.count:
         first = model.groups.start[g]
         n = model.groups.size[g]
         size = n
-        slope = clk[w].outer.vel
+        slope = run.clk[w].outer.vel
         if slope == real(0.0):
             size = model.groups.sprung[g]
         at = (w * model.groups.count + g) * 36
         stiffness = model.groups.stiffness
         damping = model.groups.damping
-        bad = flexibility_of(w, g, model.groups.count, size, slope, stiffness, damping, flexibility)
+        bad = flexibility_of(w, g, model.groups.count, size, slope, stiffness, damping, residuals.flexibility)
         if bad != 0:
-            ctl[w].failure = ctl[w].failure | k.SINGULAR
+            run.ctl[w].failure = run.ctl[w].failure | k.SINGULAR
         i = int(0)
         while i < n:
             row = first + i
-            value = -lam[w, row]
+            value = -loads.lam[w, row]
             if i < size:
                 value = real(0.0)
                 j = int(0)
                 while j < size:
-                    value += flexibility[at + 6 * i + j] * (
-                        law(model, w, g, j, coordinate, drive_rate) - lam[w, first + j]
+                    value += residuals.flexibility[at + 6 * i + j] * (
+                        law(model, w, g, j, residuals, loads) - loads.lam[w, first + j]
                     )
                     j += 1
-            defect[w, row] = value
-            softness[w, row] = wp.abs(flexibility[at + 6 * i + i])
+            residuals.defect[w, row] = value
+            residuals.softness[w, row] = wp.abs(residuals.flexibility[at + 6 * i + i])
             i += 1
         g += wp.block_dim()
 
 
 @wp.func
-def law(
-    model: Model, w: int, g: int, i: int, coordinate: wp.array2d(dtype=real), drive_rate: wp.array3d(dtype=real)
-) -> real:
+def law(model: Model, w: int, g: int, i: int, residuals: Residuals, loads: LoadState) -> real:
     """lambda of row i of group g by its law."""
     first = model.groups.start[g]
     total = model.rows.preload[first + i]
     j = int(0)
     while j < model.groups.size[g]:
         row = first + j
-        total += model.groups.stiffness[g, i, j] * (coordinate[w, row] - model.rows.reference[row])
-        total += model.groups.damping[g, i, j] * drive_rate[w, 1, row]
+        total += model.groups.stiffness[g, i, j] * (residuals.coordinate[w, row] - model.rows.reference[row])
+        total += model.groups.damping[g, i, j] * loads.drive_rate[w, 1, row]
         j += 1
     return total
 
 
 @wp.func
-def group_energy(
-    model: Model,
-    w: int,
-    h: real,
-    coordinate: wp.array2d(dtype=real),
-    stretch: wp.array2d(dtype=real),
-) -> vec3:
+def group_energy(model: Model, w: int, h: real, residuals: Residuals, loads: LoadState) -> vec3:
     """Stored energy of all groups, what their dampers took in the step, and the work of the skew parts."""
     half = real(0.5)
     stored = real(0.0)
@@ -157,16 +141,16 @@ def group_energy(
         n = model.groups.size[g]
         i = int(0)
         while i < n:
-            c = coordinate[w, first + i] - model.rows.reference[first + i]
-            step = coordinate[w, first + i] - stretch[w, first + i]
+            c = residuals.coordinate[w, first + i] - model.rows.reference[first + i]
+            step = residuals.coordinate[w, first + i] - loads.stretch[w, first + i]
             j = int(0)
             while j < n:
                 K = model.groups.stiffness[g, i, j]
                 D = model.groups.damping[g, i, j]
-                other = coordinate[w, first + j] - model.rows.reference[first + j]
-                before = stretch[w, first + j] - model.rows.reference[first + j]
+                other = residuals.coordinate[w, first + j] - model.rows.reference[first + j]
+                before = loads.stretch[w, first + j] - model.rows.reference[first + j]
                 stored += half * K * c * other
-                taken += D * step * (coordinate[w, first + j] - stretch[w, first + j]) / h
+                taken += D * step * (residuals.coordinate[w, first + j] - loads.stretch[w, first + j]) / h
                 skew = half * (K - model.groups.stiffness[g, j, i])
                 worked -= half * skew * (before + other) * step
                 j += 1
@@ -175,74 +159,67 @@ def group_energy(
     return vec3(stored, taken, worked)
 
 
-@wp.kernel
+@kernel
 def apply_loads(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    axes: wp.array2d(dtype=mat33),
-    slope: wp.array(dtype=real),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array(dtype=real)),
-    load: inout(wp.array3d(dtype=real)),
-    load_on_modes: inout(wp.array(dtype=real)),
-    applied_torque: out(wp.array2d(dtype=vec3)),
-):
+    run: Run, trial: Trial, residuals: Residuals, loads: LoadState, modal_residual: wp.array(dtype=real),
+    load_on_modes: wp.array(dtype=real),
+):  # fmt: skip
     """Per world: point torques and body loads as generalised forces (force in world axes, torque in body axes, modal),
     subtracted from the residuals and kept for the ledger; `applied_torque`: each by itself, body axes.
     """
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     i = int(0)
     while i < 6 * model.bodies.count:
-        load[w, 1, i] = real(0.0)
+        loads.load[w, 1, i] = real(0.0)
         i += 1
     kept = (2 * w + 1) * model.modes.count  # of the trial state
     i = int(0)
     while i < model.modes.count:
         load_on_modes[kept + i] = real(0.0)
         i += 1
-    t = clk[w].next_time
+    t = run.clk[w].next_time
     i = int(0)
-    while i < model.torques.count:
-        b = model.torques.body[i]
+    while i < model.external[0].torques.count:
+        b = model.external[0].torques.body[i]
         torque = vec3(
-            evaluate_signal(model, model.torques.signal[i, 0], t, 0),
-            evaluate_signal(model, model.torques.signal[i, 1], t, 0),
-            evaluate_signal(model, model.torques.signal[i, 2], t, 0),
+            evaluate_signal(model, model.external[0].torques.signal[i, 0], t, 0),
+            evaluate_signal(model, model.external[0].torques.signal[i, 1], t, 0),
+            evaluate_signal(model, model.external[0].torques.signal[i, 2], t, 0),
         )
-        if model.torques.in_body[i] == 0:
-            torque = wp.transpose(axes[w, b]) * torque
-        applied_torque[w, i] = torque
+        if model.external[0].torques.in_body[i] == 0:
+            torque = wp.transpose(trial.axes[w, b]) * torque
+        residuals.applied_torque[w, i] = torque
         for c in range(3):
-            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + torque[c]
-        interface = model.torques.interface[i]
+            loads.load[w, 1, 6 * b + 3 + c] = loads.load[w, 1, 6 * b + 3 + c] + torque[c]
+        interface = model.external[0].torques.interface[i]
         if interface >= 0:
             modes = kept + model.bodies.modal_start[b]
             line = line_of(model, w, interface)
             n = model.bodies.global_count[b]
             none = vec3(real(0.0))
-            add_load(n, real(1.0), none, torque, model.interfaces.width, slope, line, load_on_modes, modes)
+            add_load(n, real(1.0), none, torque, model.interfaces.width, trial.slope, line, load_on_modes, modes)
         i += 1
     i = int(0)
-    while i < model.body_loads.count:
-        b = model.body_loads.body[i]
-        s = evaluate_signal(model, model.body_loads.signal[i], t, 0)
-        force = axes[w, b] * (s * model.body_loads.force[i])
+    while i < model.external[0].body_loads.count:
+        b = model.external[0].body_loads.body[i]
+        s = evaluate_signal(model, model.external[0].body_loads.signal[i], t, 0)
+        force = trial.axes[w, b] * (s * model.external[0].body_loads.force[i])
+        torque = s * model.external[0].body_loads.torque[i]
         for c in range(3):
-            load[w, 1, 6 * b + c] = load[w, 1, 6 * b + c] + force[c]
-            load[w, 1, 6 * b + 3 + c] = load[w, 1, 6 * b + 3 + c] + s * model.body_loads.torque[i][c]
+            loads.load[w, 1, 6 * b + c] = loads.load[w, 1, 6 * b + c] + force[c]
+            loads.load[w, 1, 6 * b + 3 + c] = loads.load[w, 1, 6 * b + 3 + c] + torque[c]
         m = model.bodies.modal_start[b]
         o = m
         while m < model.bodies.modal_start[b + 1]:
-            load_on_modes[kept + m] = load_on_modes[kept + m] + s * model.body_loads.modal[i, m - o]
+            load_on_modes[kept + m] = load_on_modes[kept + m] + s * model.external[0].body_loads.modal[i, m - o]
             m += 1
         i += 1
     i = int(0)
     while i < 6 * model.bodies.count:
-        residual[w, i] = residual[w, i] - load[w, 1, i]
+        residuals.residual[w, i] = residuals.residual[w, i] - loads.load[w, 1, i]
         i += 1
     i = int(0)
     while i < model.modes.count:

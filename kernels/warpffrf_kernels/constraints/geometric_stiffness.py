@@ -34,12 +34,15 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import arm_on_interface, axes_on_interface, line_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import is_static
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import hat
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -121,39 +124,24 @@ def column_of(model: Model, body: int, coordinate: int) -> int:
 
 @wp.func
 def add_change(
-    model: Model,
-    slope: wp.array(dtype=real),
-    w: int,
-    body: int,
-    interface: int,
-    modes: int,
-    A: mat33,
-    lever: vec3,
-    turned: vec3,
-    P: vec3,
-    dP: vec3,
-    M: vec3,
-    dM: vec3,
-    N: vec3,
-    dN: vec3,
-    column: int,
-    tangent: wp.array3d(dtype=real),
-):
+    model: Model, trial: Trial, w: int, body: int, interface: int, modes: int, A: mat33, lever: vec3, turned: vec3,
+    P: vec3, dP: vec3, M: vec3, dM: vec3, N: vec3, dN: vec3, column: int, system: OuterSystem,
+):  # fmt: skip
     """Adds to a column what a body's residuals change by: force P, moment M about its origin, couple N at the marker
     (all world axes) and their changes; the body turns by `turned`."""
     moment = wp.transpose(A) * (dM + wp.cross(M, turned))
     row = 6 * body
     for i in range(3):
-        tangent[w, row + i, column] = tangent[w, row + i, column] + dP[i]
-        tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] + moment[i]
+        system.tangent[w, row + i, column] = system.tangent[w, row + i, column] + dP[i]
+        system.tangent[w, row + 3 + i, column] = system.tangent[w, row + 3 + i, column] + moment[i]
     if modes > 0:
         f = wp.transpose(A) * (dP + wp.cross(P, turned))
         t = wp.transpose(A) * (dN + wp.cross(N, turned))
         i = int(0)
         while i < modes:
-            move, turn = mode_slope(model, slope, w, interface, i, lever)
+            move, turn = mode_slope(model, trial.slope, w, interface, i, lever)
             at = column_of(model, body, 6 + i)
-            tangent[w, at, column] = tangent[w, at, column] + wp.dot(move, f) + wp.dot(turn, t)
+            system.tangent[w, at, column] = system.tangent[w, at, column] + wp.dot(move, f) + wp.dot(turn, t)
             i += 1
 
 
@@ -210,27 +198,17 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
     return out
 
 
-@wp.kernel
-def stiffen(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    slope: wp.array(dtype=real),
-    motion: wp.array3d(dtype=real),
-    lam: wp.array2d(dtype=real),
-    row_wrench: wp.array3d(dtype=real),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: OuterSystem):
     """Per world: add the geometric stiffness of all rows to the outer matrix."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
     one = wp.identity(n=3, dtype=real)
     row = int(0)
     while row < model.rows.count:
-        if lam[w, row] != real(0.0):
+        if loads.lam[w, row] != real(0.0):
             a = model.rows.a[row]
             b = model.rows.b[row]
             body_a = model.markers.body[a]
@@ -240,11 +218,11 @@ def stiffen(
             r_a = vec3(real(0.0))
             r_b = vec3(real(0.0))
             if body_a >= 0:
-                A_a = axes[w, body_a]
-                r_a = r1[w, body_a]
+                A_a = trial.axes[w, body_a]
+                r_a = trial.r1[w, body_a]
             if body_b >= 0:
-                A_b = axes[w, body_b]
-                r_b = r1[w, body_b]
+                A_b = trial.axes[w, body_b]
+                r_b = trial.r1[w, body_b]
             f_a = model.markers.interface[a]
             f_b = model.markers.interface[b]
             lever_a = vec3(real(0.0))
@@ -253,18 +231,20 @@ def stiffen(
                 lever_a = model.markers.point[a] - model.interfaces.point[f_a]
             if f_b >= 0:
                 lever_b = model.markers.point[b] - model.interfaces.point[f_b]
-            d_a = A_a * arm_on_interface(model, a, motion, w)
-            d_b = A_b * arm_on_interface(model, b, motion, w)
+            d_a = A_a * arm_on_interface(model, a, trial.interface_motion, w)
+            d_b = A_b * arm_on_interface(model, b, trial.interface_motion, w)
             c_a = r_b + d_b - r_a
             c = c_a - d_a
-            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
-            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
+            f = vec3(residuals.row_wrench[w, row, 0], residuals.row_wrench[w, row, 1], residuals.row_wrench[w, row, 2])
+            t = vec3(residuals.row_wrench[w, row, 3], residuals.row_wrench[w, row, 4], residuals.row_wrench[w, row, 5])
             p = pull_of(
-                model.rows.kind[row], lam[w, row], f, t, A_a * axes_on_interface(model, a, motion, w),
-                A_b * axes_on_interface(model, b, motion, w), model.rows.i[row], model.rows.j[row], wp.length(c),
+                model.rows.kind[row], loads.lam[w, row], f, t,
+                A_a * axes_on_interface(model, a, trial.interface_motion, w),
+                A_b * axes_on_interface(model, b, trial.interface_motion, w), model.rows.i[row], model.rows.j[row],
+                wp.length(c),
             )  # fmt: skip
-            modes_a = modes_here(model, ctl, w, body_a, f_a)
-            modes_b = modes_here(model, ctl, w, body_b, f_b)
+            modes_a = modes_here(model, run.ctl, w, body_a, f_a)
+            modes_b = modes_here(model, run.ctl, w, body_b, f_b)
             for side in range(2):
                 body = body_a
                 modes = modes_a
@@ -276,9 +256,9 @@ def stiffen(
                     by_a = Change()
                     by_b = Change()
                     if side == 0:
-                        by_a = change_by(model, slope, w, f_a, A_a, d_a, lever_a, coordinate)
+                        by_a = change_by(model, trial.slope, w, f_a, A_a, d_a, lever_a, coordinate)
                     else:
-                        by_b = change_by(model, slope, w, f_b, A_b, d_b, lever_b, coordinate)
+                        by_b = change_by(model, trial.slope, w, f_b, A_b, d_b, lever_b, coordinate)
                     column = column_of(model, body, coordinate)
                     dP = p.P_a * by_a.marker + p.P_x * (by_b.point - by_a.point)
                     dQ = p.Q_a * by_a.marker + p.Q_b * by_b.marker
@@ -286,8 +266,8 @@ def stiffen(
                         M = wp.cross(d_b, p.P) + p.Q
                         dM = wp.cross(by_b.point - by_b.origin, p.P) + wp.cross(d_b, dP) + dQ
                         add_change(
-                            model, slope, w, body_b, f_b, modes_b, A_b, lever_b, by_b.body, p.P, dP, M, dM, p.Q, dQ,
-                            column, tangent,
+                            model, trial, w, body_b, f_b, modes_b, A_b, lever_b, by_b.body, p.P, dP, M, dM, p.Q, dQ,
+                            column, system,
                         )  # fmt: skip
                     if body_a >= 0:
                         M = -(wp.cross(c_a, p.P) + p.Q)
@@ -295,32 +275,23 @@ def stiffen(
                         N = -(wp.cross(c, p.P) + p.Q)
                         dN = -(wp.cross(by_b.point - by_a.point, p.P) + wp.cross(c, dP) + dQ)
                         add_change(
-                            model, slope, w, body_a, f_a, modes_a, A_a, lever_a, by_a.body, -p.P, -dP, M, dM, N, dN,
-                            column, tangent,
+                            model, trial, w, body_a, f_a, modes_a, A_a, lever_a, by_a.body, -p.P, -dP, M, dM, N, dN,
+                            column, system,
                         )  # fmt: skip
                     coordinate += 1
         row += 1
 
 
-@wp.kernel
-def stiffen_applied(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    axes: wp.array2d(dtype=mat33),
-    slope: wp.array(dtype=real),
-    motion: wp.array3d(dtype=real),
-    applied: wp.array3d(dtype=vec3),
-    applied_torque: wp.array2d(dtype=vec3),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: OuterSystem):
     """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or not is_static(ctl, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or not is_static(run.ctl, w):
         return
     none = vec3(real(0.0))
     i = int(0)
-    while i < model.forces.count + model.torques.count:
+    while i < model.external[0].forces.count + model.external[0].torques.count:
         F = none
         T = none
         body = int(0)
@@ -328,29 +299,35 @@ def stiffen_applied(
         follows = int(0)
         arm = none
         lever = none
-        if i < model.forces.count:
-            body = model.forces.body[i]
-            interface = model.forces.interface[i]
-            follows = model.forces.in_body[i]
-            F = applied[w, 1, i]
-            arm = model.forces.point[i]
+        if i < model.external[0].forces.count:
+            body = model.external[0].forces.body[i]
+            interface = model.external[0].forces.interface[i]
+            follows = model.external[0].forces.in_body[i]
+            F = loads.applied[w, 1, i]
+            arm = model.external[0].forces.point[i]
             if interface >= 0:
                 lever = arm - model.interfaces.point[interface]
-                turn = vec3(motion[w, interface, 3], motion[w, interface, 4], motion[w, interface, 5])
-                arm += vec3(motion[w, interface, 0], motion[w, interface, 1], motion[w, interface, 2])
+                turn = vec3(
+                    trial.interface_motion[w, interface, 3], trial.interface_motion[w, interface, 4],
+                    trial.interface_motion[w, interface, 5],
+                )  # fmt: skip
+                arm += vec3(
+                    trial.interface_motion[w, interface, 0], trial.interface_motion[w, interface, 1],
+                    trial.interface_motion[w, interface, 2],
+                )  # fmt: skip
                 arm += wp.cross(turn, lever)
         else:
-            at = i - model.forces.count
-            body = model.torques.body[at]
-            interface = model.torques.interface[at]
-            follows = model.torques.in_body[at]
-            T = axes[w, body] * applied_torque[w, at]
-        A = axes[w, body]
+            at = i - model.external[0].forces.count
+            body = model.external[0].torques.body[at]
+            interface = model.external[0].torques.interface[at]
+            follows = model.external[0].torques.in_body[at]
+            T = trial.axes[w, body] * residuals.applied_torque[w, at]
+        A = trial.axes[w, body]
         d = A * arm
-        modes = modes_here(model, ctl, w, body, interface)
+        modes = modes_here(model, run.ctl, w, body, interface)
         coordinate = int(0)
         while coordinate < 6 + modes:
-            by = change_by(model, slope, w, interface, A, d, lever, coordinate)
+            by = change_by(model, trial.slope, w, interface, A, d, lever, coordinate)
             dF = none
             dT = none
             if follows != 0:
@@ -359,12 +336,12 @@ def stiffen_applied(
             M = wp.cross(d, F) + T
             dM = wp.cross(by.point - by.origin, F) + wp.cross(d, dF) + dT
             add_change(
-                model, slope, w, body, interface, modes, A, lever, by.body, -F, -dF, -M, -dM, -T, -dT,
-                column_of(model, body, coordinate), tangent,
+                model, trial, w, body, interface, modes, A, lever, by.body, -F, -dF, -M, -dM, -T, -dT,
+                column_of(model, body, coordinate), system,
             )  # fmt: skip
             coordinate += 1
         if modes > 0 and model.interfaces.stiffening_start[interface] >= 0:
-            bend_modes(model, w, body, interface, wp.transpose(A) * F, lever, wp.transpose(A) * T, tangent)
+            bend_modes(model, w, body, interface, wp.transpose(A) * F, lever, wp.transpose(A) * T, system.tangent)
         i += 1
 
 

@@ -52,10 +52,13 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import compliance, marker_of, side_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.ring import SavedJointFriction
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals
+from warpffrf_kernels.core.state import JointFrictionState, LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -68,33 +71,25 @@ NOTHING = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite
 
 
 @wp.func
-def acts(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> bool:
+def acts(run: Run, w: int) -> bool:
     """Whether the evaluation is part of a step; gamma is 0 where the host evaluates a state by itself."""
-    return ctl[w].mode == k.LOADING or (ctl[w].mode == k.DYNAMIC and clk[w].outer.gamma > real(0.0))
+    return run.ctl[w].mode == k.LOADING or (run.ctl[w].mode == k.DYNAMIC and run.clk[w].outer.gamma > real(0.0))
 
 
 @wp.func
-def slip_rate(
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    w: int,
-    row: int,
-    coordinate: wp.array2d(dtype=real),
-    stretch: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-) -> real:
+def slip_rate(run: Run, w: int, row: int, residuals: Residuals, loads: LoadState) -> real:
     """Rate of a row; in a load step the mean over it."""
-    if ctl[w].mode == k.LOADING:
-        return (coordinate[w, row] - stretch[w, row]) / clk[w].h
-    return drive_rate[w, 1, row]
+    if run.ctl[w].mode == k.LOADING:
+        return (residuals.coordinate[w, row] - loads.stretch[w, row]) / run.clk[w].h
+    return loads.drive_rate[w, 1, row]
 
 
 @wp.func
-def rate_slope(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> real:
+def rate_slope(run: Run, w: int) -> real:
     """d(rate)/d(coordinate)."""
-    if ctl[w].mode == k.LOADING:
-        return real(1.0) / clk[w].h
-    return clk[w].outer.vel
+    if run.ctl[w].mode == k.LOADING:
+        return real(1.0) / run.clk[w].h
+    return run.clk[w].outer.vel
 
 
 @wp.func
@@ -159,220 +154,167 @@ def bound_slope(model: Model, e: int, axis: vec3, R: vec3, M: vec3, dR: vec3, dM
 
 
 @wp.func
-def row_compliance(
-    model: Model,
-    clk: wp.array(dtype=Clock),
-    w: int,
-    row: int,
-    C: wp.array3d(dtype=real),
-    C_modal: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-) -> real:
+def row_compliance(model: Model, run: Run, w: int, row: int, residuals: Residuals) -> real:
     """About what a unit of the row's force moves its coordinate by in a step, bodies taken as free; modes that are
     outer unknowns, whose receptance is 0, by their own inertia and stiffness."""
-    total = compliance(model, w, row, row, C_modal, receptance)
+    total = compliance(model, w, row, row, residuals)
     for side in range(2):
         b = side_of(model, row, side)
         if b >= 0:
             d = model.bodies.dense_start[b]
             while d < model.bodies.dense_start[b] + model.bodies.dense_count[b]:
                 m = model.dense.mode[d]
-                c = C_modal[(w * model.rows.count + row) * model.modes.count + m]
-                damping = clk[w].outer.vel * model.modes.damping[m]
-                total += c * c / (clk[w].outer.acc + damping + model.modes.stiffness[m])
+                c = residuals.C_modal[(w * model.rows.count + row) * model.modes.count + m]
+                damping = run.clk[w].outer.vel * model.modes.damping[m]
+                total += c * c / (run.clk[w].outer.acc + damping + model.modes.stiffness[m])
                 d += 1
     for side in range(2):
         b = model.markers.body[marker_of(model, row, side)]
         if b >= 0:
             for i in range(3):
-                f = C[w, row, 6 * b + i]
-                t = C[w, row, 6 * b + 3 + i]
-                total += f * f / (model.bodies.mass[b] * clk[w].outer.acc)
-                total += t * t / (model.bodies.inertia[b][i, i] * clk[w].outer.acc)
+                f = residuals.C[w, row, 6 * b + i]
+                t = residuals.C[w, row, 6 * b + 3 + i]
+                total += f * f / (model.bodies.mass[b] * run.clk[w].outer.acc)
+                total += t * t / (model.bodies.inertia[b][i, i] * run.clk[w].outer.acc)
     return total
 
 
-@wp.kernel
-def rub(
-    models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
-    lam: wp.array2d(dtype=real),
-    coordinate: wp.array2d(dtype=real),
-    stretch: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-    row_wrench: wp.array3d(dtype=real),
-    C: wp.array3d(dtype=real),
-    C_modal: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-    slipping: wp.array2d(dtype=int),
-    stuck_at: wp.array3d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    slip_branch: inout(wp.array2d(dtype=int)),
-    slip_anchor: inout(wp.array3d(dtype=real)),
-    slip_way: inout(wp.array3d(dtype=real)),
-    slip_softness: out(wp.array3d(dtype=real)),
-    slip_bound: out(wp.array2d(dtype=real)),
-    defect: out(wp.array2d(dtype=real)),
-    softness: out(wp.array2d(dtype=real)),
-):
+@kernel
+def rub(run: Run, loads: LoadState, residuals: Residuals, joints: JointFrictionState):
     """Lanes over joints with friction: stick or slip, and the defects and softness of their rows."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not acts(ctl, clk, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not acts(run, w):
         return
     e = lane
     while e < model.elements[0].joint_frictions.count:
         n = model.elements[0].joint_frictions.size[e]
         first = model.elements[0].joint_frictions.start[e]
         slow = model.elements[0].joint_frictions.slip_velocity[e]
-        R, M = reaction(model, w, e, lam, row_wrench)
-        bound = bound_of(model, e, axis_of(model, w, e, row_wrench), R, M)
-        slip_bound[w, e] = bound
+        R, M = reaction(model, w, e, loads.lam, residuals.row_wrench)
+        bound = bound_of(model, e, axis_of(model, w, e, residuals.row_wrench), R, M)
+        residuals.slip_bound[w, e] = bound
         v = wp.vec2d(real(0.0), real(0.0))
         f = wp.vec2d(real(0.0), real(0.0))
         yields = NOTHING
         for r in range(n):
             weight = model.elements[0].joint_frictions.weight[e, r]
             row = first + r
-            v[r] = weight * slip_rate(ctl, clk, w, row, coordinate, stretch, drive_rate)
-            f[r] = lam[w, row] / weight
-            soft = weight * weight * row_compliance(model, clk, w, row, C, C_modal, receptance)
+            v[r] = weight * slip_rate(run, w, row, residuals, loads)
+            f[r] = loads.lam[w, row] / weight
+            soft = weight * weight * row_compliance(model, run, w, row, residuals)
             yields = wp.max(yields, soft)
-            if ctl[w].iteration == 0:
-                slip_anchor[w, e, r] = stuck_at[w, e, r]
-                if slipping[w, e] != 0:
-                    slip_anchor[w, e, r] = stretch[w, row]
-        way = wp.vec2d(slip_way[w, e, 0], slip_way[w, e, 1])
-        branch = slip_branch[w, e]
+            if run.ctl[w].iteration == 0:
+                residuals.slip_anchor[w, e, r] = joints.stuck_at[w, e, r]
+                if joints.slipping[w, e] != 0:
+                    residuals.slip_anchor[w, e, r] = loads.stretch[w, row]
+        way = wp.vec2d(residuals.slip_way[w, e, 0], residuals.slip_way[w, e, 1])
+        branch = residuals.slip_branch[w, e]
         if slow > real(0.0):
             branch = int(1)
             way = v / wp.max(wp.length(v), slow)
-        elif ctl[w].iteration == 0:
-            branch = slipping[w, e]
+        elif run.ctl[w].iteration == 0:
+            branch = joints.slipping[w, e]
             way = wp.normalize(f)
             if wp.length(f) == real(0.0):
                 way = wp.normalize(v)
             if wp.length(way) == real(0.0):
                 branch = int(0)
-        elif ctl[w].forget != 0 and branch == 0 and wp.length(f) > bound * (real(1.0) + SLACK):
+        elif run.ctl[w].forget != 0 and branch == 0 and wp.length(f) > bound * (real(1.0) + SLACK):
             branch = int(1)
             way = wp.normalize(f)
-            ctl[w].turned = 1
-        elif ctl[w].forget != 0 and branch != 0 and wp.dot(way, v) <= real(0.0):
+            run.ctl[w].turned = 1
+        elif run.ctl[w].forget != 0 and branch != 0 and wp.dot(way, v) <= real(0.0):
             branch = int(0)
-            ctl[w].turned = 1
+            run.ctl[w].turned = 1
         elif branch != 0 and n == 2 and wp.dot(way, v) > real(0.0):
             way = wp.normalize(v)
-        slip_branch[w, e] = branch
+        residuals.slip_branch[w, e] = branch
         along = SOFT * yields
         across = along
         if branch != 0 and bound > real(0.0):
-            across = wp.min(along, wp.max(wp.length(v), slow) / (bound * rate_slope(ctl, clk, w)))
+            across = wp.min(along, wp.max(wp.length(v), slow) / (bound * rate_slope(run, w)))
         if wp.length(v) < slow:
             along = across
-        slip_way[w, e, 0] = way[0]
-        slip_way[w, e, 1] = way[1]
-        slip_softness[w, e, 0] = along
-        slip_softness[w, e, 1] = across
+        residuals.slip_way[w, e, 0] = way[0]
+        residuals.slip_way[w, e, 1] = way[1]
+        residuals.slip_softness[w, e, 0] = along
+        residuals.slip_softness[w, e, 1] = across
         missing = bound * way - f
         lead = (along - across) * wp.dot(way, missing)
         for r in range(n):
             row = first + r
             weight = model.elements[0].joint_frictions.weight[e, r]
             if branch == 0:
-                defect[w, row] = coordinate[w, row] - slip_anchor[w, e, r]
+                residuals.defect[w, row] = residuals.coordinate[w, row] - residuals.slip_anchor[w, e, r]
                 held = HELD
-                if ctl[w].mode == k.LOADING:
+                if run.ctl[w].mode == k.LOADING:
                     held = HELD_AT_REST
-                softness[w, row] = held * yields / (weight * weight)
+                residuals.softness[w, row] = held * yields / (weight * weight)
             else:
-                defect[w, row] = (across * missing[r] + lead * way[r]) / weight
-                softness[w, row] = (across + (along - across) * way[r] * way[r]) / (weight * weight)
+                residuals.defect[w, row] = (across * missing[r] + lead * way[r]) / weight
+                residuals.softness[w, row] = (across + (along - across) * way[r] * way[r]) / (weight * weight)
         e += wp.block_dim()
 
 
-@wp.kernel
-def renew(ctl: inout(wp.array(dtype=Control))):
+@kernel
+def renew(run: Run):
     """Per world: the outer matrix is made anew where stick has become slip, or slip stick, since the last time."""
     w = wp.tid()
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].turned == 0:
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].turned == 0:
         return
-    ctl[w].refresh = 1
-    ctl[w].turned = 0
+    run.ctl[w].refresh = 1
+    run.ctl[w].turned = 0
 
 
-@wp.kernel
-def couple_friction(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    lam: wp.array2d(dtype=real),
-    row_wrench: wp.array3d(dtype=real),
-    slip_branch: wp.array2d(dtype=int),
-    slip_way: wp.array3d(dtype=real),
-    slip_softness: wp.array3d(dtype=real),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def couple_friction(run: Run, loads: LoadState, residuals: Residuals, system: OuterSystem):
     """Lanes over joints with friction: what couples their rows to each other and to those that press, in the outer
     matrix."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or not acts(ctl, clk, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or not acts(run, w):
         return
     e = lane
     while e < model.elements[0].joint_frictions.count:
         n = model.elements[0].joint_frictions.size[e]
         at = model.outer.row_offset + model.elements[0].joint_frictions.start[e]
-        along = slip_softness[w, e, 0]
-        across = slip_softness[w, e, 1]
-        if slip_branch[w, e] != 0:
+        along = residuals.slip_softness[w, e, 0]
+        across = residuals.slip_softness[w, e, 1]
+        if residuals.slip_branch[w, e] != 0:
             if n == 2:
                 both = model.elements[0].joint_frictions.weight[e, 0] * model.elements[0].joint_frictions.weight[e, 1]
-                shear = (along - across) * slip_way[w, e, 0] * slip_way[w, e, 1] / both
-                tangent[w, at, at + 1] = tangent[w, at, at + 1] - shear
-                tangent[w, at + 1, at] = tangent[w, at + 1, at] - shear
-            axis = axis_of(model, w, e, row_wrench)
-            R, M = reaction(model, w, e, lam, row_wrench)
+                shear = (along - across) * residuals.slip_way[w, e, 0] * residuals.slip_way[w, e, 1] / both
+                system.tangent[w, at, at + 1] = system.tangent[w, at, at + 1] - shear
+                system.tangent[w, at + 1, at] = system.tangent[w, at + 1, at] - shear
+            axis = axis_of(model, w, e, residuals.row_wrench)
+            R, M = reaction(model, w, e, loads.lam, residuals.row_wrench)
             i = model.elements[0].joint_frictions.held_start[e]
             while i < model.elements[0].joint_frictions.held_start[e + 1]:
                 row = model.elements[0].joint_frictions.held[i]
-                dR = -force_of(row_wrench, w, row)
-                dM = -torque_of(row_wrench, w, row)
+                dR = -force_of(residuals.row_wrench, w, row)
+                dM = -torque_of(residuals.row_wrench, w, row)
                 slope = bound_slope(model, e, axis, R, M, dR, dM)
                 column = model.outer.row_offset + row
                 for r in range(n):
-                    entry = along * slip_way[w, e, r] * slope / model.elements[0].joint_frictions.weight[e, r]
-                    tangent[w, at + r, column] = tangent[w, at + r, column] + entry
+                    entry = along * residuals.slip_way[w, e, r] * slope / model.elements[0].joint_frictions.weight[e, r]
+                    system.tangent[w, at + r, column] = system.tangent[w, at + r, column] + entry
                 i += 1
         e += wp.block_dim()
 
 
-@wp.kernel
-def end_slips(
-    models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
-    lam0: wp.array2d(dtype=real),
-    lam: wp.array2d(dtype=real),
-    coordinate: wp.array2d(dtype=real),
-    stretch: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-    slipping: wp.array2d(dtype=int),
-    slip_branch: wp.array2d(dtype=int),
-    slip_way: wp.array3d(dtype=real),
-    slip_bound: wp.array2d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    slip_loss: out(wp.array2d(dtype=real)),
-):
+@kernel
+def end_slips(run: Run, loads: LoadState, residuals: Residuals, joints: JointFrictionState):
     """Per world: what each joint has lost in the attempt, and whether one could not stay what it was."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0:
         return
-    ctl[w].turned = 0
+    run.ctl[w].turned = 0
     e = int(0)
     while e < model.elements[0].joint_frictions.count:
-        slip_loss[w, e] = real(0.0)
-        if acts(ctl, clk, w):
+        residuals.slip_loss[w, e] = real(0.0)
+        if acts(run, w):
             held = real(0.0)
             moved = real(0.0)
             before = real(0.0)
@@ -381,92 +323,72 @@ def end_slips(
             for r in range(model.elements[0].joint_frictions.size[e]):
                 row = model.elements[0].joint_frictions.start[e] + r
                 weight = model.elements[0].joint_frictions.weight[e, r]
-                step = coordinate[w, row] - stretch[w, row]
-                held += lam[w, row] * lam[w, row] / (weight * weight)
-                before += lam0[w, row] * step
-                after += lam[w, row] * step
-                kept += lam0[w, row] * lam[w, row] / (weight * weight)
-                rate = slip_rate(ctl, clk, w, row, coordinate, stretch, drive_rate)
-                moved += slip_way[w, e, r] * weight * rate
+                step = residuals.coordinate[w, row] - loads.stretch[w, row]
+                held += loads.lam[w, row] * loads.lam[w, row] / (weight * weight)
+                before += loads.lam0[w, row] * step
+                after += loads.lam[w, row] * step
+                kept += loads.lam0[w, row] * loads.lam[w, row] / (weight * weight)
+                rate = slip_rate(run, w, row, residuals, loads)
+                moved += residuals.slip_way[w, e, r] * weight * rate
             loss = real(0.5) * (before + after)
-            if ctl[w].forget != 0:
+            if run.ctl[w].forget != 0:
                 loss = after
-            slip_loss[w, e] = wp.max(loss, real(0.0))
-            branch = slip_branch[w, e]
+            residuals.slip_loss[w, e] = wp.max(loss, real(0.0))
+            branch = residuals.slip_branch[w, e]
             if model.elements[0].joint_frictions.slip_velocity[e] == real(0.0):
-                if ctl[w].forget != 0:
-                    if branch != slipping[w, e] or (branch != 0 and kept < real(0.0)):
-                        ctl[w].turned = 1
+                if run.ctl[w].forget != 0:
+                    if branch != joints.slipping[w, e] or (branch != 0 and kept < real(0.0)):
+                        run.ctl[w].turned = 1
                 elif branch == 0:
-                    if wp.sqrt(held) > slip_bound[w, e] * (real(1.0) + SLACK):
-                        ctl[w].turned = 1
+                    if wp.sqrt(held) > residuals.slip_bound[w, e] * (real(1.0) + SLACK):
+                        run.ctl[w].turned = 1
                 elif moved <= real(0.0) or after < real(0.0) or before < real(0.0):
-                    ctl[w].turned = 1
+                    run.ctl[w].turned = 1
         e += 1
 
 
-@wp.kernel
-def keep_slips(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    slip_branch: wp.array2d(dtype=int),
-    slip_anchor: wp.array3d(dtype=real),
-    slipping: out(wp.array2d(dtype=int)),
-    stuck_at: out(wp.array3d(dtype=real)),
-):
+@kernel
+def keep_slips(run: Run, residuals: Residuals, joints: JointFrictionState):
     """Lanes over joints with friction: what an accepted attempt has found."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].commit == 0 or not acts(ctl, clk, w):
+    model = run.models[w]
+    if run.ctl[w].commit == 0 or not acts(run, w):
         return
     e = lane
     while e < model.elements[0].joint_frictions.count:
-        slipping[w, e] = slip_branch[w, e]
+        joints.slipping[w, e] = residuals.slip_branch[w, e]
         for r in range(model.elements[0].joint_frictions.size[e]):
-            stuck_at[w, e, r] = slip_anchor[w, e, r]
+            joints.stuck_at[w, e, r] = residuals.slip_anchor[w, e, r]
         e += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def record_slips(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    lam: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-    slipping: wp.array2d(dtype=int),
-    slip_bound: wp.array2d(dtype=real),
-    slip_loss: wp.array2d(dtype=real),
-    saved_slipping: out(wp.array3d(dtype=int)),
-    saved_surface_velocity: out(wp.array4d(dtype=real)),
-    saved_surface_traction: out(wp.array4d(dtype=real)),
-    saved_slip_bound: out(wp.array3d(dtype=real)),
-    saved_slip_power: out(wp.array3d(dtype=real)),
+    run: Run, loads: LoadState, joints: JointFrictionState, residuals: Residuals, saved: SavedJointFriction
 ):
     """Lanes over joints with friction. One whose law has no stick is said to stick below its slip velocity."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0:
+    model = run.models[w]
+    if run.ctl[w].record == 0:
         return
-    at = ctl[w].saved % saved_slipping.shape[1]
+    at = run.ctl[w].saved % saved.saved_slipping.shape[1]
     e = lane
     while e < model.elements[0].joint_frictions.count:
         v = wp.vec2d(real(0.0), real(0.0))
         f = wp.vec2d(real(0.0), real(0.0))
         for r in range(model.elements[0].joint_frictions.size[e]):
             row = model.elements[0].joint_frictions.start[e] + r
-            v[r] = model.elements[0].joint_frictions.weight[e, r] * drive_rate[w, 0, row]
-            f[r] = -lam[w, row] / model.elements[0].joint_frictions.weight[e, r]
-        state = slipping[w, e]
+            v[r] = model.elements[0].joint_frictions.weight[e, r] * loads.drive_rate[w, 0, row]
+            f[r] = -loads.lam[w, row] / model.elements[0].joint_frictions.weight[e, r]
+        state = joints.slipping[w, e]
         if wp.length(v) < model.elements[0].joint_frictions.slip_velocity[e]:
             state = int(0)
-        saved_slipping[w, at, e] = state
+        saved.saved_slipping[w, at, e] = state
         for r in range(2):
-            saved_surface_velocity[w, at, e, r] = v[r]
-            saved_surface_traction[w, at, e, r] = f[r]
-        saved_slip_bound[w, at, e] = slip_bound[w, e]
-        saved_slip_power[w, at, e] = real(0.0)
-        if clk[w].done_step > real(0.0):
-            saved_slip_power[w, at, e] = slip_loss[w, e] / clk[w].done_step
+            saved.saved_surface_velocity[w, at, e, r] = v[r]
+            saved.saved_surface_traction[w, at, e, r] = f[r]
+        saved.saved_slip_bound[w, at, e] = residuals.slip_bound[w, e]
+        saved.saved_slip_power[w, at, e] = real(0.0)
+        if run.clk[w].done_step > real(0.0):
+            saved.saved_slip_power[w, at, e] = residuals.slip_loss[w, e] / run.clk[w].done_step
         e += wp.block_dim()

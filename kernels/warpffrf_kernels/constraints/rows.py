@@ -42,11 +42,13 @@ from warpffrf_kernels.bodies.interfaces import (
 )
 from warpffrf_kernels.constraints.characteristics import characteristic, firm
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import rotation_vector, tangent_inverse
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, vec3
+from warpffrf_kernels.core.scratch import Residuals, Trial
+from warpffrf_kernels.core.state import LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -79,32 +81,19 @@ def evaluate_signal(model: Model, s: int, t: real, order: int) -> real:
 
 @wp.func
 def write_side(
-    model: Model,
-    w: int,
-    row: int,
-    marker: int,
-    force: vec3,
-    torque: vec3,
-    x: vec3,
-    x_marker: vec3,
-    side: int,
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    slope: wp.array(dtype=real),
-    C: wp.array3d(dtype=real),
-    C_modal: wp.array(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-):
+    model: Model, w: int, row: int, marker: int, force: vec3, torque: vec3, x: vec3, x_marker: vec3, side: int,
+    trial: Trial, residuals: Residuals,
+):  # fmt: skip
     """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker;
     `row_pull` keeps what acts on its interface, body axes."""
     b = model.markers.body[marker]
     if b < 0:
         return
-    At = wp.transpose(axes[w, b])
-    moment = At * (wp.cross(x - r1[w, b], force) + torque)
+    At = wp.transpose(trial.axes[w, b])
+    moment = At * (wp.cross(x - trial.r1[w, b], force) + torque)
     for i in range(3):
-        C[w, row, 6 * b + i] = C[w, row, 6 * b + i] + force[i]
-        C[w, row, 6 * b + 3 + i] = C[w, row, 6 * b + 3 + i] + moment[i]
+        residuals.C[w, row, 6 * b + i] = residuals.C[w, row, 6 * b + i] + force[i]
+        residuals.C[w, row, 6 * b + 3 + i] = residuals.C[w, row, 6 * b + 3 + i] + moment[i]
     f = model.markers.interface[marker]
     if f < 0:
         return
@@ -113,55 +102,37 @@ def write_side(
     tb = At * (wp.cross(x - x_marker, force) + torque)
     tb += wp.cross(model.markers.point[marker] - model.interfaces.point[f], fb)
     for i in range(3):
-        row_pull[w, 2 * row + side, i] = fb[i]
-        row_pull[w, 2 * row + side, 3 + i] = tb[i]
+        residuals.row_pull[w, 2 * row + side, i] = fb[i]
+        residuals.row_pull[w, 2 * row + side, 3 + i] = tb[i]
     line = modal_line(model, w, row, b)
     width = model.interfaces.width
-    add_load(model.bodies.global_count[b], real(1.0), fb, tb, width, slope, line_of(model, w, f), C_modal, line)
+    add_load(
+        model.bodies.global_count[b], real(1.0), fb, tb, width, trial.slope, line_of(model, w, f), residuals.C_modal,
+        line,
+    )  # fmt: skip
 
 
 @wp.func
-def clear_side(model: Model, w: int, row: int, marker: int, C: wp.array3d(dtype=real), C_modal: wp.array(dtype=real)):
+def clear_side(model: Model, w: int, row: int, marker: int, residuals: Residuals):
     b = model.markers.body[marker]
     if b < 0:
         return
     for i in range(6):
-        C[w, row, 6 * b + i] = real(0.0)
+        residuals.C[w, row, 6 * b + i] = real(0.0)
     if model.markers.interface[marker] >= 0:
         line = modal_line(model, w, row, b)
         n = int(0)
         while n < model.bodies.global_count[b]:
-            C_modal[line + n] = real(0.0)
+            residuals.C_modal[line + n] = real(0.0)
             n += 1
 
 
-@wp.kernel
-def evaluate_rows(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    qd1: wp.array(dtype=real),
-    lam: wp.array2d(dtype=real),
-    stretch: wp.array2d(dtype=real),
-    slope: wp.array(dtype=real),
-    motion: wp.array3d(dtype=real),
-    C: inout(wp.array3d(dtype=real)),
-    C_modal: inout(wp.array(dtype=real)),
-    coordinate: out(wp.array2d(dtype=real)),
-    defect: out(wp.array2d(dtype=real)),
-    softness: out(wp.array2d(dtype=real)),
-    drive_rate: out(wp.array3d(dtype=real)),
-    row_wrench: out(wp.array3d(dtype=real)),
-    row_pull: out(wp.array3d(dtype=real)),
-):
+@kernel
+def evaluate_rows(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, qd1: wp.array(dtype=real)):
     """Per row: value, gradient, defect (c, or the spring law divided by its stiffness) and compliance."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     row = lane
     while row < model.rows.count:
@@ -169,17 +140,17 @@ def evaluate_rows(
         b = model.rows.b[row]
         body_a = model.markers.body[a]
         body_b = model.markers.body[b]
-        x_a = arm_on_interface(model, a, motion, w)
-        x_b = arm_on_interface(model, b, motion, w)
-        R_a = axes_on_interface(model, a, motion, w)
-        R_b = axes_on_interface(model, b, motion, w)
+        x_a = arm_on_interface(model, a, trial.interface_motion, w)
+        x_b = arm_on_interface(model, b, trial.interface_motion, w)
+        R_a = axes_on_interface(model, a, trial.interface_motion, w)
+        R_b = axes_on_interface(model, b, trial.interface_motion, w)
         if body_a >= 0:
-            x_a = r1[w, body_a] + axes[w, body_a] * x_a
-            R_a = axes[w, body_a] * R_a
+            x_a = trial.r1[w, body_a] + trial.axes[w, body_a] * x_a
+            R_a = trial.axes[w, body_a] * R_a
         if body_b >= 0:
-            x_b = r1[w, body_b] + axes[w, body_b] * x_b
-            R_b = axes[w, body_b] * R_b
-        t = clk[w].next_time
+            x_b = trial.r1[w, body_b] + trial.axes[w, body_b] * x_b
+            R_b = trial.axes[w, body_b] * R_b
+        t = run.clk[w].next_time
         s = real(0.0)
         s_rate = real(0.0)
         if model.rows.signal[row] >= 0:
@@ -232,7 +203,7 @@ def evaluate_rows(
             force = gap / wp.max(value + s, real(1.0e-300))
         if kind == k.ANGLE or kind == k.SECOND_ANGLE or kind == k.TWIST:
             if model.rows.rigid[row] == 0:  # a spring counts turns from the last accepted state
-                value += TURN * wp.round((stretch[w, row] - value) / TURN)
+                value += TURN * wp.round((loads.stretch[w, row] - value) / TURN)
         if kind == k.BUSHING:
             along = vec3(model.rows.vector[row, 0], model.rows.vector[row, 1], model.rows.vector[row, 2])
             about = vec3(model.rows.vector[row, 3], model.rows.vector[row, 4], model.rows.vector[row, 5])
@@ -240,25 +211,25 @@ def evaluate_rows(
             force = R_a * along
             torque = R_a * (tangent_inverse(phi) * about)
             value = wp.dot(force, x_b - x_a) + wp.dot(about, phi)
-        clear_side(model, w, row, a, C, C_modal)
-        clear_side(model, w, row, b, C, C_modal)
-        write_side(model, w, row, b, force, torque, x_b, x_b, 1, r1, axes, slope, C, C_modal, row_pull)
-        write_side(model, w, row, a, -force, -torque, x_b, x_a, 0, r1, axes, slope, C, C_modal, row_pull)
-        coordinate[w, row] = value + s
+        clear_side(model, w, row, a, residuals)
+        clear_side(model, w, row, b, residuals)
+        write_side(model, w, row, b, force, torque, x_b, x_b, 1, trial, residuals)
+        write_side(model, w, row, a, -force, -torque, x_b, x_a, 0, trial, residuals)
+        residuals.coordinate[w, row] = value + s
         value -= model.rows.reference[row]
-        drive_rate[w, 1, row] = s_rate
+        loads.drive_rate[w, 1, row] = s_rate
         for c in range(3):
-            row_wrench[w, row, c] = force[c]
-            row_wrench[w, row, 3 + c] = torque[c]
-        defect[w, row] = value
-        softness[w, row] = real(0.0)
+            residuals.row_wrench[w, row, c] = force[c]
+            residuals.row_wrench[w, row, 3 + c] = torque[c]
+        residuals.defect[w, row] = value
+        residuals.softness[w, row] = real(0.0)
         if model.rows.rigid[row] == 0:
             rate = real(0.0)
             if body_a >= 0:
-                rate += row_rate(model, w, row, a, C, C_modal, v1, omega1, qd1)
+                rate += row_rate(model, w, row, a, residuals, trial, qd1)
             if body_b >= 0 and body_b != body_a:
-                rate += row_rate(model, w, row, b, C, C_modal, v1, omega1, qd1)
-            k_e = model.rows.stiffness[row] + model.rows.damping[row] * clk[w].outer.vel
+                rate += row_rate(model, w, row, b, residuals, trial, qd1)
+            k_e = model.rows.stiffness[row] + model.rows.damping[row] * run.clk[w].outer.vel
             law = model.rows.stiffness[row] * value + model.rows.damping[row] * rate + model.rows.preload[row]
             if model.rows.elastic[row] >= 0:
                 spring = characteristic(model, model.rows.elastic[row], value)
@@ -267,91 +238,74 @@ def evaluate_rows(
             if model.rows.viscous[row] >= 0:
                 damper = characteristic(model, model.rows.viscous[row], rate)
                 law += damper[0]
-                k_e += damper[1] * clk[w].outer.vel
+                k_e += damper[1] * run.clk[w].outer.vel
             if model.rows.elastic[row] >= 0 or model.rows.viscous[row] >= 0:
-                k_e = firm(model, row, force, clk[w].outer.acc, k_e)
+                k_e = firm(model, row, force, run.clk[w].outer.acc, k_e)
             if k_e != real(0.0):
-                defect[w, row] = (law - lam[w, row]) / k_e
-                softness[w, row] = real(1.0) / k_e
+                residuals.defect[w, row] = (law - loads.lam[w, row]) / k_e
+                residuals.softness[w, row] = real(1.0) / k_e
             else:  # a pure damper at rest: no force
-                defect[w, row] = -lam[w, row]
-                softness[w, row] = real(1.0)
-            drive_rate[w, 1, row] = rate
+                residuals.defect[w, row] = -loads.lam[w, row]
+                residuals.softness[w, row] = real(1.0)
+            loads.drive_rate[w, 1, row] = rate
         row += wp.block_dim()
 
 
 @wp.func
 def row_rate(
-    model: Model,
-    w: int,
-    row: int,
-    marker: int,
-    C: wp.array3d(dtype=real),
-    C_modal: wp.array(dtype=real),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    qd1: wp.array(dtype=real),
+    model: Model, w: int, row: int, marker: int, residuals: Residuals, trial: Trial, qd1: wp.array(dtype=real)
 ) -> real:
     b = model.markers.body[marker]
     rate = real(0.0)
     for i in range(3):
-        rate += C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
+        rate += (
+            residuals.C[w, row, 6 * b + i] * trial.v1[w, b][i]
+            + residuals.C[w, row, 6 * b + 3 + i] * trial.omega1[w, b][i]
+        )
     if model.markers.interface[marker] >= 0:
         modes = w * model.modes.count + model.bodies.modal_start[b]
-        rate += dot(model.bodies.global_count[b], C_modal, modal_line(model, w, row, b), qd1, modes)
+        rate += dot(model.bodies.global_count[b], residuals.C_modal, modal_line(model, w, row, b), qd1, modes)
     return rate
 
 
-@wp.kernel
-def apply_forces(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    slope: wp.array(dtype=real),
-    motion: wp.array3d(dtype=real),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array(dtype=real)),
-    applied: out(wp.array3d(dtype=vec3)),
-    applied_at: out(wp.array3d(dtype=vec3)),
-):
+@kernel
+def apply_forces(run: Run, trial: Trial, residuals: Residuals, loads: LoadState, modal_residual: wp.array(dtype=real)):
     """Per world: subtract the point forces from the residuals; their world components and points are kept for the
     ledger.
     """
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    t = clk[w].next_time
+    t = run.clk[w].next_time
     i = int(0)
-    while i < model.forces.count:
-        b = model.forces.body[i]
-        A = axes[w, b]
+    while i < model.external[0].forces.count:
+        b = model.external[0].forces.body[i]
+        A = trial.axes[w, b]
         f = vec3(
-            evaluate_signal(model, model.forces.signal[i, 0], t, 0),
-            evaluate_signal(model, model.forces.signal[i, 1], t, 0),
-            evaluate_signal(model, model.forces.signal[i, 2], t, 0),
+            evaluate_signal(model, model.external[0].forces.signal[i, 0], t, 0),
+            evaluate_signal(model, model.external[0].forces.signal[i, 1], t, 0),
+            evaluate_signal(model, model.external[0].forces.signal[i, 2], t, 0),
         )
-        if model.forces.in_body[i] != 0:
+        if model.external[0].forces.in_body[i] != 0:
             f = A * f
-        X = model.forces.point[i]
+        X = model.external[0].forces.point[i]
         arm = X
-        interface = model.forces.interface[i]
+        interface = model.external[0].forces.interface[i]
         if interface >= 0:
-            arm = X + translation_of(motion, w, interface)
-            arm += wp.cross(rotation_of(motion, w, interface), X - model.interfaces.point[interface])
+            arm = X + translation_of(trial.interface_motion, w, interface)
+            arm += wp.cross(rotation_of(trial.interface_motion, w, interface), X - model.interfaces.point[interface])
         fb = wp.transpose(A) * f
         moment = wp.cross(arm, fb)
         for c in range(3):
-            residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
-            residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
+            residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] - f[c]
+            residuals.residual[w, 6 * b + 3 + c] = residuals.residual[w, 6 * b + 3 + c] - moment[c]
         if interface >= 0:
             tb = wp.cross(X - model.interfaces.point[interface], fb)
             modes = w * model.modes.count + model.bodies.modal_start[b]
             line = line_of(model, w, interface)
             n = model.bodies.global_count[b]
-            add_load(n, real(-1.0), fb, tb, model.interfaces.width, slope, line, modal_residual, modes)
-        applied[w, 1, i] = f
-        applied_at[w, 1, i] = r1[w, b] + A * arm
+            add_load(n, real(-1.0), fb, tb, model.interfaces.width, trial.slope, line, modal_residual, modes)
+        loads.applied[w, 1, i] = f
+        loads.applied_at[w, 1, i] = trial.r1[w, b] + A * arm
         i += 1

@@ -8,9 +8,10 @@ An axis is a name, with a factor and a few entries more where that is needed: "6
 is read and written along contiguous stretches by index: its axes are one.
 """
 
+import ast
 import inspect
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol, TypeVar
 
@@ -49,10 +50,11 @@ class Declaration:
     zero_without: bool = False  # zero says what is to be said in a scene where no launch sets it
     restored: bool = False  # a rejected attempt puts back what stood there before it
     instead: str = ""  # array that takes its place in a scene without its axes
+    flat: bool = False  # kernels see one axis, the host all of them
 
     @property
     def ndim(self) -> int:
-        return 1 if self.run else len(self.axes)
+        return 1 if self.run or self.flat else len(self.axes)
 
     def shape(self, sizes: Mapping[str, int]) -> tuple[int, ...]:
         """Length of each axis; raises KeyError for an axis that has no size."""
@@ -106,17 +108,51 @@ def structs(of: Any, *axes: Axis, note: str = "", **more: Any) -> Any:
     return Declaration(axes, of, "", note, False, **more)
 
 
+def declared_in(topic: Any) -> dict[str, Declaration]:
+    """The arrays of a topic, by name."""
+    return topic.declarations
+
+
 def topic(cls: type[Kind]) -> type[Kind]:
-    """A Warp struct of a class whose fields are numbers, other structs, and declared arrays; it keeps the latter as
-    `declarations`."""
-    declared = {name: value for name, value in vars(cls).items() if isinstance(value, Declaration)}
-    fields: dict[str, Any] = {
-        name: wp.array(dtype=declared[name].dtype, ndim=declared[name].ndim) if name in declared else annotation
-        for name, annotation in inspect.get_annotations(cls).items()
-    }
-    for name in declared:
+    """A Warp struct of a class whose fields are numbers, other structs and declared arrays, with those of its bases; it
+    keeps the arrays as `declarations`. A class that derives from it gets these, and is no struct."""
+    own = {name: value for name, value in vars(cls).items() if isinstance(value, Declaration)}
+    declared = {name: d for base in cls.__bases__ for name, d in getattr(base, "declarations", {}).items()} | own
+    fields: dict[str, Any] = {name: wp.array(dtype=d.dtype, ndim=d.ndim) for name, d in declared.items()}
+    fields = {name: fields.get(name, annotation) for name, annotation in inspect.get_annotations(cls).items()} | fields
+    for name in own:
         delattr(cls, name)
     cls.__annotations__ = fields
     setattr(cls, "declarations", declared)  # noqa: B010, no field
     found: Any = wp.struct(cls)
+    found.__mro_entries__ = lambda _: (cls,)
     return found
+
+
+def is_topic(kind: Any) -> bool:
+    """Whether it is a struct of declared arrays."""
+    return hasattr(kind, "declarations") and hasattr(kind, "vars")
+
+
+def kernel(function: Any) -> wp.Kernel:
+    """A Warp kernel whose topics are given by address, each in an array of one: a graph on the CPU looks up all arrays
+    of a launch each time, also those within structs. The body sees the structs."""
+    topics = {name: kind for name, kind in inspect.get_annotations(function).items() if is_topic(kind)}
+    function.__annotations__ |= {name: wp.array(dtype=kind) for name, kind in topics.items()}
+    return wp.Kernel(function, code_transformers=[ByAddress(topics)])
+
+
+class ByAddress(ast.NodeTransformer):
+    """`run_ = run[0]` first, and `run_` instead of `run` in the body."""
+
+    def __init__(self, names: Iterable[str]) -> None:
+        self.names = set(names)
+
+    def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.FunctionDef:
+        body = [self.visit(statement) for statement in node.body]
+        first = [ast.copy_location(ast.parse(f"{name}_ = {name}[0]").body[0], body[0]) for name in sorted(self.names)]
+        node.body = [*(ast.fix_missing_locations(statement) for statement in first), *body]
+        return node
+
+    def visit_Name(self, node: ast.Name) -> ast.Name:
+        return ast.copy_location(ast.Name(f"{node.id}_", node.ctx), node) if node.id in self.names else node

@@ -2,6 +2,11 @@
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic, vectors
 
+LINE = 22  # numbers of a point, see `films.sampling`
+PULL = 13  # sums over the points
+HAT_LINE = 11  # numbers of a hat where there are asperities
+NUMBERS = 19  # of a film that are saved, see `films.keeping`
+
 
 @topic
 class Films:

@@ -5,6 +5,7 @@ import warp as wp
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.control import Clock, Coefficients, Control
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -97,27 +98,27 @@ def rate_of(c: Coefficients, rate0: vec3, a0: vec3, a1: vec3) -> vec3:
 
 
 @wp.func
-def share_of_miss(ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int) -> real:
+def share_of_miss(run: Run, w: int) -> real:
     """What a force at the end of a step changes by with the mean over it, of forces whose mean is given (`mean_work`);
     0 where none is: in all but steps in time that remember accelerations, and in evaluations that are no step, whose
     velocities have no part of the accelerations (gamma = 0, `linearise`)."""
-    c = clk[w].outer
-    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or ctl[w].forget != 0 or c.gamma == real(0.0):
+    c = run.clk[w].outer
+    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or run.ctl[w].forget != 0 or c.gamma == real(0.0):
         return real(0.0)
     return (real(1.0) - c.alpha_m) / (c.gamma * (real(1.0) - c.alpha_f))
 
 
 @wp.func
-def rule_of(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> int:
+def rule_of(model: Model, run: Run, w: int, m: int) -> int:
     """How mode m steps: OUTER, like the bodies; LOCAL, by HHT; or EXACT for a linear load.
 
     The exact step is for modes that the step does not resolve, omega h >= pi. Contact asks for the load f1 that brings
     the surface to a given place; with the load of before that makes a recursion f1 = -(C/D) f0, and |C/D| is 2 for
     small omega h and at most 1 from pi on.
     """
-    if ctl[w].mode != k.DYNAMIC or model.modes.kind[m] == 0:
+    if run.ctl[w].mode != k.DYNAMIC or model.modes.kind[m] == 0:
         return OUTER
-    h = clk[w].h
+    h = run.clk[w].h
     if model.modes.kind[m] == 2 and model.modes.stiffness[m] * h * h >= UNRESOLVED:
         return EXACT
     return LOCAL

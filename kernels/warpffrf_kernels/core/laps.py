@@ -2,6 +2,9 @@
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
 
+WORDS = 14  # of a group of laps, see `laps.words`
+NUMBERS = 8  # of a cell that are saved, see `laps.keeping`
+
 
 @topic
 class Laps:

@@ -2,6 +2,8 @@
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic
 
+NUMBERS = 14  # of a place that are saved: place, force and friction on the first body, slip velocity; approach, force
+
 
 @topic
 class Lumped:

@@ -234,6 +234,15 @@ class BodyLoads:
 
 
 @topic
+class External:
+    """What acts on bodies from outside, where it lies: few kernels read it."""
+
+    forces: Forces
+    torques: Torques
+    body_loads: BodyLoads
+
+
+@topic
 class Surfaces:
     """Contact surfaces, body frame; see `surface`. Fields that end in `_start` say where tables begin."""
 
@@ -556,9 +565,7 @@ class Model:
     rows: Rows
     groups: Groups
     signals: Signals
-    forces: Forces
-    torques: Torques
-    body_loads: BodyLoads
+    external: wp.array(dtype=External)  # one
     surfaces: Surfaces
     responses: Responses
     quadrature: Quadrature

@@ -14,10 +14,14 @@ pressure take what they could have given, -sum p_i (m_i delta_t D_i + (T D)_i), 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.films import PULL
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scratch import Residuals, Trial
+from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.sampling import (
     FILLING,
     FLOW_ALONG,
@@ -26,7 +30,6 @@ from warpffrf_kernels.films.sampling import (
     FORCE_MOMENT,
     HALF,
     PRESSED,
-    PULL,
     REYNOLDS,
     SECOND_FORCE_MOMENT,
     SHEAR,
@@ -94,48 +97,19 @@ def inflow(model: Model, w: int, first: int, i: int, n: int, film_carried: wp.ar
 
 
 @wp.func
-def holding(
-    model: Model,
-    w: int,
-    film: int,
-    i: int,
-    film_rates: wp.array2d(dtype=real),
-    film_carried: wp.array3d(dtype=real),
-) -> real:
+def holding(model: Model, w: int, film: int, i: int, oil: FilmScratch) -> real:
     """m2/s: a_0 m_i and what leaves, the diagonal of what voids do."""
     first = model.elements[0].films[0].function_start[film]
     area = model.elements[0].films[0].area[i]
-    return film_rates[w, 0] * area + outflow(model, w, first, i, film_carried)
+    return oil.film_rates[w, 0] * area + outflow(model, w, first, i, oil.film_carried)
 
 
-@wp.kernel
-def balance_film(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    film_pressure: wp.array3d(dtype=real),
-    film_void: wp.array3d(dtype=real),
-    film_void_before: wp.array2d(dtype=real),
-    film_rates: wp.array2d(dtype=real),
-    film_carried: wp.array3d(dtype=real),
-    film_line: wp.array3d(dtype=real),
-    film_pull: wp.array3d(dtype=real),
-    film_asperity: wp.array3d(dtype=real),
-    film_hat_line: wp.array3d(dtype=real),
-    film_energy_now: wp.array2d(dtype=real),
-    film_second_energy: wp.array2d(dtype=real),
-    film_rest: inout(wp.array2d(dtype=real)),
-    film_size: inout(wp.array2d(dtype=real)),
-    film_refill: inout(wp.array2d(dtype=real)),
-    film_sums: inout(wp.array3d(dtype=real)),
-    film_off: out(wp.array2d(dtype=real)),
-    film_power: out(wp.array4d(dtype=real)),
-    film_energy: out(wp.array3d(dtype=real)),
-):
+@kernel
+def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
     """Per (world, film), lanes over functions, then over sums: R, how large it is beside the flows, and the forces."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     first = model.elements[0].films[0].function_start[film]
     end = model.elements[0].films[0].function_start[film + 1]
@@ -144,9 +118,9 @@ def balance_film(
     a = model.surfaces.body[model.elements[0].films[0].first[film]]
     b = model.surfaces.body[model.elements[0].films[0].second[film]]
     if a >= 0:
-        extent = wp.max(extent, wp.length(r1[w, a]))
+        extent = wp.max(extent, wp.length(trial.r1[w, a]))
     if b >= 0:
-        extent = wp.max(extent, wp.length(r1[w, b]))
+        extent = wp.max(extent, wp.length(trial.r1[w, b]))
     i = first + lane
     while i < end:
         flow = real(0.0)
@@ -156,34 +130,36 @@ def balance_film(
         while e < model.elements[0].films[0].entry_start[i + 1]:
             g = model.elements[0].films[0].entry_point[e]
             n = model.elements[0].films[0].entry_slot[e]
-            x = model.elements[0].films[0].slope_around[g, n] * film_line[w, g, FLOW_AROUND]
-            z = model.elements[0].films[0].slope_along[g, n] * film_line[w, g, FLOW_ALONG]
+            x = model.elements[0].films[0].slope_around[g, n] * oil.film_line[w, g, FLOW_AROUND]
+            z = model.elements[0].films[0].slope_along[g, n] * oil.film_line[w, g, FLOW_ALONG]
             flow += x + z
             size += wp.abs(x) + wp.abs(z)
-            filling += model.elements[0].films[0].value[g, n] * film_line[w, g, FILLING]
+            filling += model.elements[0].films[0].value[g, n] * oil.film_line[w, g, FILLING]
             e += 1
         area = model.elements[0].films[0].area[i]
-        own = film_rates[w, 0] * area * film_void[w, 1, i]
+        own = oil.film_rates[w, 0] * area * films.film_void[w, 1, i]
         refill = own
         if travels:
-            refill += area * (film_rates[w, 1] * film_void[w, 0, i] + film_rates[w, 2] * film_void_before[w, i])
-        refill += outflow(model, w, first, i, film_carried) * film_void[w, 1, i]
+            refill += area * (
+                oil.film_rates[w, 1] * films.film_void[w, 0, i] + oil.film_rates[w, 2] * films.film_void_before[w, i]
+            )
+        refill += outflow(model, w, first, i, oil.film_carried) * films.film_void[w, 1, i]
         for n in range(4):
             other = neighbour(model, i, n)
             if travels and other >= 0:
-                refill -= inflow(model, w, first, i, n, film_carried) * film_void[w, 1, first + other]
-        film_rest[w, i] = flow + filling - refill
-        film_refill[w, i] = refill
-        film_size[w, i] = size + wp.abs(filling) + ROUND_OFF * film_rates[w, 0] * area * extent
+                refill -= inflow(model, w, first, i, n, oil.film_carried) * films.film_void[w, 1, first + other]
+        oil.film_rest[w, i] = flow + filling - refill
+        oil.film_refill[w, i] = refill
+        oil.film_size[w, i] = size + wp.abs(filling) + ROUND_OFF * oil.film_rates[w, 0] * area * extent
         i += wp.block_dim()
     c = lane
     while c < PULL:
         total = real(0.0)
         g = model.elements[0].films[0].point_start[film]
         while g < model.elements[0].films[0].point_start[film + 1]:
-            total += film_pull[w, g, c]
+            total += oil.film_pull[w, g, c]
             g += 1
-        film_sums[w, film, c] = total
+        oil.film_sums[w, film, c] = total
         c += wp.block_dim()
     sync()
     if lane == 0:
@@ -193,56 +169,49 @@ def balance_film(
         taken = real(0.0)
         i = first
         while i < end:
-            largest = wp.max(largest, film_size[w, i])
-            p = film_pressure[w, 1, i]
+            largest = wp.max(largest, oil.film_size[w, i])
+            p = films.film_pressure[w, 1, i]
             if model.elements[0].films[0].unknown_of[i] >= 0:
-                worst = wp.max(worst, wp.abs(film_rest[w, i]))
+                worst = wp.max(worst, wp.abs(oil.film_rest[w, i]))
                 if model.elements[0].films[0].rule[film] == HALF:
                     p = wp.max(p, real(0.0))
-                taken -= p * film_refill[w, i]
+                taken -= p * oil.film_refill[w, i]
             else:
-                taken -= p * (film_rest[w, i] + film_refill[w, i])
-            sum += film_rest[w, i]
+                taken -= p * (oil.film_rest[w, i] + oil.film_refill[w, i])
+            sum += oil.film_rest[w, i]
             i += 1
         apart = real(0.0)  # of asperities and their law, beside the largest pressure
         most = SMALL_PRESSURE
-        stored = film_sums[w, film, STORED]
+        stored = oil.film_sums[w, film, STORED]
         if model.elements[0].films[0].second_hats[film] > 0:
             m = model.elements[0].films[0].second_hat_start[film]
             while m < model.elements[0].films[0].second_hat_start[film + 1]:
-                stored += film_second_energy[w, m]
+                stored += oil.film_second_energy[w, m]
                 m += 1
         if model.elements[0].films[0].rough[film] > 0:
             m = model.elements[0].films[0].hat_start[film]
             while m < model.elements[0].films[0].hat_start[film + 1]:
-                given = film_hat_line[w, m, PRESSED]
-                apart = wp.max(apart, wp.abs(film_asperity[w, 1, m] - given))
+                given = oil.film_hat_line[w, m, PRESSED]
+                apart = wp.max(apart, wp.abs(films.film_asperity[w, 1, m] - given))
                 most = wp.max(most, given)
-                stored += model.elements[0].films[0].hat_area[m] * film_energy_now[w, m]
+                stored += model.elements[0].films[0].hat_area[m] * oil.film_energy_now[w, m]
                 sum += given
                 m += 1
-        film_energy[w, 1, film] = stored
-        film_off[w, film] = wp.max(worst / largest, apart / most) + real(0.0) * sum
-        film_power[w, 1, film, 0] = film_sums[w, film, VISCOUS] + taken
-        film_power[w, 1, film, 1] = film_sums[w, film, SHEAR]
+        films.film_energy[w, 1, film] = stored
+        oil.film_off[w, film] = wp.max(worst / largest, apart / most) + real(0.0) * sum
+        films.film_power[w, 1, film, 0] = oil.film_sums[w, film, VISCOUS] + taken
+        films.film_power[w, 1, film, 1] = oil.film_sums[w, film, SHEAR]
 
 
-@wp.kernel
+@kernel
 def push_films(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    film_sums: wp.array3d(dtype=real),
-    film_pressure: wp.array(dtype=real),
+    run: Run, oil: FilmScratch, residuals: Residuals, film_pressure: wp.array(dtype=real),
     film_asperity: wp.array(dtype=real),
-    film_second_load: wp.array(dtype=real),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array2d(dtype=real)),
-    film_modal: out(wp.array2d(dtype=real)),
-):
+):  # fmt: skip
     """Per world: subtract the forces of all films from the residuals of their bodies and of the modes."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     film = int(0)
     while film < model.elements[0].films[0].count:
@@ -250,11 +219,15 @@ def push_films(
         b = model.surfaces.body[model.elements[0].films[0].second[film]]
         for c in range(3):
             if a >= 0:
-                residual[w, 6 * a + c] = residual[w, 6 * a + c] - film_sums[w, film, FORCE + c]
-                residual[w, 6 * a + 3 + c] = residual[w, 6 * a + 3 + c] - film_sums[w, film, FORCE_MOMENT + c]
+                residuals.residual[w, 6 * a + c] = residuals.residual[w, 6 * a + c] - oil.film_sums[w, film, FORCE + c]
+                residuals.residual[w, 6 * a + 3 + c] = (
+                    residuals.residual[w, 6 * a + 3 + c] - oil.film_sums[w, film, FORCE_MOMENT + c]
+                )
             if b >= 0:
-                residual[w, 6 * b + c] = residual[w, 6 * b + c] + film_sums[w, film, FORCE + c]
-                residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - film_sums[w, film, SECOND_FORCE_MOMENT + c]
+                residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] + oil.film_sums[w, film, FORCE + c]
+                residuals.residual[w, 6 * b + 3 + c] = (
+                    residuals.residual[w, 6 * b + 3 + c] - oil.film_sums[w, film, SECOND_FORCE_MOMENT + c]
+                )
         first = model.elements[0].films[0].function_start[film]
         functions = model.elements[0].films[0].function_start[film + 1] - first
         total = model.elements[0].films[0].function_start[model.elements[0].films[0].count]
@@ -276,8 +249,8 @@ def push_films(
             at = (2 * w + 1) * model.elements[0].films[0].hat_start[model.elements[0].films[0].count]
             at += model.elements[0].films[0].hat_start[film]
             outwards += dot(rough, model.elements[0].films[0].rough_moment, line, film_asperity, at)
-            modal_residual[w, start + m] = modal_residual[w, start + m] + outwards
-            film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m] = -outwards
+            residuals.modal_residual[w, start + m] = residuals.modal_residual[w, start + m] + outwards
+            oil.film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m] = -outwards
             m += 1
         hats = model.elements[0].films[0].second_hats[film]
         more = model.elements[0].films[0].second_modes[film]
@@ -290,30 +263,26 @@ def push_films(
             outwards = real(0.0)
             i = int(0)
             while i < hats:
-                outwards += model.elements[0].films[0].second_shape[line + i * more + c] * film_second_load[at + i]
+                outwards += model.elements[0].films[0].second_shape[line + i * more + c] * oil.film_second_load[at + i]
                 i += 1
-            modal_residual[w, start + c] = modal_residual[w, start + c] + outwards
-            film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m + c] = -outwards
+            residuals.modal_residual[w, start + c] = residuals.modal_residual[w, start + c] + outwards
+            oil.film_modal[w, model.elements[0].films[0].column_start[film] + 12 + m + c] = -outwards
             c += 1
         film += 1
 
 
-@wp.kernel
-def book_films(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    film_power: wp.array4d(dtype=real),
-    film_taken: out(wp.array3d(dtype=real)),
-):
+@kernel
+def book_films(run: Run, films: FilmState, oil: FilmScratch):
     """Per world: energy [J] that films take in the attempt, by the trapezoidal rule."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0:
         return
-    half = real(0.5) * clk[w].h
+    half = real(0.5) * run.clk[w].h
     film = int(0)
     while film < model.elements[0].films[0].count:
         for line in range(TAKEN):
-            film_taken[w, film, line] = half * (film_power[w, 0, film, line] + film_power[w, 1, film, line])
+            oil.film_taken[w, film, line] = half * (
+                films.film_power[w, 0, film, line] + films.film_power[w, 1, film, line]
+            )
         film += 1

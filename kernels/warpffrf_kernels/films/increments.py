@@ -6,10 +6,12 @@ one whose void does, a pressure. Nothing goes farther than to CLOSEST of the sma
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.sampling import GAP, HALF, at_point
 from warpffrf_kernels.films.seats import opened_at_seat
 from warpffrf_kernels.films.second import loads_at
@@ -30,31 +32,12 @@ CLOSEST = wp.constant(wp.float64(0.2))  # of the smallest gap: what an iteration
 NO_VOID = wp.constant(wp.float64(1.0e-13))  # of the clearance: round-off of a void
 
 
-@wp.kernel
-def limit_films(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    film_pressure: wp.array3d(dtype=real),
-    film_full: wp.array3d(dtype=int),
-    film_line: wp.array3d(dtype=real),
-    film_matrix: wp.array(dtype=real),
-    film_solution: wp.array(dtype=real),
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_yield: wp.array(dtype=real),
-    film_acting: inout(wp.array(dtype=real)),
-    film_second_ahead: inout(wp.array(dtype=real)),
-    film_opening: inout(wp.array2d(dtype=real)),
-    film_ahead: inout(wp.array2d(dtype=real)),
-    film_change: out(wp.array(dtype=real)),
-    film_part: out(wp.array(dtype=real)),
-    z: changed(wp.array(dtype=real)),
-    modal_step: changed(wp.array(dtype=real)),
-):
+@kernel
+def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: OuterSystem):
     """Per world: dx of all films with the outer increments, and how far all may go so that no gap closes."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run_of_run.models[w]
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].changes != 0:
         return
     part = real(1.0)
     outer = w * model.outer.count
@@ -73,64 +56,64 @@ def limit_films(
         rule = model.elements[0].films[0].rule[film]
         i = lane
         while i < lines:
-            change = -film_solution[run + i]
+            change = -oil.film_solution[run + i]
             c = int(0)
             while c < columns:
                 at = outer_column(model, film, c)
                 if at >= 0:
-                    change -= film_matrix[base + i * stride + lines + 1 + c] * z[outer + at]
+                    change -= oil.film_matrix[base + i * stride + lines + 1 + c] * system.z[outer + at]
                 c += 1
-            film_change[run + i] = change
+            oil.film_change[run + i] = change
             if i < n:
                 f = first + model.elements[0].films[0].function_of[first_unknown + i]
-                p = film_pressure[w, 1, f]
-                if film_full[w, 1, f] == 0:
+                p = films.film_pressure[w, 1, f]
+                if films.film_full[w, 1, f] == 0:
                     change = real(0.0)
                 elif rule == HALF:
                     change = wp.max(p + change, real(0.0)) - wp.max(p, real(0.0))
-            film_acting[run + i] = change
+            oil.film_acting[run + i] = change
             i += wp.block_dim()
         sync()
         first_hat = model.elements[0].films[0].hat_start[film]
         m = lane
         while m < model.elements[0].films[0].hat_start[film + 1] - first_hat:
             line = model.elements[0].films[0].compliance_start[film] + m * lines
-            opened = dot(lines, model.elements[0].films[0].compliance, line, film_acting, run)
+            opened = dot(lines, model.elements[0].films[0].compliance, line, oil.film_acting, run)
             c = int(0)
             while c < modes:
                 at = model.elements[0].films[0].shape_start[film] + m * modes + c
-                opened -= model.elements[0].films[0].shape[at] * z[outer + outer_column(model, film, RIGID + c)]
+                opened -= model.elements[0].films[0].shape[at] * system.z[outer + outer_column(model, film, RIGID + c)]
                 c += 1
-            film_opening[w, first_hat + m] = opened
+            oil.film_opening[w, first_hat + m] = opened
             m += wp.block_dim()
         hats = model.elements[0].films[0].second_hats[film]
         start = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
         start += model.elements[0].films[0].second_hat_start[film]
         m = lane
         while m < hats:
-            opened = dot(lines, film_second_yield, loads_at(model, w, film) + m * lines, film_acting, run)
+            opened = dot(lines, oil.film_second_yield, loads_at(model, w, film) + m * lines, oil.film_acting, run)
             c = RIGID + modes
             while c < columns:
                 at = model.elements[0].films[0].second_shape_start[film] + m * (columns - RIGID - modes) + c
                 opened -= (
                     model.elements[0].films[0].second_shape[at - RIGID - modes]
-                    * z[outer + outer_column(model, film, c)]
+                    * system.z[outer + outer_column(model, film, c)]
                 )
                 c += 1
-            film_second_ahead[start + m] = opened
+            oil.film_second_ahead[start + m] = opened
             m += wp.block_dim()
         sync()
         g = model.elements[0].films[0].point_start[film] + lane
         while g < model.elements[0].films[0].point_start[film + 1]:
-            opened = at_point(model, g, film_opening, w, first_hat)
+            opened = at_point(model, g, oil.film_opening, w, first_hat)
             if hats > 0:
                 seat = model.elements[0].films[0].seat_start[film] + g - model.elements[0].films[0].point_start[film]
-                opened += opened_at_seat(model, film, w, seat, film_seat, film_seat_at, film_second_ahead)[0]
+                opened += opened_at_seat(model, film, w, seat, oil, oil.film_second_ahead)[0]
             for c in range(RIGID):
                 at = outer_column(model, film, c)
                 if at >= 0:
-                    opened += opened_by_column(film_line, w, g, c) * z[outer + at]
-            film_ahead[w, g] = opened
+                    opened += opened_by_column(oil.film_line, w, g, c) * system.z[outer + at]
+            oil.film_ahead[w, g] = opened
             g += wp.block_dim()
         sync()
         least = real(1.0e300)
@@ -138,77 +121,68 @@ def limit_films(
         closing = real(0.0)
         g = model.elements[0].films[0].point_start[film]
         while g < model.elements[0].films[0].point_start[film + 1]:
-            least = wp.min(least, film_line[w, g, GAP])
-            ahead = wp.min(ahead, film_line[w, g, GAP] + film_ahead[w, g])
-            closing = wp.max(closing, -film_ahead[w, g])
+            least = wp.min(least, oil.film_line[w, g, GAP])
+            ahead = wp.min(ahead, oil.film_line[w, g, GAP] + oil.film_ahead[w, g])
+            closing = wp.max(closing, -oil.film_ahead[w, g])
             g += 1
         if ahead < CLOSEST * least:
             part = wp.min(part, (real(1.0) - CLOSEST) * least / closing)
         film += 1
     sync()
     if lane == 0:
-        film_part[w] = part
+        oil.film_part[w] = part
     if part < real(1.0):
         i = lane
         while i < model.outer.count:
-            z[outer + i] = part * z[outer + i]
+            system.z[outer + i] = part * system.z[outer + i]
             i += wp.block_dim()
         i = lane
         while i < model.modes.count:
-            modal_step[modal + i] = part * modal_step[modal + i]
+            system.modal_step[modal + i] = part * system.modal_step[modal + i]
             i += wp.block_dim()
 
 
-@wp.kernel
-def take_film(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    film_change: wp.array(dtype=real),
-    film_part: wp.array(dtype=real),
-    film_pressure: inout(wp.array3d(dtype=real)),
-    film_void: inout(wp.array3d(dtype=real)),
-    film_full: inout(wp.array3d(dtype=int)),
-    film_asperity: inout(wp.array3d(dtype=real)),
-    film_switch: inout(wp.array2d(dtype=int)),
-    film_changed: out(wp.array2d(dtype=int)),
-):
+@kernel
+def take_film(run_of_run: Run, oil: FilmScratch, films: FilmState):
     """Per (world, film), lanes over unknowns: the part of dx that may be taken, and the set that follows."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run_of_run.models[w]
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].changes != 0:
         return
     n = model.elements[0].films[0].unknowns[film]
     first = model.elements[0].films[0].function_start[film]
     first_unknown = model.elements[0].films[0].unknown_start[film]
     run = system_at(model, w, film)
-    part = film_part[w]
+    part = oil.film_part[w]
     none = -NO_VOID * model.elements[0].films[0].thickness[film]
     i = lane
     while i < n:
         f = first + model.elements[0].films[0].function_of[first_unknown + i]
-        film_switch[w, first_unknown + i] = 0
-        change = film_change[run + i]
-        if film_full[w, 1, f] != 0:
-            p = film_pressure[w, 1, f]
+        oil.film_switch[w, first_unknown + i] = 0
+        change = oil.film_change[run + i]
+        if films.film_full[w, 1, f] != 0:
+            p = films.film_pressure[w, 1, f]
             if model.elements[0].films[0].voids[f] != 0 and p + change <= real(0.0):
-                film_full[w, 1, f] = 0
-                film_pressure[w, 1, f] = real(0.0)
-                film_switch[w, first_unknown + i] = 1
+                films.film_full[w, 1, f] = 0
+                films.film_pressure[w, 1, f] = real(0.0)
+                oil.film_switch[w, first_unknown + i] = 1
             else:
-                film_pressure[w, 1, f] = p + part * change
+                films.film_pressure[w, 1, f] = p + part * change
         else:
-            void = film_void[w, 1, f]
+            void = films.film_void[w, 1, f]
             if void + change < none:
-                film_full[w, 1, f] = 1
-                film_void[w, 1, f] = real(0.0)
-                film_switch[w, first_unknown + i] = 1
+                films.film_full[w, 1, f] = 1
+                films.film_void[w, 1, f] = real(0.0)
+                oil.film_switch[w, first_unknown + i] = 1
             else:
-                film_void[w, 1, f] = void + part * change
+                films.film_void[w, 1, f] = void + part * change
         i += wp.block_dim()
     m = lane
     while m < model.elements[0].films[0].rough[film]:
         hat = model.elements[0].films[0].hat_start[film] + m
-        film_asperity[w, 1, hat] = wp.max(film_asperity[w, 1, hat] + part * film_change[run + n + m], real(0.0))
+        films.film_asperity[w, 1, hat] = wp.max(
+            films.film_asperity[w, 1, hat] + part * oil.film_change[run + n + m], real(0.0)
+        )
         m += wp.block_dim()
     sync()
     if lane == 0:
@@ -217,6 +191,6 @@ def take_film(
             any = int(1)
         i = int(0)
         while i < n:
-            any += film_switch[w, first_unknown + i]
+            any += oil.film_switch[w, first_unknown + i]
             i += 1
-        film_changed[w, film] = any
+        oil.film_changed[w, film] = any

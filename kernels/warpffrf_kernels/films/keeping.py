@@ -7,10 +7,13 @@ Equilibria and starts begin that history anew.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.ring import SavedFilms
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.flow import TAKEN
 from warpffrf_kernels.films.sampling import (
     BY_ASPERITIES,
@@ -35,95 +38,56 @@ VOIDS = wp.constant(15)  # volume of the voids over that of the gap
 OIL = wp.constant(16)  # volume of the oil, of the density rho_0, m3
 ROUGH = wp.constant(17)  # normal force of the asperities, N
 ROUGHEST = wp.constant(18)  # largest pressure of theirs, Pa
-NUMBERS = 19
 
 
-@wp.kernel
-def keep_film(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    film_mass_now: wp.array2d(dtype=real),
-    film_pressure: inout(wp.array3d(dtype=real)),
-    film_void: inout(wp.array3d(dtype=real)),
-    film_full: inout(wp.array3d(dtype=int)),
-    film_asperity: inout(wp.array3d(dtype=real)),
-    film_energy: inout(wp.array3d(dtype=real)),
-    film_mass: inout(wp.array3d(dtype=real)),
-    film_power: inout(wp.array4d(dtype=real)),
-    film_void_before: out(wp.array2d(dtype=real)),
-    film_step: out(wp.array(dtype=real)),
-):
+@kernel
+def keep_film(run: Run, oil: FilmScratch, films: FilmState):
     """Per (world, film), lanes over functions and points: the trial film becomes the accepted one; the tiny step of
     PROJECT leaves nothing, that of START its pressures."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+    model = run.models[w]
+    if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
         return
     i = model.elements[0].films[0].function_start[film] + lane
     while i < model.elements[0].films[0].function_start[film + 1]:
-        film_pressure[w, 0, i] = film_pressure[w, 1, i]
-        film_full[w, 0, i] = film_full[w, 1, i]
-        if ctl[w].mode != k.START:
-            film_void_before[w, i] = film_void[w, 0, i]
-            film_void[w, 0, i] = film_void[w, 1, i]
+        films.film_pressure[w, 0, i] = films.film_pressure[w, 1, i]
+        films.film_full[w, 0, i] = films.film_full[w, 1, i]
+        if run.ctl[w].mode != k.START:
+            films.film_void_before[w, i] = films.film_void[w, 0, i]
+            films.film_void[w, 0, i] = films.film_void[w, 1, i]
         i += wp.block_dim()
     m = model.elements[0].films[0].hat_start[film] + lane
     while m < model.elements[0].films[0].hat_start[film + 1]:
-        film_asperity[w, 0, m] = film_asperity[w, 1, m]
+        films.film_asperity[w, 0, m] = films.film_asperity[w, 1, m]
         m += wp.block_dim()
-    if ctl[w].mode != k.START:
+    if run.ctl[w].mode != k.START:
         g = model.elements[0].films[0].point_start[film] + lane
         while g < model.elements[0].films[0].point_start[film + 1]:
-            film_mass[w, 1, g] = film_mass[w, 0, g]
-            film_mass[w, 0, g] = film_mass_now[w, g]
+            films.film_mass[w, 1, g] = films.film_mass[w, 0, g]
+            films.film_mass[w, 0, g] = oil.film_mass_now[w, g]
             g += wp.block_dim()
     if lane == 0:
-        film_energy[w, 0, film] = film_energy[w, 1, film]
+        films.film_energy[w, 0, film] = films.film_energy[w, 1, film]
         for line in range(TAKEN):
-            film_power[w, 0, film, line] = film_power[w, 1, film, line]
+            films.film_power[w, 0, film, line] = films.film_power[w, 1, film, line]
     if lane == 0 and film == 0:
-        film_step[w] = real(0.0)
-        if ctl[w].mode == k.DYNAMIC:
-            film_step[w] = clk[w].h
+        films.film_step[w] = real(0.0)
+        if run.ctl[w].mode == k.DYNAMIC:
+            films.film_step[w] = run.clk[w].h
 
 
-@wp.kernel
-def record_film(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    film_pressure: wp.array3d(dtype=real),
-    film_void: wp.array3d(dtype=real),
-    film_asperity: wp.array3d(dtype=real),
-    film_opened: wp.array2d(dtype=real),
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_opened: wp.array(dtype=real),
-    film_mass_now: wp.array2d(dtype=real),
-    film_line: wp.array3d(dtype=real),
-    film_sums: wp.array3d(dtype=real),
-    film_rest: wp.array2d(dtype=real),
-    film_power: wp.array4d(dtype=real),
-    saved_film: out(wp.array4d(dtype=real)),
-    saved_film_pressure: inout(wp.array3d(dtype=real)),
-    saved_film_gap: out(wp.array3d(dtype=real)),
-    saved_film_void: out(wp.array3d(dtype=real)),
-    saved_film_asperity: out(wp.array3d(dtype=real)),
-):
+@kernel
+def record_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch, saved: SavedFilms):
     """Per (world, film), lanes over hats: fields at the hats, and NUMBERS of the film."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0:
+    model = run.models[w]
+    if run.ctl[w].record == 0:
         return
-    at = ctl[w].saved % saved_film.shape[1]
+    at = run.ctl[w].saved % saved.saved_film.shape[1]
     static = int(0)
-    if ctl[w].mode == k.STATIC:
+    if run.ctl[w].mode == k.STATIC:
         static = int(1)
-    sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
+    sides = sides_of(model, w, film, static, trial)
     first = model.elements[0].films[0].function_start[film]
     points = model.elements[0].films[0].point_start[film + 1] - model.elements[0].films[0].point_start[film]
     m = model.elements[0].films[0].hat_start[film] + lane
@@ -131,18 +95,18 @@ def record_film(
         f = first + model.elements[0].films[0].hat_function[m]
         place = model.elements[0].films[0].hat_place[m]
         seat = points + m - model.elements[0].films[0].hat_start[film]
-        seen = opened_with_second(model, w, film, sides, place, seat, film_seat, film_seat_at, film_second_opened)
+        seen = opened_with_second(model, w, film, sides, place, seat, oil)
         p = real(0.0)
         j = int(0)
         while j < model.elements[0].films[0].hat_support.shape[1]:
             there = model.elements[0].films[0].hat_support[m, j]
             if there >= 0:
-                p += model.elements[0].films[0].hat_value[m, j] * film_pressure[w, 0, first + there]
+                p += model.elements[0].films[0].hat_value[m, j] * films.film_pressure[w, 0, first + there]
             j += 1
-        saved_film_pressure[w, at, m] = p
-        saved_film_gap[w, at, m] = seen[0] + model.elements[0].films[0].hat_form[m] + film_opened[w, m]
-        saved_film_void[w, at, m] = film_void[w, 0, f]
-        saved_film_asperity[w, at, m] = film_asperity[w, 0, m]
+        saved.saved_film_pressure[w, at, m] = p
+        saved.saved_film_gap[w, at, m] = seen[0] + model.elements[0].films[0].hat_form[m] + oil.film_opened[w, m]
+        saved.saved_film_void[w, at, m] = films.film_void[w, 0, f]
+        saved.saved_film_asperity[w, at, m] = films.film_asperity[w, 0, m]
         m += wp.block_dim()
     sync()
     if lane == 0:
@@ -151,69 +115,64 @@ def record_film(
         moment = vec3(real(0.0))
         second_moment = vec3(real(0.0))
         for c in range(3):
-            saved_film[w, at, film, c] = film_sums[w, film, FORCE + c]
-            moment[c] = film_sums[w, film, FORCE_MOMENT + c]
-            second_moment[c] = film_sums[w, film, SECOND_FORCE_MOMENT + c]
-        moment = axes_of(axes, w, a) * moment
-        second_moment = axes_of(axes, w, b) * second_moment
+            saved.saved_film[w, at, film, c] = oil.film_sums[w, film, FORCE + c]
+            moment[c] = oil.film_sums[w, film, FORCE_MOMENT + c]
+            second_moment[c] = oil.film_sums[w, film, SECOND_FORCE_MOMENT + c]
+        moment = axes_of(trial.axes, w, a) * moment
+        second_moment = axes_of(trial.axes, w, b) * second_moment
         for c in range(3):
-            saved_film[w, at, film, 3 + c] = moment[c]
-            saved_film[w, at, film, 6 + c] = second_moment[c]
+            saved.saved_film[w, at, film, 3 + c] = moment[c]
+            saved.saved_film[w, at, film, 6 + c] = second_moment[c]
         least = real(1.0e300)
         space = real(0.0)
         filling = real(0.0)
         g = model.elements[0].films[0].point_start[film]
         while g < model.elements[0].films[0].point_start[film + 1]:
-            least = wp.min(least, film_line[w, g, GAP])
-            space += model.elements[0].films[0].weight[g] * film_line[w, g, GAP]
-            filling += model.elements[0].films[0].weight[g] * film_mass_now[w, g]
+            least = wp.min(least, oil.film_line[w, g, GAP])
+            space += model.elements[0].films[0].weight[g] * oil.film_line[w, g, GAP]
+            filling += model.elements[0].films[0].weight[g] * oil.film_mass_now[w, g]
             g += 1
         fed = real(0.0)
         ends = real(0.0)
         empty = real(0.0)
         i = first
         while i < model.elements[0].films[0].function_start[film + 1]:
-            empty += model.elements[0].films[0].area[i] * film_void[w, 0, i]
+            empty += model.elements[0].films[0].area[i] * films.film_void[w, 0, i]
             if model.elements[0].films[0].unknown_of[i] < 0:
                 if model.elements[0].films[0].feeds[i] != 0:
-                    fed += film_rest[w, i]
+                    fed += oil.film_rest[w, i]
                 else:
-                    ends -= film_rest[w, i]
+                    ends -= oil.film_rest[w, i]
             i += 1
-        saved_film[w, at, film, SMALLEST] = least
-        saved_film[w, at, film, BY_PRESSURE] = film_power[w, 0, film, 0]
-        saved_film[w, at, film, BY_SLIDING] = film_power[w, 0, film, 1]
-        saved_film[w, at, film, FED] = fed
-        saved_film[w, at, film, ENDS] = ends
-        saved_film[w, at, film, VOIDS] = empty / space
-        saved_film[w, at, film, OIL] = filling - empty
+        saved.saved_film[w, at, film, SMALLEST] = least
+        saved.saved_film[w, at, film, BY_PRESSURE] = films.film_power[w, 0, film, 0]
+        saved.saved_film[w, at, film, BY_SLIDING] = films.film_power[w, 0, film, 1]
+        saved.saved_film[w, at, film, FED] = fed
+        saved.saved_film[w, at, film, ENDS] = ends
+        saved.saved_film[w, at, film, VOIDS] = empty / space
+        saved.saved_film[w, at, film, OIL] = filling - empty
         roughest = real(0.0)
         largest = real(0.0)
         m = model.elements[0].films[0].hat_start[film]
         while m < model.elements[0].films[0].hat_start[film + 1]:
-            roughest = wp.max(roughest, film_asperity[w, 0, m])
-            largest = wp.max(largest, saved_film_pressure[w, at, m])
+            roughest = wp.max(roughest, films.film_asperity[w, 0, m])
+            largest = wp.max(largest, saved.saved_film_pressure[w, at, m])
             m += 1
-        saved_film[w, at, film, ROUGH] = film_sums[w, film, BY_ASPERITIES]
-        saved_film[w, at, film, ROUGHEST] = roughest
-        saved_film[w, at, film, LARGEST] = largest
+        saved.saved_film[w, at, film, ROUGH] = oil.film_sums[w, film, BY_ASPERITIES]
+        saved.saved_film[w, at, film, ROUGHEST] = roughest
+        saved.saved_film[w, at, film, LARGEST] = largest
 
 
-@wp.kernel
-def record_second(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    film_second_load: wp.array(dtype=real),
-    saved_film_second: out(wp.array3d(dtype=real)),
-):
+@kernel
+def record_second(run: Run, oil: FilmScratch, saved: SavedFilms):
     """Per (world, film), lanes over hats of the second surface, where it yields: their loads."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0:
+    model = run.models[w]
+    if run.ctl[w].record == 0:
         return
-    at = ctl[w].saved % saved_film_second.shape[1]
+    at = run.ctl[w].saved % saved.saved_film_second.shape[1]
     total = model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
     m = model.elements[0].films[0].second_hat_start[film] + lane
     while m < model.elements[0].films[0].second_hat_start[film + 1]:
-        saved_film_second[w, at, m] = film_second_load[w * total + m]
+        saved.saved_film_second[w, at, m] = oil.film_second_load[w * total + m]
         m += wp.block_dim()

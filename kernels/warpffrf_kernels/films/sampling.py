@@ -38,10 +38,13 @@ elastic motion adds to U.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, quat, real, sync, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import FilmState, MotionState
 from warpffrf_kernels.films.asperities import asperities_at
 from warpffrf_kernels.films.oil import oil_at
 from warpffrf_kernels.films.roughness import factors_at
@@ -79,7 +82,6 @@ NORMAL = wp.constant(12)  # n, world
 MOMENT = wp.constant(15)  # of n at x about A's centre of mass, A's axes
 SECOND_MOMENT = wp.constant(18)  # of -n at x about B's centre of mass, B's axes
 EVENNESS = wp.constant(21)  # phi along over phi around
-LINE = 22
 
 # --- sums over the points, of forces with shear
 FORCE = wp.constant(0)  # on A, world
@@ -89,12 +91,10 @@ VISCOUS = wp.constant(9)  # power of the flow by pressure, W
 SHEAR = wp.constant(10)  # of the sliding, W
 BY_ASPERITIES = wp.constant(11)  # normal force of asperities, N
 STORED = wp.constant(12)  # energy of the local modes of A, J
-PULL = 13
 
 # --- numbers of a hat where there are asperities: n (world), its moments on A and B, then
 PRESSED = wp.constant(9)  # pressure of the law, Pa
 STIFFNESS = wp.constant(10)  # its slope, Pa/m
-HAT_LINE = 11
 
 GUARD = wp.constant(wp.float64(0.5))  # of the gaps where a step begins: what its prediction leaves of them
 
@@ -110,94 +110,72 @@ def at_point(model: Model, point: int, field: wp.array2d(dtype=real), w: int, fi
     return total
 
 
-@wp.kernel
-def open_film(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    film_step: wp.array(dtype=real),
-    film_stretch: wp.array(dtype=real),
-    film_pressure: inout(wp.array3d(dtype=real)),
-    film_void: inout(wp.array3d(dtype=real)),
-    film_full: inout(wp.array3d(dtype=int)),
-    film_asperity: inout(wp.array3d(dtype=real)),
-    film_rates: out(wp.array2d(dtype=real)),
-    film_changed: out(wp.array2d(dtype=int)),
-):
+@kernel
+def open_film(run: Run, films: FilmState, oil: FilmScratch):
     """Per (world, film), lanes over functions: an attempt begins with the accepted film, and with the coefficients of
     its rates."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
     i = model.elements[0].films[0].function_start[film] + lane
     while i < model.elements[0].films[0].function_start[film + 1]:
-        film_pressure[w, 1, i] = film_pressure[w, 0, i]
-        film_void[w, 1, i] = film_void[w, 0, i]
-        film_full[w, 1, i] = film_full[w, 0, i]
+        films.film_pressure[w, 1, i] = films.film_pressure[w, 0, i]
+        films.film_void[w, 1, i] = films.film_void[w, 0, i]
+        films.film_full[w, 1, i] = films.film_full[w, 0, i]
         i += wp.block_dim()
     i = model.elements[0].films[0].hat_start[film] + lane
     while i < model.elements[0].films[0].hat_start[film + 1]:
-        film_asperity[w, 1, i] = film_asperity[w, 0, i]
+        films.film_asperity[w, 1, i] = films.film_asperity[w, 0, i]
         i += wp.block_dim()
     if lane == 0:
-        film_changed[w, film] = 1
+        oil.film_changed[w, film] = 1
         if film == 0:
-            h = clk[w].h
-            if ctl[w].mode == k.STATIC:
-                h *= film_stretch[w]
-            film_rates[w, 0] = real(1.0) / h
-            film_rates[w, 1] = real(-1.0) / h
-            film_rates[w, 2] = real(0.0)
-            if ctl[w].mode == k.DYNAMIC and film_step[w] > real(0.0):
-                ratio = h / film_step[w]
-                film_rates[w, 0] = (real(1.0) + real(2.0) * ratio) / ((real(1.0) + ratio) * h)
-                film_rates[w, 1] = -(real(1.0) + ratio) / h
-                film_rates[w, 2] = ratio * ratio / ((real(1.0) + ratio) * h)
+            h = run.clk[w].h
+            if run.ctl[w].mode == k.STATIC:
+                h *= oil.film_stretch[w]
+            oil.film_rates[w, 0] = real(1.0) / h
+            oil.film_rates[w, 1] = real(-1.0) / h
+            oil.film_rates[w, 2] = real(0.0)
+            if run.ctl[w].mode == k.DYNAMIC and films.film_step[w] > real(0.0):
+                ratio = h / films.film_step[w]
+                oil.film_rates[w, 0] = (real(1.0) + real(2.0) * ratio) / ((real(1.0) + ratio) * h)
+                oil.film_rates[w, 1] = -(real(1.0) + ratio) / h
+                oil.film_rates[w, 2] = ratio * ratio / ((real(1.0) + ratio) * h)
 
 
-@wp.kernel
-def guard_prediction(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    film_mass: wp.array3d(dtype=real),
-    film_least: inout(wp.array2d(dtype=real)),
-    dx: changed(wp.array2d(dtype=vec3)),
-    psi: changed(wp.array2d(dtype=vec3)),
-    dq: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def guard_prediction(run: Run, state: MotionState, films: FilmState, oil: FilmScratch, trial: Trial):
     """Per world, lanes over points, bodies, modes: increments that are foretold go no farther than to GUARD of the
     gaps that the step begins with, and open none by more than the largest: what a light body has of acceleration may
     throw it out of its film."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].again != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].again != 0:
         return
     part = real(1.0)
     film = int(0)
     while film < model.elements[0].films[0].count:
-        before = posed(model, w, film, 0, r, p, dx, psi)
-        after = posed(model, w, film, 1, r, p, dx, psi)
+        before = posed(model, w, film, 0, state, trial)
+        after = posed(model, w, film, 1, state, trial)
         start = model.elements[0].films[0].point_start[film]
         end = model.elements[0].films[0].point_start[film + 1]
         g = start + lane
         while g < end:
             place = model.elements[0].films[0].point_place[g]
             closing = opened_by_motion(model, film, before, place)[0] - opened_by_motion(model, film, after, place)[0]
-            film_least[w, g] = closing
+            oil.film_least[w, g] = closing
             g += wp.block_dim()
         sync()
         largest = real(0.0)
         opening = real(0.0)
         g = start
         while g < end:
-            may = (real(1.0) - GUARD) * film_mass[w, 0, g]
-            if film_least[w, g] > may:
-                part = wp.min(part, may / film_least[w, g])
-            largest = wp.max(largest, film_mass[w, 0, g])
-            opening = wp.max(opening, -film_least[w, g])
+            may = (real(1.0) - GUARD) * films.film_mass[w, 0, g]
+            if oil.film_least[w, g] > may:
+                part = wp.min(part, may / oil.film_least[w, g])
+            largest = wp.max(largest, films.film_mass[w, 0, g])
+            opening = wp.max(opening, -oil.film_least[w, g])
             g += 1
         if opening > largest:
             part = wp.min(part, largest / opening)
@@ -206,52 +184,27 @@ def guard_prediction(
     if part < real(1.0):
         b = lane
         while b < model.bodies.count:
-            dx[w, b] = part * dx[w, b]
-            psi[w, b] = part * psi[w, b]
+            trial.dx[w, b] = part * trial.dx[w, b]
+            trial.psi[w, b] = part * trial.psi[w, b]
             b += wp.block_dim()
         n = lane
         while n < model.modes.count:
-            dq[w, n] = part * dq[w, n]
+            trial.dq[w, n] = part * trial.dq[w, n]
             n += wp.block_dim()
 
 
-@wp.kernel
-def sample_film(
-    models: wp.array(dtype=Model),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    q1: wp.array(dtype=real),
-    film_pressure: wp.array3d(dtype=real),
-    film_void: wp.array3d(dtype=real),
-    film_asperity: wp.array3d(dtype=real),
-    film_mass: wp.array3d(dtype=real),
-    film_rates: wp.array2d(dtype=real),
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_opened: wp.array(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    film_acting: inout(wp.array(dtype=real)),
-    film_opened: inout(wp.array2d(dtype=real)),
-    film_local: inout(wp.array2d(dtype=real)),
-    film_hat_line: out(wp.array3d(dtype=real)),
-    film_energy_now: out(wp.array2d(dtype=real)),
-    film_carried: out(wp.array3d(dtype=real)),
-    film_mass_now: out(wp.array2d(dtype=real)),
-    film_line: out(wp.array3d(dtype=real)),
-    film_pull: out(wp.array3d(dtype=real)),
-):
+@kernel
+def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmScratch):
     """Per (world, film), lanes over unknowns, hats, functions, points: numbers of all points. An attempt in which the
     surfaces touch has failed."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run_of_run.models[w]
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0:
         return
     static = int(0)
-    if ctl[w].mode == k.STATIC:
+    if run_of_run.ctl[w].mode == k.STATIC:
         static = int(1)
-    sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
+    sides = sides_of(model, w, film, static, trial)
     rule = model.elements[0].films[0].rule[film]
     unknowns = model.elements[0].films[0].unknowns[film]
     rough = model.elements[0].films[0].rough[film]
@@ -264,14 +217,14 @@ def sample_film(
     points = model.elements[0].films[0].point_start[film + 1] - point
     i = lane
     while i < rough:
-        film_acting[run + unknowns + i] = film_asperity[w, 1, first_hat + i]
+        film_now.film_acting[run + unknowns + i] = films.film_asperity[w, 1, first_hat + i]
         i += wp.block_dim()
     i = lane
     while i < unknowns:
-        p = film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + i]]
+        p = films.film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + i]]
         if rule == HALF:
             p = wp.max(p, real(0.0))
-        film_acting[run + i] = p
+        film_now.film_acting[run + i] = p
         i += wp.block_dim()
     sync()
     lines = unknowns + rough
@@ -283,16 +236,14 @@ def sample_film(
     while m < hats:
         row = model.elements[0].films[0].compliance_start[film] + m * lines
         u = model.elements[0].films[0].lift[first_hat + m]
-        u += dot(lines, model.elements[0].films[0].compliance, row, film_acting, run)
-        film_local[w, first_hat + m] = u
+        u += dot(lines, model.elements[0].films[0].compliance, row, film_now.film_acting, run)
+        film_now.film_local[w, first_hat + m] = u
         line = model.elements[0].films[0].shape_start[film] + m * modes
-        u -= dot(modes, model.elements[0].films[0].shape, line, q1, modal)
-        film_opened[w, first_hat + m] = u
+        u -= dot(modes, model.elements[0].films[0].shape, line, trial.q1, modal)
+        film_now.film_opened[w, first_hat + m] = u
         if rough > 0:
             place = model.elements[0].films[0].hat_place[first_hat + m]
-            seen = opened_with_second(
-                model, w, film, sides, place, points + m, film_seat, film_seat_at, film_second_opened
-            )
+            seen = opened_with_second(model, w, film, sides, place, points + m, film_now)
             gap = seen[0] + model.elements[0].films[0].hat_form[first_hat + m] + u
             law = asperities_at(model, film, -gap)
             n = vec3(seen[1], seen[2], seen[3])
@@ -300,29 +251,29 @@ def sample_film(
             arm = wp.transpose(sides.turn_b) * (sides.from_b + sides.turn_a * place)
             second_moment = -wp.cross(arm, wp.transpose(sides.turn_b) * n)
             for c in range(3):
-                film_hat_line[w, first_hat + m, c] = n[c]
-                film_hat_line[w, first_hat + m, 3 + c] = moment[c]
-                film_hat_line[w, first_hat + m, 6 + c] = second_moment[c]
-            film_hat_line[w, first_hat + m, PRESSED] = law[0]
-            film_hat_line[w, first_hat + m, STIFFNESS] = law[1]
-            film_energy_now[w, first_hat + m] = law[2]
+                film_now.film_hat_line[w, first_hat + m, c] = n[c]
+                film_now.film_hat_line[w, first_hat + m, 3 + c] = moment[c]
+                film_now.film_hat_line[w, first_hat + m, 6 + c] = second_moment[c]
+            film_now.film_hat_line[w, first_hat + m, PRESSED] = law[0]
+            film_now.film_hat_line[w, first_hat + m, STIFFNESS] = law[1]
+            film_now.film_energy_now[w, first_hat + m] = law[2]
         m += wp.block_dim()
     i = first + lane
     while i < model.elements[0].films[0].function_start[film + 1]:
         carried = carried_at(model, film, sides, model.elements[0].films[0].place[i])
-        film_carried[w, i, 0] = wp.dot(carried, model.elements[0].films[0].around[i])
-        film_carried[w, i, 1] = wp.dot(carried, model.elements[0].films[0].along[i])
+        film_now.film_carried[w, i, 0] = wp.dot(carried, model.elements[0].films[0].around[i])
+        film_now.film_carried[w, i, 1] = wp.dot(carried, model.elements[0].films[0].along[i])
         i += wp.block_dim()
     sync()
-    a0 = film_rates[w, 0]
+    a0 = film_now.film_rates[w, 0]
     g = point + lane
     while g < point + points:
         place = model.elements[0].films[0].point_place[g]
-        seen = opened_with_second(model, w, film, sides, place, g - point, film_seat, film_seat_at, film_second_opened)
-        h = seen[0] + model.elements[0].films[0].form[g] + at_point(model, g, film_opened, w, first_hat)
+        seen = opened_with_second(model, w, film, sides, place, g - point, film_now)
+        h = seen[0] + model.elements[0].films[0].form[g] + at_point(model, g, film_now.film_opened, w, first_hat)
         if not h > real(0.0):
-            ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
-            ctl[w].run = 0
+            run_of_run.ctl[w].failure = run_of_run.ctl[w].failure | k.NOT_CONVERGED
+            run_of_run.ctl[w].run = 0
         p = real(0.0)
         p_x = real(0.0)
         p_z = real(0.0)
@@ -331,16 +282,16 @@ def sample_film(
         while j < model.elements[0].films[0].function.shape[1]:
             f = model.elements[0].films[0].function[g, j]
             if f >= 0:
-                value = film_pressure[w, 1, first + f]
+                value = films.film_pressure[w, 1, first + f]
                 p += model.elements[0].films[0].value[g, j] * value
                 p_x += model.elements[0].films[0].slope_around[g, j] * value
                 p_z += model.elements[0].films[0].slope_along[g, j] * value
-                void += model.elements[0].films[0].void_value[g, j] * film_void[w, 1, first + f]
+                void += model.elements[0].films[0].void_value[g, j] * films.film_void[w, 1, first + f]
             j += 1
         pressed = real(0.0)
         if rough > 0:
             for c in range(4):
-                load = film_asperity[w, 1, first_hat + model.elements[0].films[0].hat[g, c]]
+                load = films.film_asperity[w, 1, first_hat + model.elements[0].films[0].hat[g, c]]
                 pressed += model.elements[0].films[0].between[g, c] * load
         slide = sliding_at(sides, place)
         around = model.elements[0].films[0].point_around[g]
@@ -360,28 +311,30 @@ def sample_film(
         kept_z = real(0.5) * factors.lag[1] * slide_z
         even = factors.flow[1] / factors.flow[0]
         mass = oil.density * h
-        film_mass_now[w, g] = mass
-        film_line[w, g, GAP] = h
-        film_line[w, g, FLOW_AROUND] = weight * oil.density * (through_x * p_x - h * u_x + kept_x)
-        film_line[w, g, FLOW_ALONG] = weight * oil.density * (through_z * p_z - h * u_z + kept_z)
-        past = film_rates[w, 1] * film_mass[w, 0, g] + film_rates[w, 2] * film_mass[w, 1, g]
-        film_line[w, g, FILLING] = weight * (a0 * mass + past)
-        film_line[w, g, CONDUCTANCE] = weight * oil.density * through_x
-        film_line[w, g, EVENNESS] = even
+        film_now.film_mass_now[w, g] = mass
+        film_now.film_line[w, g, GAP] = h
+        film_now.film_line[w, g, FLOW_AROUND] = weight * oil.density * (through_x * p_x - h * u_x + kept_x)
+        film_now.film_line[w, g, FLOW_ALONG] = weight * oil.density * (through_z * p_z - h * u_z + kept_z)
+        past = (
+            film_now.film_rates[w, 1] * films.film_mass[w, 0, g] + film_now.film_rates[w, 2] * films.film_mass[w, 1, g]
+        )
+        film_now.film_line[w, g, FILLING] = weight * (a0 * mass + past)
+        film_now.film_line[w, g, CONDUCTANCE] = weight * oil.density * through_x
+        film_now.film_line[w, g, EVENNESS] = even
         thinner_x = oil.density * through_x * oil.thickening
         thinner_z = oil.density * through_z * oil.thickening
         flow_x = through_x * p_x - h * u_x + kept_x
         flow_z = through_z * p_z - h * u_z + kept_z
-        film_line[w, g, AROUND_BY_PRESSURE] = weight * (oil.stiffening * flow_x - thinner_x * p_x)
-        film_line[w, g, ALONG_BY_PRESSURE] = weight * (oil.stiffening * flow_z - thinner_z * p_z)
-        film_line[w, g, FILLING_BY_PRESSURE] = weight * a0 * oil.stiffening * h
+        film_now.film_line[w, g, AROUND_BY_PRESSURE] = weight * (oil.stiffening * flow_x - thinner_x * p_x)
+        film_now.film_line[w, g, ALONG_BY_PRESSURE] = weight * (oil.stiffening * flow_z - thinner_z * p_z)
+        film_now.film_line[w, g, FILLING_BY_PRESSURE] = weight * a0 * oil.stiffening * h
         wide_x = real(3.0) * through_x / h + factors.flow_slope[0] * conductance
         wide_z = real(3.0) * through_z / h + factors.flow_slope[1] * conductance
         more_x = real(0.5) * factors.lag_slope[0] * slide_x
         more_z = real(0.5) * factors.lag_slope[1] * slide_z
-        film_line[w, g, AROUND_BY_GAP] = weight * oil.density * (wide_x * p_x - u_x + more_x)
-        film_line[w, g, ALONG_BY_GAP] = weight * oil.density * (wide_z * p_z - u_z + more_z)
-        film_line[w, g, FILLING_BY_GAP] = weight * oil.density * a0
+        film_now.film_line[w, g, AROUND_BY_GAP] = weight * oil.density * (wide_x * p_x - u_x + more_x)
+        film_now.film_line[w, g, ALONG_BY_GAP] = weight * oil.density * (wide_z * p_z - u_z + more_z)
+        film_now.film_line[w, g, FILLING_BY_GAP] = weight * oil.density * a0
         pushing = p
         if rule == HALF:
             pushing = wp.max(p, real(0.0))
@@ -390,7 +343,7 @@ def sample_film(
         n_a = wp.transpose(sides.turn_a) * n
         moment = wp.cross(place, n_a)
         second_moment = -wp.cross(arm_b, wp.transpose(sides.turn_b) * n)
-        film_line[w, g, PRESSURE] = weight * pushing
+        film_now.film_line[w, g, PRESSURE] = weight * pushing
         filled = wp.clamp(real(1.0) - void / h, real(0.0), real(1.0))
         drag = oil.viscosity * filled / h
         half_x = real(0.5) * (h - factors.lag[0])
@@ -407,16 +360,16 @@ def sample_film(
         first_torque = wp.cross(place, force)
         second_torque = -wp.cross(arm_b, wp.transpose(sides.turn_b) * world_force)
         for c in range(3):
-            film_line[w, g, NORMAL + c] = n[c]
-            film_line[w, g, MOMENT + c] = moment[c]
-            film_line[w, g, SECOND_MOMENT + c] = second_moment[c]
-            film_pull[w, g, FORCE + c] = world_force[c]
-            film_pull[w, g, FORCE_MOMENT + c] = first_torque[c]
-            film_pull[w, g, SECOND_FORCE_MOMENT + c] = second_torque[c]
-        film_pull[w, g, VISCOUS] = weight * oil.density * through_x * (p_x * p_x + even * p_z * p_z)
+            film_now.film_line[w, g, NORMAL + c] = n[c]
+            film_now.film_line[w, g, MOMENT + c] = moment[c]
+            film_now.film_line[w, g, SECOND_MOMENT + c] = second_moment[c]
+            film_now.film_pull[w, g, FORCE + c] = world_force[c]
+            film_now.film_pull[w, g, FORCE_MOMENT + c] = first_torque[c]
+            film_now.film_pull[w, g, SECOND_FORCE_MOMENT + c] = second_torque[c]
+        film_now.film_pull[w, g, VISCOUS] = weight * oil.density * through_x * (p_x * p_x + even * p_z * p_z)
         dragged = (drag_x - drag) * slide_x * slide_x + (drag_z - drag) * slide_z * slide_z
-        film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed + weight * dragged
-        film_pull[w, g, BY_ASPERITIES] = weight * pressed
-        yielded = at_point(model, g, film_local, w, first_hat)
-        film_pull[w, g, STORED] = real(0.5) * weight * (pushing + pressed) * yielded
+        film_now.film_pull[w, g, SHEAR] = weight * (drag + rub) * speed * speed + weight * dragged
+        film_now.film_pull[w, g, BY_ASPERITIES] = weight * pressed
+        yielded = at_point(model, g, film_now.film_local, w, first_hat)
+        film_now.film_pull[w, g, STORED] = real(0.5) * weight * (pushing + pressed) * yielded
         g += wp.block_dim()

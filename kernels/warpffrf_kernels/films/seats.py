@@ -8,6 +8,7 @@ away B is as rigid as it was made. Seats of a film are those of its points, then
 
 import warp as wp
 
+from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
@@ -87,27 +88,19 @@ def seat_part(places: wp.array3d(dtype=real), w: int, seat: int, c: int) -> real
 
 
 @wp.func
-def opened_at_seat(
-    model: Model,
-    film: int,
-    w: int,
-    seat: int,
-    seats: wp.array3d(dtype=int),
-    places: wp.array3d(dtype=real),
-    opened: wp.array(dtype=real),
-) -> vec3:
+def opened_at_seat(model: Model, film: int, w: int, seat: int, oil: FilmScratch, opened: wp.array(dtype=real)) -> vec3:
     """What B opens at a seat [m], and its slopes by theta and z of B's chart; `opened`: at its hats, flat."""
     first = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
     first += model.elements[0].films[0].second_hat_start[film]
     rows = model.elements[0].films[0].second_grid[film, 1]
-    row = model.elements[0].films[0].second_row_start[film] + seats[w, seat, 0] % rows
+    row = model.elements[0].films[0].second_row_start[film] + oil.film_seat[w, seat, 0] % rows
     length = model.elements[0].films[0].second_row[row + 1] - model.elements[0].films[0].second_row[row]
     pitch = model.elements[0].films[0].second_pitch[film, 1]
-    u = places[w, seat, 0]
-    v = places[w, seat, 1]
+    u = oil.film_seat_at[w, seat, 0]
+    v = oil.film_seat_at[w, seat, 1]
     found = vec3(real(0.0))
     for c in range(4):
-        there = opened[first + seat_hat(seats, w, seat, c)]
+        there = opened[first + seat_hat(oil.film_seat, w, seat, c)]
         across = hat_at(u, c / 2)
         along = hat_at(v, c % 2)
         found += there * vec3(

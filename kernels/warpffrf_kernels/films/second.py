@@ -14,10 +14,14 @@ asperities, loads B's hats by W (a line each) and opens by Q = D_B W^T; so J has
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import STATIC, Control
+from warpffrf_kernels.core.control import STATIC
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.sampling import (
     ALONG_BY_GAP,
     AROUND_BY_GAP,
@@ -42,34 +46,18 @@ def place_of_seat(model: Model, film: int, seat: int) -> vec3:
     return model.elements[0].films[0].hat_place[model.elements[0].films[0].hat_start[film] + seat - points]
 
 
-@wp.kernel
-def load_second(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    q1: wp.array(dtype=real),
-    film_pressure: wp.array3d(dtype=real),
-    film_asperity: wp.array3d(dtype=real),
-    film_seat: inout(wp.array3d(dtype=int)),
-    film_seat_at: inout(wp.array3d(dtype=real)),
-    film_press_load: inout(wp.array2d(dtype=real)),
-    film_second_load: inout(wp.array(dtype=real)),
-    film_second_opened: out(wp.array(dtype=real)),
-    film_second_energy: out(wp.array2d(dtype=real)),
-):
+@kernel
+def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
     """Per (world, film), lanes over seats, then hats of B: where they are, f, and what it opens."""
     w, film, lane = wp.tid()
-    model = models[w]
+    model = run_of_run.models[w]
     hats = model.elements[0].films[0].second_hats[film]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or hats == 0:
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0 or hats == 0:
         return
     static = int(0)
-    if ctl[w].mode == STATIC:
+    if run_of_run.ctl[w].mode == STATIC:
         static = int(1)
-    sides = sides_of(model, w, film, static, r1, axes, v1, omega1)
+    sides = sides_of(model, w, film, static, trial)
     s = model.elements[0].films[0].second[film]
     first = model.elements[0].films[0].function_start[film]
     first_hat = model.elements[0].films[0].hat_start[film]
@@ -79,10 +67,10 @@ def load_second(
         y = on_second(model, film, sides, place_of_seat(model, film, i))
         at = chart_of(model, s, y)
         seat = seat_on(model, film, at[0], at[1])
-        film_seat[w, start + i, 0] = seat.low
-        film_seat[w, start + i, 1] = seat.right
-        film_seat_at[w, start + i, 0] = seat.u
-        film_seat_at[w, start + i, 1] = seat.v
+        oil.film_seat[w, start + i, 0] = seat.low
+        oil.film_seat[w, start + i, 1] = seat.right
+        oil.film_seat_at[w, start + i, 0] = seat.u
+        oil.film_seat_at[w, start + i, 1] = seat.v
         i += wp.block_dim()
     half = model.elements[0].films[0].rule[film] == HALF
     press = model.elements[0].films[0].press_start[film]
@@ -94,30 +82,30 @@ def load_second(
         while j < model.elements[0].films[0].press_function.shape[1]:
             f = model.elements[0].films[0].press_function[i, j]
             if f >= 0:
-                p = film_pressure[w, 1, first + f]
+                p = films.film_pressure[w, 1, first + f]
                 if half:
                     p = wp.max(p, real(0.0))
                 if model.elements[0].films[0].rough[film] > 0:
-                    p += film_asperity[w, 1, first_hat + f]  # functions are hats then
+                    p += films.film_asperity[w, 1, first_hat + f]  # functions are hats then
                 load += model.elements[0].films[0].press_value[i, j] * p
             j += 1
-        film_press_load[w, i] = load
+        oil.film_press_load[w, i] = load
         i += wp.block_dim()
     second_hat = model.elements[0].films[0].second_hat_start[film]
     run = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count] + second_hat
     i = lane
     while i < hats:
-        film_second_load[run + i] = real(0.0)
+        oil.film_second_load[run + i] = real(0.0)
         i += wp.block_dim()
     sync()
     i = press
     while i < press + presses:  # a hat's loads are added by one lane, in one order
         on = start + model.elements[0].films[0].press_seat[i]
         for c in range(4):
-            hat = seat_hat(film_seat, w, on, c)
+            hat = seat_hat(oil.film_seat, w, on, c)
             if hat % wp.block_dim() == lane:
-                load = seat_part(film_seat_at, w, on, c) * film_press_load[w, i]
-                film_second_load[run + hat] = film_second_load[run + hat] + load
+                load = seat_part(oil.film_seat_at, w, on, c) * oil.film_press_load[w, i]
+                oil.film_second_load[run + hat] = oil.film_second_load[run + hat] + load
         i += 1
     sync()
     modes = model.elements[0].films[0].second_modes[film]
@@ -125,30 +113,22 @@ def load_second(
     i = lane
     while i < hats:
         row = model.elements[0].films[0].second_compliance_start[film] + i * hats
-        local = dot(hats, model.elements[0].films[0].second_compliance, row, film_second_load, run)
-        film_second_energy[w, second_hat + i] = real(0.5) * local * film_second_load[run + i]
+        local = dot(hats, model.elements[0].films[0].second_compliance, row, oil.film_second_load, run)
+        oil.film_second_energy[w, second_hat + i] = real(0.5) * local * oil.film_second_load[run + i]
         line = model.elements[0].films[0].second_shape_start[film] + i * modes
-        film_second_opened[run + i] = local - dot(modes, model.elements[0].films[0].second_shape, line, q1, modal)
+        oil.film_second_opened[run + i] = local - dot(
+            modes, model.elements[0].films[0].second_shape, line, trial.q1, modal
+        )
         i += wp.block_dim()
 
 
-@wp.kernel
-def weigh_second(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    film_pressure: wp.array3d(dtype=real),
-    film_full: wp.array3d(dtype=int),
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_weight: inout(wp.array(dtype=real)),
-    film_second_wide: inout(wp.array(dtype=real)),
-    film_second_yield: out(wp.array(dtype=real)),
-):
+@kernel
+def weigh_second(run_of_run: Run, films: FilmState, oil: FilmScratch):
     """Per (world, film), lanes over unknowns: lines of W, columns of Q, where the outer matrix is new."""
     w, film, lane = wp.tid()
-    model = models[w]
+    model = run_of_run.models[w]
     hats = model.elements[0].films[0].second_hats[film]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or hats == 0:
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0 or run_of_run.ctl[w].refresh == 0 or hats == 0:
         return
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
@@ -161,15 +141,15 @@ def weigh_second(
         row = run + i * hats
         j = int(0)
         while j < hats:
-            film_second_weight[row + j] = real(0.0)
-            film_second_wide[row + j] = real(0.0)
+            oil.film_second_weight[row + j] = real(0.0)
+            oil.film_second_wide[row + j] = real(0.0)
             j += 1
         f = first
         pushes = True
         if i < n:
             f += model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
-            pushes = film_full[w, 1, f] != 0
-            if half and film_pressure[w, 1, f] < real(0.0):
+            pushes = films.film_full[w, 1, f] != 0
+            if half and films.film_pressure[w, 1, f] < real(0.0):
                 pushes = False
         else:
             f += model.elements[0].films[0].hat_function[model.elements[0].films[0].hat_start[film] + i - n]
@@ -178,20 +158,20 @@ def weigh_second(
             seat = start + model.elements[0].films[0].press_seat[model.elements[0].films[0].press_entry[e]]
             push = model.elements[0].films[0].press_entry_value[e]
             for c in range(4):
-                hat = seat_hat(film_seat, w, seat, c)
-                part = push * seat_part(film_seat_at, w, seat, c)
-                film_second_weight[row + hat] = film_second_weight[row + hat] + part
+                hat = seat_hat(oil.film_seat, w, seat, c)
+                part = push * seat_part(oil.film_seat_at, w, seat, c)
+                oil.film_second_weight[row + hat] = oil.film_second_weight[row + hat] + part
             e += 1
         j = int(0)
         while j < hats:
-            load = film_second_weight[row + j]
+            load = oil.film_second_weight[row + j]
             if load != real(0.0):
                 line = model.elements[0].films[0].second_compliance_start[film] + j * hats
-                add_scaled(hats, load, model.elements[0].films[0].second_compliance, line, film_second_wide, row)
+                add_scaled(hats, load, model.elements[0].films[0].second_compliance, line, oil.film_second_wide, row)
             j += 1
         j = int(0)
         while j < hats:
-            film_second_yield[run + j * lines + i] = film_second_wide[row + j]
+            oil.film_second_yield[run + j * lines + i] = oil.film_second_wide[row + j]
             j += 1
         i += wp.block_dim()
 
@@ -204,21 +184,7 @@ def loads_at(model: Model, w: int, film: int) -> int:
 
 
 @wp.func
-def write_second(
-    model: Model,
-    w: int,
-    film: int,
-    i: int,
-    row: int,
-    film_line: wp.array3d(dtype=real),
-    stiff: real,
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_weight: wp.array(dtype=real),
-    film_second_yield: wp.array(dtype=real),
-    film_second_wide: wp.array(dtype=real),
-    film_matrix: wp.array(dtype=real),
-):
+def write_second(model: Model, w: int, film: int, i: int, row: int, oil: FilmScratch, stiff: real):
     """What B's yielding adds to the line of unknown i, in J, B and P; `stiff` [Pa/m]: of its asperities."""
     hats = model.elements[0].films[0].second_hats[film]
     n = model.elements[0].films[0].unknowns[film]
@@ -229,7 +195,7 @@ def write_second(
     wide = run + i * hats
     j = int(0)
     while j < hats:
-        film_second_wide[wide + j] = real(0.0)
+        oil.film_second_wide[wide + j] = real(0.0)
         j += 1
     if i < n:
         f = model.elements[0].films[0].function_start[film]
@@ -238,30 +204,32 @@ def write_second(
         while e < model.elements[0].films[0].entry_start[f + 1]:
             g = model.elements[0].films[0].entry_point[e]
             a = model.elements[0].films[0].entry_slot[e]
-            by_gap = model.elements[0].films[0].slope_around[g, a] * film_line[w, g, AROUND_BY_GAP]
-            by_gap += model.elements[0].films[0].slope_along[g, a] * film_line[w, g, ALONG_BY_GAP]
-            by_gap += model.elements[0].films[0].value[g, a] * film_line[w, g, FILLING_BY_GAP]
+            by_gap = model.elements[0].films[0].slope_around[g, a] * oil.film_line[w, g, AROUND_BY_GAP]
+            by_gap += model.elements[0].films[0].slope_along[g, a] * oil.film_line[w, g, ALONG_BY_GAP]
+            by_gap += model.elements[0].films[0].value[g, a] * oil.film_line[w, g, FILLING_BY_GAP]
             for c in range(4):
-                hat = seat_hat(film_seat, w, start + g - point, c)
-                part = seat_part(film_seat_at, w, start + g - point, c)
-                film_second_wide[wide + hat] = film_second_wide[wide + hat] + by_gap * part
+                hat = seat_hat(oil.film_seat, w, start + g - point, c)
+                part = seat_part(oil.film_seat_at, w, start + g - point, c)
+                oil.film_second_wide[wide + hat] = oil.film_second_wide[wide + hat] + by_gap * part
             e += 1
     else:
         seat = start + model.elements[0].films[0].point_start[film + 1] - point + i - n
         for c in range(4):
-            hat = seat_hat(film_seat, w, seat, c)
-            film_second_wide[wide + hat] = film_second_wide[wide + hat] + stiff * seat_part(film_seat_at, w, seat, c)
+            hat = seat_hat(oil.film_seat, w, seat, c)
+            oil.film_second_wide[wide + hat] = oil.film_second_wide[wide + hat] + stiff * seat_part(
+                oil.film_seat_at, w, seat, c
+            )
     modes = model.elements[0].films[0].second_modes[film]
     by_columns = row + lines + 1 + RIGID + model.elements[0].films[0].modes[film]
     pushes = by_columns + RIGID + model.elements[0].films[0].modes[film] + modes
     j = int(0)
     while j < hats:
         line = model.elements[0].films[0].second_shape_start[film] + j * modes
-        by_gap = film_second_wide[wide + j]
+        by_gap = oil.film_second_wide[wide + j]
         if by_gap != real(0.0):
-            add_scaled(lines, by_gap, film_second_yield, run + j * lines, film_matrix, row)
-            add_scaled(modes, -by_gap, model.elements[0].films[0].second_shape, line, film_matrix, by_columns)
-        load = film_second_weight[wide + j]
+            add_scaled(lines, by_gap, oil.film_second_yield, run + j * lines, oil.film_matrix, row)
+            add_scaled(modes, -by_gap, model.elements[0].films[0].second_shape, line, oil.film_matrix, by_columns)
+        load = oil.film_second_weight[wide + j]
         if load != real(0.0):
-            add_scaled(modes, -load, model.elements[0].films[0].second_shape, line, film_matrix, pushes)
+            add_scaled(modes, -load, model.elements[0].films[0].second_shape, line, oil.film_matrix, pushes)
         j += 1

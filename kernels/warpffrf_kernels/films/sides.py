@@ -6,9 +6,12 @@ yields (`seats`), which are functions of its chart; the gradient has the slopes 
 
 import warp as wp
 
+from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import exponential, matrix
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import MotionState
 from warpffrf_kernels.films.seats import opened_at_seat
 from warpffrf_kernels.surfaces.surface import axes_of, chart_of, distance_of, gradient_of, origin_of, slope_of
 
@@ -30,25 +33,16 @@ class Sides:
 
 
 @wp.func
-def sides_of(
-    model: Model,
-    w: int,
-    film: int,
-    static: int,
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-) -> Sides:
+def sides_of(model: Model, w: int, film: int, static: int, trial: Trial) -> Sides:
     a = model.surfaces.body[model.elements[0].films[0].first[film]]
     b = model.surfaces.body[model.elements[0].films[0].second[film]]
     found = Sides()
-    found.turn_a = axes_of(axes, w, a)
-    found.turn_b = axes_of(axes, w, b)
-    found.from_b = origin_of(r1, w, a) - origin_of(r1, w, b)
+    found.turn_a = axes_of(trial.axes, w, a)
+    found.turn_b = axes_of(trial.axes, w, b)
+    found.from_b = origin_of(trial.r1, w, a) - origin_of(trial.r1, w, b)
     if a >= 0:
-        found.v_a = v1[w, a]
-        found.omega_a = omega1[w, a]
+        found.v_a = trial.v1[w, a]
+        found.omega_a = trial.omega1[w, a]
         if static != 0:
             found.v_a = model.elements[0].films[0].rest_v[a]
             found.omega_a = model.elements[0].films[0].rest_omega[a]
@@ -56,8 +50,8 @@ def sides_of(
         axis = model.surfaces.frame[model.elements[0].films[0].first[film]] * vec3(real(0.0), real(0.0), real(1.0))
         found.spin = wp.dot(found.omega_a, axis) * axis
     if b >= 0:
-        found.v_b = v1[w, b]
-        found.omega_b = found.turn_b * omega1[w, b]
+        found.v_b = trial.v1[w, b]
+        found.omega_b = found.turn_b * trial.omega1[w, b]
         if static != 0:
             found.v_b = model.elements[0].films[0].rest_v[b]
             found.omega_b = found.turn_b * model.elements[0].films[0].rest_omega[b]
@@ -151,37 +145,20 @@ def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.v
 
 @wp.func
 def opened_with_second(
-    model: Model,
-    w: int,
-    film: int,
-    sides: Sides,
-    place: vec3,
-    seat: int,
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_opened: wp.array(dtype=real),
+    model: Model, w: int, film: int, sides: Sides, place: vec3, seat: int, oil: FilmScratch
 ) -> wp.vec4d:
     """`opened_by_motion` and what a second surface that yields opens; seat: of the place, counted within the film."""
     found = opened_by_motion(model, film, sides, place)
     if model.elements[0].films[0].second_hats[film] == 0:
         return found
     at = model.elements[0].films[0].seat_start[film] + seat
-    more = opened_at_seat(model, film, w, at, film_seat, film_seat_at, film_second_opened)
+    more = opened_at_seat(model, film, w, at, oil, oil.film_second_opened)
     turn = tilted(model, film, sides, on_second(model, film, sides, place), more[1], more[2])
     return found + wp.vec4d(more[0], turn[0], turn[1], turn[2])
 
 
 @wp.func
-def posed(
-    model: Model,
-    w: int,
-    film: int,
-    ahead: int,
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-) -> Sides:
+def posed(model: Model, w: int, film: int, ahead: int, state: MotionState, trial: Trial) -> Sides:
     """Both bodies where the step begins, or `ahead` where its increments lead, without velocities."""
     a = model.surfaces.body[model.elements[0].films[0].first[film]]
     b = model.surfaces.body[model.elements[0].films[0].second[film]]
@@ -189,15 +166,15 @@ def posed(
     found.turn_a = wp.identity(n=3, dtype=real)
     found.turn_b = wp.identity(n=3, dtype=real)
     if a >= 0:
-        found.turn_a = matrix(p[w, a])
-        found.from_b = r[w, a]
+        found.turn_a = matrix(state.p[w, a])
+        found.from_b = state.r[w, a]
         if ahead != 0:
-            found.turn_a = matrix(wp.normalize(p[w, a] * exponential(psi[w, a])))
-            found.from_b += dx[w, a]
+            found.turn_a = matrix(wp.normalize(state.p[w, a] * exponential(trial.psi[w, a])))
+            found.from_b += trial.dx[w, a]
     if b >= 0:
-        found.turn_b = matrix(p[w, b])
-        found.from_b -= r[w, b]
+        found.turn_b = matrix(state.p[w, b])
+        found.from_b -= state.r[w, b]
         if ahead != 0:
-            found.turn_b = matrix(wp.normalize(p[w, b] * exponential(psi[w, b])))
-            found.from_b -= dx[w, b]
+            found.turn_b = matrix(wp.normalize(state.p[w, b] * exponential(trial.psi[w, b])))
+            found.from_b -= trial.dx[w, b]
     return found

@@ -19,10 +19,13 @@ normals with the motion is left out of S: c/R beside the rest.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.film_scratch import FilmScratch
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.state import FilmState
 from warpffrf_kernels.films.flow import holding, inflow, neighbour
 from warpffrf_kernels.films.sampling import (
     ALONG_BY_GAP,
@@ -94,28 +97,17 @@ def put_rigid(matrix: wp.array(dtype=real), at: int, n: vec3, first: vec3, secon
 
 
 @wp.func
-def is_thin(
-    model: Model, w: int, film: int, i: int, film_full: wp.array3d(dtype=int), film_rough: wp.array2d(dtype=int)
-) -> bool:
+def is_thin(model: Model, w: int, film: int, i: int, films: FilmState, oil: FilmScratch) -> bool:
     """Whether next to nothing but its own line has unknown i: a void, or asperities that do not touch."""
     n = model.elements[0].films[0].unknowns[film]
     if i >= n:
-        return film_rough[w, model.elements[0].films[0].hat_start[film] + i - n] == 0
+        return oil.film_rough[w, model.elements[0].films[0].hat_start[film] + i - n] == 0
     f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
-    return film_full[w, 1, model.elements[0].films[0].function_start[film] + f] == 0
+    return films.film_full[w, 1, model.elements[0].films[0].function_start[film] + f] == 0
 
 
 @wp.func
-def order_unknowns(
-    model: Model,
-    w: int,
-    film: int,
-    lane: int,
-    film_full: wp.array3d(dtype=int),
-    film_rough: wp.array2d(dtype=int),
-    film_carried: wp.array3d(dtype=real),
-    film_order: wp.array(dtype=int),
-) -> int:
+def order_unknowns(model: Model, w: int, film: int, lane: int, films: FilmState, oil: FilmScratch) -> int:
     """Where each unknown stands in the elimination: thin ones first, voids in the order in which the oil comes to them
     around, which leaves next to nothing of their columns. Returns how many there are."""
     lines = lines_of(model, film)
@@ -124,22 +116,22 @@ def order_unknowns(
     thin = int(0)
     i = int(0)
     while i < lines:
-        if is_thin(model, w, film, i, film_full, film_rough):
+        if is_thin(model, w, film, i, films, oil):
             thin += 1
         i += 1
     if lane == 0:
-        backwards = film_carried[w, model.elements[0].films[0].function_start[film], 0] < real(0.0)
+        backwards = oil.film_carried[w, model.elements[0].films[0].function_start[film], 0] < real(0.0)
         place = int(0)
         rest = thin
         i = int(0)
         while i < lines:
-            if is_thin(model, w, film, i, film_full, film_rough):
-                film_order[start + i] = place
+            if is_thin(model, w, film, i, films, oil):
+                oil.film_order[start + i] = place
                 if backwards:
-                    film_order[start + i] = thin - 1 - place
+                    oil.film_order[start + i] = thin - 1 - place
                 place += 1
             else:
-                film_order[start + i] = rest
+                oil.film_order[start + i] = rest
                 rest += 1
             i += 1
     sync()
@@ -147,22 +139,7 @@ def order_unknowns(
 
 
 @wp.func
-def write_flow(
-    model: Model,
-    w: int,
-    film: int,
-    i: int,
-    row: int,
-    thin: int,
-    film_pressure: wp.array3d(dtype=real),
-    film_full: wp.array3d(dtype=int),
-    film_rates: wp.array2d(dtype=real),
-    film_carried: wp.array3d(dtype=real),
-    film_line: wp.array3d(dtype=real),
-    film_order: wp.array(dtype=int),
-    film_wide: wp.array2d(dtype=real),
-    film_matrix: wp.array(dtype=real),
-):
+def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, films: FilmState, oil: FilmScratch):
     """Line of the oil of unknown i, but for R; `row` is zero."""
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
@@ -176,10 +153,10 @@ def write_flow(
     near = model.elements[0].films[0].near_start[first + f]
     j = near
     while j < model.elements[0].films[0].near_start[first + f + 1]:
-        film_wide[w, j] = real(0.0)
+        oil.film_wide[w, j] = real(0.0)
         j += 1
-    pushes = film_full[w, 1, first + f] != 0
-    if rule == HALF and film_pressure[w, 1, first + f] < real(0.0):
+    pushes = films.film_full[w, 1, first + f] != 0
+    if rule == HALF and films.film_pressure[w, 1, first + f] < real(0.0):
         pushes = False
     gap_n = vec3(real(0.0))
     gap_first = vec3(real(0.0))
@@ -194,17 +171,17 @@ def write_flow(
         x = model.elements[0].films[0].slope_around[g, a]
         z = model.elements[0].films[0].slope_along[g, a]
         v = model.elements[0].films[0].value[g, a]
-        by_gap = x * film_line[w, g, AROUND_BY_GAP] + z * film_line[w, g, ALONG_BY_GAP]
-        by_gap += v * film_line[w, g, FILLING_BY_GAP]
+        by_gap = x * oil.film_line[w, g, AROUND_BY_GAP] + z * oil.film_line[w, g, ALONG_BY_GAP]
+        by_gap += v * oil.film_line[w, g, FILLING_BY_GAP]
         for c in range(4):
             at = near + model.elements[0].films[0].entry_near[e, c]
-            film_wide[w, at] = film_wide[w, at] + by_gap * model.elements[0].films[0].between[g, c]
+            oil.film_wide[w, at] = oil.film_wide[w, at] + by_gap * model.elements[0].films[0].between[g, c]
         push = v * model.elements[0].films[0].weight[g]
-        if not pushes or (rule == HALF and film_line[w, g, PRESSURE] <= real(0.0)):
+        if not pushes or (rule == HALF and oil.film_line[w, g, PRESSURE] <= real(0.0)):
             push = real(0.0)
-        n_there = vector_at(film_line, w, g, NORMAL)
-        first_there = vector_at(film_line, w, g, MOMENT)
-        second_there = vector_at(film_line, w, g, SECOND_MOMENT)
+        n_there = vector_at(oil.film_line, w, g, NORMAL)
+        first_there = vector_at(oil.film_line, w, g, MOMENT)
+        second_there = vector_at(oil.film_line, w, g, SECOND_MOMENT)
         gap_n += by_gap * n_there
         gap_first += by_gap * first_there
         gap_second += by_gap * second_there
@@ -212,23 +189,24 @@ def write_flow(
         push_first += push * first_there
         push_second += push * second_there
         e += 1
-    put_rigid(film_matrix, row + lines + 1, gap_n, gap_first, gap_second)
-    put_rigid(film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
+    put_rigid(oil.film_matrix, row + lines + 1, gap_n, gap_first, gap_second)
+    put_rigid(oil.film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
     j = near
     while j < model.elements[0].films[0].near_start[first + f + 1]:
         m = model.elements[0].films[0].near[j]
         line = model.elements[0].films[0].compliance_start[film] + m * lines
-        add_scaled(lines, film_wide[w, j], model.elements[0].films[0].compliance, line, film_matrix, row)
+        add_scaled(lines, oil.film_wide[w, j], model.elements[0].films[0].compliance, line, oil.film_matrix, row)
         line = model.elements[0].films[0].shape_start[film] + m * modes
         add_scaled(
-            modes, -film_wide[w, j], model.elements[0].films[0].shape, line, film_matrix, row + lines + 1 + RIGID
+            modes, -oil.film_wide[w, j], model.elements[0].films[0].shape, line, oil.film_matrix,
+            row + lines + 1 + RIGID,
         )  # fmt: skip
         j += 1
     if rule == HALF:
         j = int(0)
         while j < n:
-            if film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] < real(0.0):
-                film_matrix[row + j] = real(0.0)
+            if films.film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] < real(0.0):
+                oil.film_matrix[row + j] = real(0.0)
             j += 1
     e = model.elements[0].films[0].entry_start[first + f]
     while e < model.elements[0].films[0].entry_start[first + f + 1]:
@@ -237,10 +215,10 @@ def write_flow(
         x = model.elements[0].films[0].slope_around[g, a]
         z = model.elements[0].films[0].slope_along[g, a]
         v = model.elements[0].films[0].value[g, a]
-        wide = film_line[w, g, CONDUCTANCE]
-        by_value = x * film_line[w, g, AROUND_BY_PRESSURE] + z * film_line[w, g, ALONG_BY_PRESSURE]
-        by_value += v * film_line[w, g, FILLING_BY_PRESSURE]
-        z *= film_line[w, g, EVENNESS]
+        wide = oil.film_line[w, g, CONDUCTANCE]
+        by_value = x * oil.film_line[w, g, AROUND_BY_PRESSURE] + z * oil.film_line[w, g, ALONG_BY_PRESSURE]
+        by_value += v * oil.film_line[w, g, FILLING_BY_PRESSURE]
+        z *= oil.film_line[w, g, EVENNESS]
         s = int(0)
         while s < model.elements[0].films[0].function.shape[1]:
             other = model.elements[0].films[0].function[g, s]
@@ -250,40 +228,29 @@ def write_flow(
                     flow = x * model.elements[0].films[0].slope_around[g, s]
                     flow += z * model.elements[0].films[0].slope_along[g, s]
                     entry = wide * flow + by_value * model.elements[0].films[0].value[g, s]
-                    film_matrix[row + j] = film_matrix[row + j] + entry
+                    oil.film_matrix[row + j] = oil.film_matrix[row + j] + entry
             s += 1
         e += 1
     m = int(0)
     while m < modes and pushes:
         at = model.elements[0].films[0].moment_start[film] + m * functions + f
-        film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films[0].moment[at]
+        oil.film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films[0].moment[at]
         m += 1
-    clear_thin(lines, film_order, system_at(model, w, film), thin, film_matrix, row)
-    if film_full[w, 1, first + f] == 0:
-        film_matrix[row + i] = -holding(model, w, film, first + f, film_rates, film_carried)
+    clear_thin(lines, oil.film_order, system_at(model, w, film), thin, oil.film_matrix, row)
+    if films.film_full[w, 1, first + f] == 0:
+        oil.film_matrix[row + i] = -holding(model, w, film, first + f, oil)
     if rule != REYNOLDS:
         for c in range(4):
             other = neighbour(model, first + f, c)
             if other >= 0:
                 j = model.elements[0].films[0].unknown_of[first + other]
-                if j >= 0 and film_full[w, 1, first + other] == 0:
-                    comes = inflow(model, w, first, first + f, c, film_carried)
-                    film_matrix[row + j] = film_matrix[row + j] + comes
+                if j >= 0 and films.film_full[w, 1, first + other] == 0:
+                    comes = inflow(model, w, first, first + f, c, oil.film_carried)
+                    oil.film_matrix[row + j] = oil.film_matrix[row + j] + comes
 
 
 @wp.func
-def write_asperities(
-    model: Model,
-    w: int,
-    film: int,
-    m: int,
-    row: int,
-    thin: int,
-    film_line: wp.array3d(dtype=real),
-    film_hat_line: wp.array3d(dtype=real),
-    film_order: wp.array(dtype=int),
-    film_matrix: wp.array(dtype=real),
-):
+def write_asperities(model: Model, w: int, film: int, m: int, row: int, thin: int, oil: FilmScratch):
     """Line of the asperities at hat m, da + P' dh = P - a, but for the right-hand side; `row` is zero."""
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
@@ -291,17 +258,17 @@ def write_asperities(
     columns = columns_of(model, film)
     first = model.elements[0].films[0].function_start[film]
     hat = model.elements[0].films[0].hat_start[film] + m
-    stiff = film_hat_line[w, hat, STIFFNESS]
+    stiff = oil.film_hat_line[w, hat, STIFFNESS]
     line = model.elements[0].films[0].compliance_start[film] + m * lines
-    add_scaled(lines, stiff, model.elements[0].films[0].compliance, line, film_matrix, row)
+    add_scaled(lines, stiff, model.elements[0].films[0].compliance, line, oil.film_matrix, row)
     line = model.elements[0].films[0].shape_start[film] + m * modes
-    add_scaled(modes, -stiff, model.elements[0].films[0].shape, line, film_matrix, row + lines + 1 + RIGID)
-    clear_thin(lines, film_order, system_at(model, w, film), thin, film_matrix, row)
+    add_scaled(modes, -stiff, model.elements[0].films[0].shape, line, oil.film_matrix, row + lines + 1 + RIGID)
+    clear_thin(lines, oil.film_order, system_at(model, w, film), thin, oil.film_matrix, row)
     put_rigid(
-        film_matrix, row + lines + 1, stiff * vector_at(film_hat_line, w, hat, 0),
-        stiff * vector_at(film_hat_line, w, hat, 3), stiff * vector_at(film_hat_line, w, hat, 6),
+        oil.film_matrix, row + lines + 1, stiff * vector_at(oil.film_hat_line, w, hat, 0),
+        stiff * vector_at(oil.film_hat_line, w, hat, 3), stiff * vector_at(oil.film_hat_line, w, hat, 6),
     )  # fmt: skip
-    film_matrix[row + n + m] = film_matrix[row + n + m] + real(1.0)
+    oil.film_matrix[row + n + m] = oil.film_matrix[row + n + m] + real(1.0)
     f = first + model.elements[0].films[0].hat_function[hat]
     push_n = vec3(real(0.0))
     push_first = vec3(real(0.0))
@@ -311,70 +278,36 @@ def write_asperities(
         g = model.elements[0].films[0].entry_point[e]
         v = model.elements[0].films[0].value[g, model.elements[0].films[0].entry_slot[e]]
         push = v * model.elements[0].films[0].weight[g]
-        push_n += push * vector_at(film_line, w, g, NORMAL)
-        push_first += push * vector_at(film_line, w, g, MOMENT)
-        push_second += push * vector_at(film_line, w, g, SECOND_MOMENT)
+        push_n += push * vector_at(oil.film_line, w, g, NORMAL)
+        push_first += push * vector_at(oil.film_line, w, g, MOMENT)
+        push_second += push * vector_at(oil.film_line, w, g, SECOND_MOMENT)
         e += 1
-    put_rigid(film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
+    put_rigid(oil.film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
     rough = model.elements[0].films[0].rough[film]
     c = int(0)
     while c < modes:
         at = model.elements[0].films[0].rough_moment_start[film] + c * rough + m
-        film_matrix[row + lines + 1 + columns + RIGID + c] = -model.elements[0].films[0].rough_moment[at]
+        oil.film_matrix[row + lines + 1 + columns + RIGID + c] = -model.elements[0].films[0].rough_moment[at]
         c += 1
 
 
 @wp.func
-def rest_of(
-    model: Model,
-    w: int,
-    film: int,
-    i: int,
-    film_rest: wp.array2d(dtype=real),
-    film_asperity: wp.array3d(dtype=real),
-    film_hat_line: wp.array3d(dtype=real),
-) -> real:
+def rest_of(model: Model, w: int, film: int, i: int, oil: FilmScratch, films: FilmState) -> real:
     """R of unknown i."""
     n = model.elements[0].films[0].unknowns[film]
     if i >= n:
         hat = model.elements[0].films[0].hat_start[film] + i - n
-        return film_asperity[w, 1, hat] - film_hat_line[w, hat, PRESSED]
+        return films.film_asperity[w, 1, hat] - oil.film_hat_line[w, hat, PRESSED]
     f = model.elements[0].films[0].function_of[model.elements[0].films[0].unknown_start[film] + i]
-    return film_rest[w, model.elements[0].films[0].function_start[film] + f]
+    return oil.film_rest[w, model.elements[0].films[0].function_start[film] + f]
 
 
-@wp.kernel
-def assemble_film(
-    models: wp.array(dtype=Model),
-    film_pressure: wp.array3d(dtype=real),
-    film_full: wp.array3d(dtype=int),
-    film_asperity: wp.array3d(dtype=real),
-    film_rates: wp.array2d(dtype=real),
-    film_carried: wp.array3d(dtype=real),
-    film_line: wp.array3d(dtype=real),
-    film_hat_line: wp.array3d(dtype=real),
-    film_rest: wp.array2d(dtype=real),
-    film_seat: wp.array3d(dtype=int),
-    film_seat_at: wp.array3d(dtype=real),
-    film_second_weight: wp.array(dtype=real),
-    film_second_yield: wp.array(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    film_second_wide: inout(wp.array(dtype=real)),
-    film_rough: inout(wp.array2d(dtype=int)),
-    film_wide: inout(wp.array2d(dtype=real)),
-    film_matrix: inout(wp.array(dtype=real)),
-    film_factor: inout(wp.array(dtype=real)),
-    film_order: inout(wp.array(dtype=int)),
-    film_pivots: inout(wp.array(dtype=int)),
-    film_change: inout(wp.array(dtype=real)),
-    film_solution: inout(wp.array(dtype=real)),
-    film_stiffness: inout(wp.array(dtype=real)),
-    film_push: out(wp.array2d(dtype=real)),
-):
+@kernel
+def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stiffness: wp.array(dtype=real)):
     """Per (world, film), lanes over lines: J, B and P where the outer matrix is new, with J^-1 B; then J^-1 R."""
     w, film, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run_of_run.models[w]
+    if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0:
         return
     n = model.elements[0].films[0].unknowns[film]
     rough = model.elements[0].films[0].rough[film]
@@ -386,56 +319,50 @@ def assemble_film(
     hat = model.elements[0].films[0].hat_start[film]
     second = model.elements[0].films[0].second_hats[film] > 0
     bad = int(0)
-    if ctl[w].refresh != 0:
+    if run_of_run.ctl[w].refresh != 0:
         i = lane
         while i < rough:
-            film_rough[w, hat + i] = 0
-            if film_asperity[w, 1, hat + i] > real(0.0) or film_hat_line[w, hat + i, PRESSED] > real(0.0):
-                film_rough[w, hat + i] = 1
+            oil.film_rough[w, hat + i] = 0
+            if films.film_asperity[w, 1, hat + i] > real(0.0) or oil.film_hat_line[w, hat + i, PRESSED] > real(0.0):
+                oil.film_rough[w, hat + i] = 1
             i += wp.block_dim()
-        thin = order_unknowns(model, w, film, lane, film_full, film_rough, film_carried, film_order)
+        thin = order_unknowns(model, w, film, lane, films, oil)
         i = lane
         while i < lines:
             row = base + i * stride
             j = int(0)
             while j < stride:
-                film_matrix[row + j] = real(0.0)
+                oil.film_matrix[row + j] = real(0.0)
                 j += 1
-            if second and (i < n or film_rough[w, hat + i - n] != 0):
+            if second and (i < n or oil.film_rough[w, hat + i - n] != 0):
                 stiff = real(0.0)
                 if i >= n:
-                    stiff = film_hat_line[w, hat + i - n, STIFFNESS]
-                write_second(
-                    model, w, film, i, row, film_line, stiff, film_seat, film_seat_at, film_second_weight,
-                    film_second_yield, film_second_wide, film_matrix,
-                )  # fmt: skip
+                    stiff = oil.film_hat_line[w, hat + i - n, STIFFNESS]
+                write_second(model, w, film, i, row, oil, stiff)
             if i < n:
-                write_flow(
-                    model, w, film, i, row, thin, film_pressure, film_full, film_rates, film_carried, film_line,
-                    film_order, film_wide, film_matrix,
-                )  # fmt: skip
-            elif film_rough[w, hat + i - n] != 0:
-                write_asperities(model, w, film, i - n, row, thin, film_line, film_hat_line, film_order, film_matrix)
+                write_flow(model, w, film, i, row, thin, films, oil)
+            elif oil.film_rough[w, hat + i - n] != 0:
+                write_asperities(model, w, film, i - n, row, thin, oil)
             else:
-                film_matrix[row + i] = real(1.0)
-            film_matrix[row + lines] = rest_of(model, w, film, i, film_rest, film_asperity, film_hat_line)
-            sorted = base + film_order[run + i] * stride
-            put_in_order(lines, film_matrix, row, film_order, run, film_factor, sorted)
+                oil.film_matrix[row + i] = real(1.0)
+            oil.film_matrix[row + lines] = rest_of(model, w, film, i, oil, films)
+            sorted = base + oil.film_order[run + i] * stride
+            put_in_order(lines, oil.film_matrix, row, oil.film_order, run, oil.film_factor, sorted)
             j = lines
             while j < lines + 1 + columns:
-                film_factor[sorted + j] = film_matrix[row + j]
+                oil.film_factor[sorted + j] = oil.film_matrix[row + j]
                 j += 1
             i += wp.block_dim()
         sync()
-        bad = eliminate(film_factor, base, stride, lines, columns + 1, thin, film_pivots, run)
+        bad = eliminate(oil.film_factor, base, stride, lines, columns + 1, thin, oil.film_pivots, run)
         i = lane
         while i < lines:
             row = base + i * stride
-            sorted = base + film_order[run + i] * stride
-            film_solution[run + i] = film_factor[sorted + lines]
+            sorted = base + oil.film_order[run + i] * stride
+            oil.film_solution[run + i] = oil.film_factor[sorted + lines]
             j = lines + 1
             while j < lines + 1 + columns:
-                film_matrix[row + j] = film_factor[sorted + j]
+                oil.film_matrix[row + j] = oil.film_factor[sorted + j]
                 j += 1
             i += wp.block_dim()
         sync()
@@ -450,21 +377,21 @@ def assemble_film(
             i = int(0)
             while i < lines:
                 row = base + i * stride + lines + 1
-                push = film_matrix[row + columns + c]
+                push = oil.film_matrix[row + columns + c]
                 if push != real(0.0):
-                    add_scaled(columns, push, film_matrix, row, film_stiffness, square + c * columns)
+                    add_scaled(columns, push, oil.film_matrix, row, film_stiffness, square + c * columns)
                 i += 1
             c += wp.block_dim()
     else:
         i = lane
         while i < lines:
-            rest = rest_of(model, w, film, i, film_rest, film_asperity, film_hat_line)
-            film_change[run + film_order[run + i]] = rest
+            rest = rest_of(model, w, film, i, oil, films)
+            oil.film_change[run + oil.film_order[run + i]] = rest
             i += wp.block_dim()
-        solve_again(film_factor, base, stride, lines, film_pivots, run, film_change, run)
+        solve_again(oil.film_factor, base, stride, lines, oil.film_pivots, run, oil.film_change, run)
         i = lane
         while i < lines:
-            film_solution[run + i] = film_change[run + film_order[run + i]]
+            oil.film_solution[run + i] = oil.film_change[run + oil.film_order[run + i]]
             i += wp.block_dim()
         sync()
     c = lane
@@ -472,27 +399,20 @@ def assemble_film(
         push = real(0.0)
         i = int(0)
         while i < lines:
-            push += film_matrix[base + i * stride + lines + 1 + columns + c] * film_solution[run + i]
+            push += oil.film_matrix[base + i * stride + lines + 1 + columns + c] * oil.film_solution[run + i]
             i += 1
-        film_push[w, model.elements[0].films[0].column_start[film] + c] = push
+        oil.film_push[w, model.elements[0].films[0].column_start[film] + c] = push
         c += wp.block_dim()
     if bad != 0 and lane == 0:
-        ctl[w].failure = ctl[w].failure | k.SINGULAR
+        run_of_run.ctl[w].failure = run_of_run.ctl[w].failure | k.SINGULAR
 
 
-@wp.kernel
-def stiffen_by_films(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    film_stiffness: wp.array2d(dtype=real),
-    film_push: wp.array2d(dtype=real),
-    tangent: changed(wp.array3d(dtype=real)),
-    rhs: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def stiffen_by_films(run: Run, oil: FilmScratch, system: OuterSystem):
     """Per world: add what is left of all films to the outer system."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     film = int(0)
     while film < model.elements[0].films[0].count:
@@ -501,13 +421,15 @@ def stiffen_by_films(
         while c < columns:
             i = outer_column(model, film, c)
             if i >= 0:
-                rhs[w, i] = rhs[w, i] - film_push[w, model.elements[0].films[0].column_start[film] + c]
+                system.rhs[w, i] = (
+                    system.rhs[w, i] - oil.film_push[w, model.elements[0].films[0].column_start[film] + c]
+                )
                 d = int(0)
-                while d < columns and ctl[w].refresh != 0:
+                while d < columns and run.ctl[w].refresh != 0:
                     j = outer_column(model, film, d)
                     if j >= 0:
                         at = model.elements[0].films[0].square_start[film] + c * columns + d
-                        tangent[w, i, j] = tangent[w, i, j] + film_stiffness[w, at]
+                        system.tangent[w, i, j] = system.tangent[w, i, j] + oil.film_stiffness[w, at]
                     d += 1
             c += 1
         film += 1

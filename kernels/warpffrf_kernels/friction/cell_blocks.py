@@ -12,6 +12,7 @@ slot, d the direction.
 
 import warp as wp
 
+from warpffrf_kernels.core.friction_scratch import FrictionSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.linear.block_elimination import follow_columns, push_columns
@@ -83,60 +84,45 @@ def add_block(
 
 @wp.func
 def move_outer(
-    model: Model,
-    w: int,
-    lane: int,
-    block: wp.array3d(dtype=int),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    x: wp.array(dtype=real),
-    push: wp.array(dtype=real),
-    z: wp.array(dtype=real),
-):
+    model: Model, w: int, lane: int, tangential: FrictionSolve, L: wp.array(dtype=real), M: wp.array(dtype=real),
+    x: wp.array(dtype=real), z: wp.array(dtype=real),
+):  # fmt: skip
     """z = M L^T x: the outer increments that tractions lead to."""
     N = model.outer.count
     i = lane
     while i < N:
-        push[w * N + i] = real(0.0)
+        tangential.cell_load[w * N + i] = real(0.0)
         z[w * N + i] = real(0.0)
         i += wp.block_dim()
     sync()
     pair = int(0)
     while pair < model.pairs.count:
-        n = 2 * block[w, pair, COUNT]
+        n = 2 * tangential.cell_block[w, pair, COUNT]
         if n > 0:
-            push_columns(model, w, pair, n, L, borders_of(model, w, pair), x, first_line(model, w, pair), push)
+            push_columns(
+                model, w, pair, n, L, borders_of(model, w, pair), x, first_line(model, w, pair), tangential.cell_load
+            )
         pair += 1
     i = int(0)
     while i < N:
-        if push[w * N + i] != real(0.0):
-            axpy(N, push[w * N + i], M, (w * N + i) * N, z, w * N)
+        if tangential.cell_load[w * N + i] != real(0.0):
+            axpy(N, tangential.cell_load[w * N + i], M, (w * N + i) * N, z, w * N)
         i += 1
     sync()
 
 
 @wp.func
 def add_slips(
-    model: Model,
-    w: int,
-    lane: int,
-    part: real,
-    block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    x: wp.array(dtype=real),
-    push: wp.array(dtype=real),
-    z: wp.array(dtype=real),
-    y: wp.array(dtype=real),
-):
+    model: Model, w: int, lane: int, part: real, tangential: FrictionSolve, D: wp.array(dtype=real),
+    L: wp.array(dtype=real), M: wp.array(dtype=real), x: wp.array(dtype=real), y: wp.array(dtype=real),
+):  # fmt: skip
     """y += part K x over the lines of all pairs; leaves z = M L^T x."""
-    move_outer(model, w, lane, block, L, M, x, push, z)
+    move_outer(model, w, lane, tangential, L, M, x, tangential.cell_moved_outer)
     pair = int(0)
     while pair < model.pairs.count:
-        n = 2 * block[w, pair, COUNT]
+        n = 2 * tangential.cell_block[w, pair, COUNT]
         if n > 0:
             at = first_line(model, w, pair)
             add_block(n, part, D, block_of(model, w, pair), 2 * model.capacity.cells, x, at, y)
-            follow_columns(model, w, pair, n, part, L, borders_of(model, w, pair), z, y, at)
+            follow_columns(model, w, pair, n, part, L, borders_of(model, w, pair), tangential.cell_moved_outer, y, at)
         pair += 1

@@ -14,10 +14,13 @@ local or condensed modes, which the Newton iteration takes in.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
+from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line, is_fresh
 from warpffrf_kernels.friction.cell_shares import add_on_shares, line_of
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
@@ -32,123 +35,108 @@ wp.set_module_options(MODULE_OPTIONS)
 ROUND_OFF = wp.constant(wp.float64(1.0e-14))  # of a cosine: tangents of parallel rollers are parallel up to this
 
 
-@wp.kernel
-def take_cells(
-    models: wp.array(dtype=Model),
-    bound: wp.array3d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    cell_slot_of: inout(wp.array3d(dtype=int)),
-    cell_slot: out(wp.array3d(dtype=int)),
-    cell_block: inout(wp.array3d(dtype=int)),
-):
+@kernel
+def take_cells(run: Run, cells: FrictionCells, tangential: FrictionSolve):
     """Per world: a slot in its pair's block for each cell under pressure that has none; all are given back first when
     the grids have moved, or where those that are no longer under pressure take room that others need."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     capacity = model.window.hats
     pair = int(0)
-    while pair < model.pairs.count and ctl[w].stale == 0:
-        count = cell_block[w, pair, COUNT]
+    while pair < model.pairs.count and run.ctl[w].stale == 0:
+        count = tangential.cell_block[w, pair, COUNT]
         m = int(0)
         while m < capacity and model.pairs.friction[pair] > real(0.0):
-            if bound[w, pair, m] > real(0.0) and cell_slot_of[w, pair, m] < 0:
+            if cells.bound[w, pair, m] > real(0.0) and tangential.cell_slot_of[w, pair, m] < 0:
                 count += 1
             m += 1
         if count > model.capacity.cells:
-            ctl[w].stale = 1
+            run.ctl[w].stale = 1
         pair += 1
     pair = int(0)
     while pair < model.pairs.count:
-        if ctl[w].stale != 0:
-            cell_block[w, pair, COUNT] = 0
+        if run.ctl[w].stale != 0:
+            tangential.cell_block[w, pair, COUNT] = 0
             m = int(0)
             while m < capacity:
-                cell_slot_of[w, pair, m] = -1
+                tangential.cell_slot_of[w, pair, m] = -1
                 m += 1
-        count = cell_block[w, pair, COUNT]
-        cell_block[w, pair, FRESH] = count
+        count = tangential.cell_block[w, pair, COUNT]
+        tangential.cell_block[w, pair, FRESH] = count
         if model.pairs.friction[pair] > real(0.0):
             m = int(0)
             while m < capacity:
-                if bound[w, pair, m] > real(0.0) and cell_slot_of[w, pair, m] < 0:
+                if cells.bound[w, pair, m] > real(0.0) and tangential.cell_slot_of[w, pair, m] < 0:
                     if count < model.capacity.cells:
-                        cell_slot_of[w, pair, m] = count
-                        cell_slot[w, pair, count] = m
+                        tangential.cell_slot_of[w, pair, m] = count
+                        tangential.cell_slot[w, pair, count] = m
                     count += 1
                 m += 1
-        if count > cell_block[w, pair, FRESH]:
-            ctl[w].factored = 0  # the factor lacks the new slots
+        if count > tangential.cell_block[w, pair, FRESH]:
+            run.ctl[w].factored = 0  # the factor lacks the new slots
         if count > model.capacity.cells:
-            ctl[w].failure = ctl[w].failure | short_of(model)
-            ctl[w].spare = wp.max(ctl[w].spare, model.capacity.slots * count / model.capacity.cells + 1)
-            ctl[w].run = 0
+            run.ctl[w].failure = run.ctl[w].failure | short_of(model)
+            run.ctl[w].spare = wp.max(run.ctl[w].spare, model.capacity.slots * count / model.capacity.cells + 1)
+            run.ctl[w].run = 0
             count = model.capacity.cells
-        cell_block[w, pair, COUNT] = count
+        tangential.cell_block[w, pair, COUNT] = count
         pair += 1
-    ctl[w].stale = 0
+    run.ctl[w].stale = 0
 
 
-@wp.kernel
+@kernel
 def cell_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    cell_J: inout(wp.array(dtype=real)),
-    cell_JT: out(wp.array4d(dtype=real)),
+    run: Run, geometry: ContactGeometry, tangential: FrictionSolve, cells: FrictionCells, impulses: ImpulsiveContact
 ):
     """Per (world, pair): gradient J of the weak slip of the fresh slots by the global modes of A, then of B, times the
     weight of the pair, and its transpose."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
-    slot = cell_block[w, pair, FRESH]
-    while slot < cell_block[w, pair, COUNT]:
-        m = cell_slot[w, pair, slot]
+    slot = tangential.cell_block[w, pair, FRESH]
+    while slot < tangential.cell_block[w, pair, COUNT]:
+        m = tangential.cell_slot[w, pair, slot]
         A = model.pairs.first[pair]
         B = model.pairs.second[pair]
         rows = model.surfaces.rows[A]
-        area = weight[w, pair] * cell_area[w, pair, m]
+        area = impulses.weight[w, pair] * cells.cell_area[w, pair, m]
         modes_a = model.surfaces.modal_count[A]
         start = (first_line(model, w, pair) + 2 * slot) * model.pairs.most_modes
         i = lane
         while i < 2 * model.pairs.most_modes:
-            cell_J[start + i] = real(0.0)
+            tangential.cell_J[start + i] = real(0.0)
             i += wp.block_dim()
         sync()
         for d in range(2):
-            line = line_of(model, A, center[w, pair, 0] + m / rows - model.window.half, d * rows + m % rows)
+            line = line_of(model, A, geometry.center[w, pair, 0] + m / rows - model.window.half, d * rows + m % rows)
             if line >= 0:
                 at = model.surfaces.shear_start[A] + line * modes_a
-                axpy(modes_a, area, model.surfaces.mode_tangent, at, cell_J, start + d * model.pairs.most_modes)
+                axpy(
+                    modes_a, area, model.surfaces.mode_tangent, at, tangential.cell_J,
+                    start + d * model.pairs.most_modes,
+                )  # fmt: skip
         if model.surfaces.shear_start[B] >= 0:
             rows_b = model.surfaces.rows[B]
             modes_b = model.surfaces.modal_count[B]
-            base = center[w, pair, 1] - model.window.second_half + share_at[w, pair, m, 0]
+            base = geometry.center[w, pair, 1] - model.window.second_half + cells.share_at[w, pair, m, 0]
             c = int(0)
             while c < model.window.share_columns:
                 q = int(0)
                 while q < model.window.share_rows:
-                    part = -area * share[w, pair, m, c * model.window.share_rows + q]
+                    part = -area * cells.share[w, pair, m, c * model.window.share_rows + q]
                     if part != real(0.0):
                         for e in range(2):
-                            line = line_of(model, B, base + c, e * rows_b + share_at[w, pair, m, 1] + q)
+                            line = line_of(model, B, base + c, e * rows_b + cells.share_at[w, pair, m, 1] + q)
                             if line >= 0:
                                 at = model.surfaces.shear_start[B] + line * modes_b
                                 for d in range(2):
                                     axpy(
-                                        modes_b, part * cell_turn[w, pair, m, 2 * d + e],
-                                        model.surfaces.mode_tangent, at,
-                                        cell_J, start + d * model.pairs.most_modes + modes_a,
+                                        modes_b, part * cells.cell_turn[w, pair, m, 2 * d + e],
+                                        model.surfaces.mode_tangent, at, tangential.cell_J,
+                                        start + d * model.pairs.most_modes + modes_a,
                                     )  # fmt: skip
                     q += 1
                 c += 1
@@ -156,7 +144,7 @@ def cell_modes(
         i = lane
         while i < 2 * model.pairs.most_modes:
             n = i % model.pairs.most_modes
-            cell_JT[w, pair, n, 2 * slot + i / model.pairs.most_modes] = cell_J[start + i]
+            tangential.cell_JT[w, pair, n, 2 * slot + i / model.pairs.most_modes] = tangential.cell_J[start + i]
             i += wp.block_dim()
         slot += 1
 
@@ -212,16 +200,9 @@ def mirror_lines(model: Model, w: int, pair: int, line: int, G: wp.array(dtype=r
 
 @wp.func
 def scale_modes(
-    model: Model,
-    w: int,
-    pair: int,
-    lane: int,
-    J: wp.array(dtype=real),
-    start: int,
-    receptance: wp.array(dtype=real),
-    scratch: wp.array(dtype=real),
-    at: int,
-) -> int:
+    model: Model, w: int, pair: int, lane: int, J: wp.array(dtype=real), start: int, residuals: Residuals,
+    tangential: FrictionSolve, at: int,
+) -> int:  # fmt: skip
     """Line of J from `start` on times sigma^-1, over the modes of both bodies of a pair, to `scratch`; returns their
     number."""
     all = int(0)
@@ -230,7 +211,7 @@ def scale_modes(
         first = w * model.modes.count + model.surfaces.modal_start[surface]
         n = lane
         while n < model.surfaces.modal_count[surface]:
-            scratch[at + all + n] = J[start + all + n] * receptance[first + n]
+            tangential.cell_scaled[at + all + n] = J[start + all + n] * residuals.receptance[first + n]
             n += wp.block_dim()
         all += model.surfaces.modal_count[surface]
     sync()
@@ -239,20 +220,9 @@ def scale_modes(
 
 @wp.func
 def shift_second(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    lane: int,
-    low: int,
-    high: int,
-    origin_b: int,
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    shift: wp.array(dtype=real),
-):
+    model: Model, w: int, pair: int, m: int, lane: int, low: int, high: int, origin_b: int, cells: FrictionCells,
+    tangential: FrictionSolve,
+):  # fmt: skip
     """Displacement of the second surface's cells, columns `low` to `high` of its window, under unit tractions on cell m
     in its two directions, (2, 2 node_capacity) flat: area D_tt^B (Q o)^T."""
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
@@ -261,116 +231,106 @@ def shift_second(
     count = (high - low + 1) * 2 * rows_b
     i = lane
     while i < 4 * model.window.nodes:
-        shift[base + i] = real(0.0)
+        tangential.cell_shift[base + i] = real(0.0)
         i += wp.block_dim()
     sync()
     c = int(0)
     while c < model.window.share_columns:
         q = int(0)
         while q < model.window.share_rows:
-            part = cell_area[w, pair, m] * share[w, pair, m, c * model.window.share_rows + q]
+            part = cells.cell_area[w, pair, m] * cells.share[w, pair, m, c * model.window.share_rows + q]
             if part != real(0.0):
                 for e in range(2):
-                    line = e * rows_b + share_at[w, pair, m, 1] + q
-                    at = place_in_table(model, table, origin_b + share_at[w, pair, m, 0] + c, line, origin_b + low)
+                    line = e * rows_b + cells.share_at[w, pair, m, 1] + q
+                    at = place_in_table(
+                        model, table, origin_b + cells.share_at[w, pair, m, 0] + c, line, origin_b + low
+                    )
                     if at >= 0:
                         for d in range(2):
-                            turned = cell_turn[w, pair, m, 2 * d + e]
+                            turned = cells.cell_turn[w, pair, m, 2 * d + e]
                             if wp.abs(turned) > ROUND_OFF:
                                 start = base + d * 2 * model.window.nodes + low * 2 * rows_b
-                                axpy(count, part * turned, model.responses.number, at, shift, start)
+                                axpy(count, part * turned, model.responses.number, at, tangential.cell_shift, start)
             q += 1
         c += 1
     sync()
 
 
-@wp.kernel
+@kernel
 def assemble_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    cell_J: wp.array(dtype=real),
+    run: Run, geometry: ContactGeometry, tangential: FrictionSolve, cells: FrictionCells, residuals: Residuals,
     cell_JT: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-    shift: inout(wp.array(dtype=real)),
-    scratch: inout(wp.array(dtype=real)),
-    G: out(wp.array(dtype=real)),
-):
+):  # fmt: skip
     """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
-    low = second_low(model, w, pair, second_window)
-    high = second_high(model, w, pair, second_window)
+    low = second_low(model, w, pair, geometry.second_window)
+    high = second_high(model, w, pair, geometry.second_window)
     flexible = model.surfaces.shear_start[model.pairs.second[pair]] >= 0
     lines = 2 * model.capacity.cells
     width = model.pairs.most_modes
-    line = 2 * cell_block[w, pair, FRESH]
-    while line < 2 * cell_block[w, pair, COUNT]:
+    line = 2 * tangential.cell_block[w, pair, FRESH]
+    while line < 2 * tangential.cell_block[w, pair, COUNT]:
         if line % 2 == 0:
             couple_first(
-                model, w, pair, line / 2, center[w, pair, 0] - model.window.half, cell_slot, cell_area, G
+                model, w, pair, line / 2, geometry.center[w, pair, 0] - model.window.half, tangential.cell_slot,
+                cells.cell_area, tangential.cell_G,
             )  # fmt: skip
             if flexible:
-                origin_b = center[w, pair, 1] - model.window.second_half
+                origin_b = geometry.center[w, pair, 1] - model.window.second_half
                 shift_second(
-                    model, w, pair, cell_slot[w, pair, line / 2], lane, low, high, origin_b, cell_area, cell_turn,
-                    share, share_at, shift,
+                    model, w, pair, tangential.cell_slot[w, pair, line / 2], lane, low, high, origin_b, cells,
+                    tangential,
                 )  # fmt: skip
         at = block_of(model, w, pair) + line * lines
         if flexible:
             field = ((w * model.pairs.count + pair) * 4 + 2 * (line % 2)) * model.window.nodes
             add_on_shares(
-                model, w, pair, line / 2 + 1, real(1.0), cell_slot, cell_area, cell_turn, share, share_at, shift,
-                field, G, at,
+                model, w, pair, line / 2 + 1, real(1.0), tangential.cell_slot, cells.cell_area, cells.cell_turn,
+                cells.share, cells.share_at, tangential.cell_shift, field, tangential.cell_G, at,
             )  # fmt: skip
         scaled = (w * model.pairs.count + pair) * 2 * width
         start = (first_line(model, w, pair) + line) * width
-        modes = scale_modes(model, w, pair, lane, cell_J, start, receptance, scratch, scaled)
+        modes = scale_modes(model, w, pair, lane, tangential.cell_J, start, residuals, tangential, scaled)
         by_mode = (w * model.pairs.count + pair) * width * lines
-        add_lines(modes, 2 * (line / 2 + 1), scratch, scaled, cell_JT, by_mode, lines, G, at)
+        add_lines(
+            modes, 2 * (line / 2 + 1), tangential.cell_scaled, scaled, cell_JT, by_mode, lines, tangential.cell_G, at
+        )
         if line % 2 == 1:
-            mirror_lines(model, w, pair, line - 1, G)
+            mirror_lines(model, w, pair, line - 1, tangential.cell_G)
         line += 1
 
 
-@wp.kernel
+@kernel
 def outer_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    axes: wp.array2d(dtype=mat33),
-    r1: wp.array2d(dtype=vec3),
-    cell_wrench: wp.array4d(dtype=real),
-    weight: wp.array2d(dtype=real),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_J: wp.array(dtype=real),
-    C_receptance: wp.array(dtype=real),
-    cell_L: out(wp.array(dtype=real)),
-):
+    run: Run, trial: Trial, cells: FrictionCells, impulses: ImpulsiveContact, tangential: FrictionSolve,
+    system: OuterSystem,
+):  # fmt: skip
     """Per (world, pair): gradient L of the weak slip by the coupled outer columns times the weight of the pair, at the
     beginning of an attempt and where any pair has fresh slots."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not (ctl[w].iteration == 0 or is_fresh(model, w, cell_block)):
+    model = run.models[w]
+    if (
+        run.ctl[w].run == 0
+        or run.ctl[w].changes != 0
+        or not (run.ctl[w].iteration == 0 or is_fresh(model, w, tangential.cell_block))
+    ):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     line = int(0)
-    while line < 2 * cell_block[w, pair, COUNT]:
-        at = cell_at(rows, cell_slot[w, pair, line / 2], line % 2)
-        f = vec3(cell_wrench[w, pair, at, 0], cell_wrench[w, pair, at, 1], cell_wrench[w, pair, at, 2])
-        t = vec3(cell_wrench[w, pair, at, 3], cell_wrench[w, pair, at, 4], cell_wrench[w, pair, at, 5])
+    while line < 2 * tangential.cell_block[w, pair, COUNT]:
+        at = cell_at(rows, tangential.cell_slot[w, pair, line / 2], line % 2)
+        f = vec3(
+            cells.cell_wrench[w, pair, at, 0], cells.cell_wrench[w, pair, at, 1], cells.cell_wrench[w, pair, at, 2]
+        )
+        t = vec3(
+            cells.cell_wrench[w, pair, at, 3], cells.cell_wrench[w, pair, at, 4], cells.cell_wrench[w, pair, at, 5]
+        )
         number = first_line(model, w, pair) + line
         outer_row(
-            model, w, pair, lane, f, t, axes, r1, weight, cell_J, number * model.pairs.most_modes, C_receptance,
-            number * model.pairs.coupled_capacity, cell_L,
+            model, w, pair, lane, f, t, trial, impulses, tangential.cell_J, number * model.pairs.most_modes, system,
+            number * model.pairs.coupled_capacity, tangential.cell_L,
         )  # fmt: skip
         line += 1

@@ -9,10 +9,15 @@ the part of e that the local modes have.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.control import Clock
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real
+from warpffrf_kernels.core.scratch import Residuals
+from warpffrf_kernels.core.state import FrictionState
 from warpffrf_kernels.friction.cell_shares import line_of
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.normal.pair_forces import modal_line
@@ -30,17 +35,11 @@ SLIP = wp.constant(2)
 
 @wp.func
 def before_at(
-    model: Model,
-    w: int,
-    pair: int,
-    rows: int,
-    m: int,
-    center: wp.array3d(dtype=int),
-    history_center: wp.array2d(dtype=int),
+    model: Model, w: int, pair: int, rows: int, m: int, geometry: ContactGeometry, friction: FrictionState
 ) -> int:
     """Cell of the window of the last accepted step that lies on the same material; -1 outside that window."""
     A = model.pairs.first[pair]
-    moved = center[w, pair, 0] - history_center[w, pair]
+    moved = geometry.center[w, pair, 0] - friction.history_center[w, pair]
     turn = model.surfaces.turn[A]
     if turn > 0:
         moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
@@ -50,73 +49,57 @@ def before_at(
     return column * rows + m % rows
 
 
-@wp.kernel
-def slide_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    rigid_slip: wp.array3d(dtype=real),
-    elastic: wp.array3d(dtype=real),
-    elastic_before: wp.array3d(dtype=real),
-    history_center: wp.array2d(dtype=int),
-    slip: out(wp.array3d(dtype=real)),
-):
+@kernel
+def slide_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState):
     """Per (world, pair), lanes over cells: slip of the step [m]. Material without a history, from beyond the last
     window, is credited with the rigid slip alone."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     H = model.window.half
-    m = (window[w, pair, 0] + H) * rows + lane
-    while m < (window[w, pair, 1] + H + 1) * rows:
-        old = before_at(model, w, pair, rows, m, center, history_center)
+    m = (geometry.window[w, pair, 0] + H) * rows + lane
+    while m < (geometry.window[w, pair, 1] + H + 1) * rows:
+        old = before_at(model, w, pair, rows, m, geometry, friction)
         for d in range(2):
             i = cell_at(rows, m, d)
-            value = rigid_slip[w, pair, i]
+            value = cells.rigid_slip[w, pair, i]
             if old >= 0:
-                value += elastic[w, pair, i] - elastic_before[w, pair, cell_at(rows, old, d)]
-            slip[w, pair, i] = value
+                value += cells.elastic[w, pair, i] - friction.elastic_before[w, pair, cell_at(rows, old, d)]
+            cells.slip[w, pair, i] = value
         m += wp.block_dim()
 
 
-@wp.kernel
-def clear_modes(models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), friction_modal: out(wp.array(dtype=real))):
+@kernel
+def clear_modes(run: Run, friction_modal: wp.array(dtype=real)):
     """Per (world, pair): no load of tractions on the modes of A and B yet."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     clear_field(lane, model.pairs.most_modes, modal_line(model, w, pair), friction_modal)
 
 
-@wp.kernel
+@kernel
 def load_tractions(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    second_force: wp.array3d(dtype=real),
-    friction_modal: changed(wp.array(dtype=real)),
-):
+    run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState,
+    friction_modal: wp.array(dtype=real),
+):  # fmt: skip
     """Per (world, pair): adds the load of the tractions on the modes of A, then of B."""
     w, pair, _lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     trial = modal_line(model, w, pair)
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     modes_a = model.surfaces.modal_count[A]
-    m = (window[w, pair, 0] + model.window.half) * rows
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
         for d in range(2):
-            f = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, d)]
-            line = line_of(model, A, center[w, pair, 0] + m / rows - model.window.half, d * rows + m % rows)
+            f = cells.cell_area[w, pair, m] * friction.traction[w, pair, cell_at(rows, m, d)]
+            line = line_of(model, A, geometry.center[w, pair, 0] + m / rows - model.window.half, d * rows + m % rows)
             if f != real(0.0) and line >= 0:
                 at = model.surfaces.shear_start[A] + line * modes_a
                 axpy(modes_a, f, model.surfaces.mode_tangent, at, friction_modal, trial)
@@ -127,9 +110,9 @@ def load_tractions(
         modes = model.surfaces.modal_count[B]
         i = int(0)
         while i < 2 * model.window.second_columns * rows_b:
-            f = second_force[w, pair, i]
+            f = cells.second_force[w, pair, i]
             if f != real(0.0):
-                column = center[w, pair, 1] - model.window.second_half + i / (2 * rows_b)
+                column = geometry.center[w, pair, 1] - model.window.second_half + i / (2 * rows_b)
                 line = line_of(model, B, column, i % (2 * rows_b))
                 if line >= 0:
                     at = model.surfaces.shear_start[B] + line * modes
@@ -143,27 +126,9 @@ def creep_softness(model: Model, clk: wp.array(dtype=Clock), w: int, pair: int, 
     return clk[w].h * model.pairs.slip_velocity[pair] / bound
 
 
-@wp.kernel
+@kernel
 def add_friction(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_wrench: wp.array4d(dtype=real),
-    cell_own: wp.array3d(dtype=real),
-    bound: wp.array3d(dtype=real),
-    late: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    slip: wp.array3d(dtype=real),
-    elastic_local: wp.array3d(dtype=real),
-    pair_wrench: changed(wp.array3d(dtype=real)),
-    normal_wrench: out(wp.array3d(dtype=real)),
-    gap_defect: changed(wp.array2d(dtype=real)),
-    elastic_energy: out(wp.array3d(dtype=real)),
-    friction_work: inout(wp.array3d(dtype=real)),
-    cell_state: out(wp.array3d(dtype=int)),
-    traction_base: out(wp.array3d(dtype=real)),
+    run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState, residuals: Residuals
 ):
     """Per world: wrench, elastic energy and work of the tractions of every pair, and by how much they are not those of
     their slip, as a fraction of the largest bound of all pairs: slips have round-off of 1e-17 m, which no pair resolves
@@ -174,8 +139,8 @@ def add_friction(
     cell itself, the defect is that of a cell alone: a smaller c overstates it where the law is soft.
     """
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     largest = real(0.0)
     defect = real(0.0)
@@ -183,46 +148,50 @@ def add_friction(
     while pair < model.pairs.count:
         energy = real(0.0)
         for i in range(6):
-            normal_wrench[w, pair, i] = pair_wrench[w, pair, i]
-        friction_work[w, pair, 0] = real(0.0)
+            cells.normal_wrench[w, pair, i] = geometry.pair_wrench[w, pair, i]
+        cells.friction_work[w, pair, 0] = real(0.0)
         if model.pairs.friction[pair] > real(0.0):
             A = model.pairs.first[pair]
             rows = model.surfaces.rows[A]
-            m = (window[w, pair, 0] + model.window.half) * rows
-            while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+            m = (geometry.window[w, pair, 0] + model.window.half) * rows
+            while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
                 i_1 = cell_at(rows, m, 0)
                 i_2 = cell_at(rows, m, 1)
-                t_1 = traction[w, pair, i_1]
-                t_2 = traction[w, pair, i_2]
-                traction_base[w, pair, i_1] = t_1
-                traction_base[w, pair, i_2] = t_2
-                cell_state[w, pair, m] = OPEN
-                b = bound[w, pair, m]
+                t_1 = friction.traction[w, pair, i_1]
+                t_2 = friction.traction[w, pair, i_2]
+                cells.traction_base[w, pair, i_1] = t_1
+                cells.traction_base[w, pair, i_2] = t_2
+                cells.cell_state[w, pair, m] = OPEN
+                b = cells.bound[w, pair, m]
                 if b > real(0.0):
                     largest = wp.max(largest, b)
-                    area = cell_area[w, pair, m]
+                    area = cells.cell_area[w, pair, m]
                     for i in range(6):
-                        force = t_1 * cell_wrench[w, pair, i_1, i] + t_2 * cell_wrench[w, pair, i_2, i]
-                        pair_wrench[w, pair, i] = pair_wrench[w, pair, i] + force
-                    energy += real(0.5) * area * (t_1 * elastic_local[w, pair, i_1] + t_2 * elastic_local[w, pair, i_2])
-                    s_1 = slip[w, pair, i_1]
-                    s_2 = slip[w, pair, i_2]
-                    friction_work[w, pair, 0] = friction_work[w, pair, 0] + area * wp.min(
+                        force = t_1 * cells.cell_wrench[w, pair, i_1, i] + t_2 * cells.cell_wrench[w, pair, i_2, i]
+                        geometry.pair_wrench[w, pair, i] = geometry.pair_wrench[w, pair, i] + force
+                    energy += (
+                        real(0.5)
+                        * area
+                        * (t_1 * cells.elastic_local[w, pair, i_1] + t_2 * cells.elastic_local[w, pair, i_2])
+                    )
+                    s_1 = cells.slip[w, pair, i_1]
+                    s_2 = cells.slip[w, pair, i_2]
+                    cells.friction_work[w, pair, 0] = cells.friction_work[w, pair, 0] + area * wp.min(
                         t_1 * s_1 + t_2 * s_2, real(0.0)
                     )
-                    soft = creep_softness(model, clk, w, pair, b) + late[w, pair, m]
-                    c = cell_own[w, pair, m] + soft
+                    soft = creep_softness(model, run.clk, w, pair, b) + cells.late[w, pair, m]
+                    c = cells.cell_own[w, pair, m] + soft
                     y_1 = t_1 - (s_1 + soft * t_1) / c
                     y_2 = t_2 - (s_2 + soft * t_2) / c
                     size = wp.sqrt(y_1 * y_1 + y_2 * y_2)
-                    cell_state[w, pair, m] = STICK
+                    cells.cell_state[w, pair, m] = STICK
                     if size > b:
                         y_1 = y_1 * b / size
                         y_2 = y_2 * b / size
-                        cell_state[w, pair, m] = SLIP
+                        cells.cell_state[w, pair, m] = SLIP
                     defect = wp.max(defect, wp.max(wp.abs(y_1 - t_1), wp.abs(y_2 - t_2)))
                 m += 1
-        elastic_energy[w, pair, 1] = energy
+        friction.elastic_energy[w, pair, 1] = energy
         pair += 1
     if largest > real(0.0):
-        gap_defect[w, 0] = wp.max(gap_defect[w, 0], defect / (largest * TRACTION_SLACK))
+        residuals.gap_defect[w, 0] = wp.max(residuals.gap_defect[w, 0], defect / (largest * TRACTION_SLACK))

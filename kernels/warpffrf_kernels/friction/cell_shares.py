@@ -11,9 +11,11 @@ conjugate.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.friction.cells import rubs_on_grid
 from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
@@ -53,23 +55,13 @@ def reached(y: real, j: int) -> real:
     return real(1.0)
 
 
-@wp.kernel
-def spread_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_place: wp.array4d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: out(wp.array4d(dtype=real)),
-    share_at: out(wp.array4d(dtype=int)),
-):
+@kernel
+def spread_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells):
     """Per (world, pair), lanes over cells: the parts of a cell that lie on the cells of the second grid; 0 beyond the
     second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
@@ -79,11 +71,11 @@ def spread_cells(
     rows_b = model.surfaces.rows[B]
     z0 = model.surfaces.z_start[A]
     H = model.window.half
-    m = (window[w, pair, 0] + H) * rows + lane
-    while m < (window[w, pair, 1] + H + 1) * rows:
+    m = (geometry.window[w, pair, 0] + H) * rows + lane
+    while m < (geometry.window[w, pair, 1] + H + 1) * rows:
         row = m % rows
         z = model.surfaces.z[z0 + row]
-        zb = cell_place[w, pair, m, 1]
+        zb = cells.cell_place[w, pair, m, 1]
         metric = model.surfaces.pitch[B] * radius_of(model, B, zb)
         half_around = real(0.5) * model.surfaces.pitch[A] * radius_of(model, A, z)
         below = lower_edge(model, A, row) - z
@@ -93,13 +85,13 @@ def spread_cells(
         # the cell's rectangle, turned by Q: its extents along the second surface's tangents, and where its middle lies
         half_along = real(0.5) * (above - below)
         middle = real(0.5) * (above + below)
-        q_1 = cell_turn[w, pair, m, 0]
-        q_2 = cell_turn[w, pair, m, 1]
-        q_3 = cell_turn[w, pair, m, 2]
-        q_4 = cell_turn[w, pair, m, 3]
-        x = cell_place[w, pair, m, 0] + model.surfaces.side[B] * q_3 * middle / metric
+        q_1 = cells.cell_turn[w, pair, m, 0]
+        q_2 = cells.cell_turn[w, pair, m, 1]
+        q_3 = cells.cell_turn[w, pair, m, 2]
+        q_4 = cells.cell_turn[w, pair, m, 3]
+        x = cells.cell_place[w, pair, m, 0] + model.surfaces.side[B] * q_3 * middle / metric
         if model.surfaces.turn[B] > 0:
-            x = wrap(x, TWO_PI / model.surfaces.pitch[B], real(center[w, pair, 1]))
+            x = wrap(x, TWO_PI / model.surfaces.pitch[B], real(geometry.center[w, pair, 1]))
         half = wp.sqrt(q_1 * q_1 * half_around * half_around + q_3 * q_3 * half_along * half_along) / metric
         first = int(wp.floor(x - half + real(0.5))) - 1
         reach = wp.sqrt(q_2 * q_2 * half_around * half_around + q_4 * q_4 * half_along * half_along)
@@ -109,7 +101,7 @@ def spread_cells(
         while start + 1 < rows_b and lower_edge(model, B, start + 1) <= low:
             start += 1
         start = wp.max(wp.min(start, rows_b - model.window.share_rows), 0)
-        at = first - (center[w, pair, 1] - model.window.second_half)
+        at = first - (geometry.center[w, pair, 1] - model.window.second_half)
         c = int(0)
         while c < model.window.share_columns:
             around = reached(x + half + real(0.5), first + c) - reached(x - half + real(0.5), first + c)
@@ -118,30 +110,21 @@ def spread_cells(
             while q < model.window.share_rows:
                 value = real(0.0)
                 inside = start + q < rows_b and at + c >= 0 and at + c < model.window.second_columns
-                if inside and cell_area[w, pair, m] > real(0.0):
+                if inside and cells.cell_area[w, pair, m] > real(0.0):
                     top = model.surfaces.z[model.surfaces.z_start[B] + rows_b - 1]
                     if start + q + 1 < rows_b:
                         top = lower_edge(model, B, start + q + 1)
                     value = around * overlap(low, high, lower_edge(model, B, start + q), top) / (high - low)
-                share[w, pair, m, c * model.window.share_rows + q] = value
+                cells.share[w, pair, m, c * model.window.share_rows + q] = value
                 q += 1
             c += 1
-        share_at[w, pair, m, 0] = at
-        share_at[w, pair, m, 1] = start
+        cells.share_at[w, pair, m, 0] = at
+        cells.share_at[w, pair, m, 1] = start
         m += wp.block_dim()
 
 
 @wp.func
-def on_shares(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    second: wp.array(dtype=real),
-) -> vec3:
+def on_shares(model: Model, w: int, pair: int, m: int, cells: FrictionCells, second: wp.array(dtype=real)) -> vec3:
     """Q o u_B: mean of the second surface's displacement over cell m, along the first one's tangents (two entries)."""
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
@@ -149,19 +132,19 @@ def on_shares(
     v_2 = real(0.0)
     c = int(0)
     while c < model.window.share_columns:
-        at_c = share_at[w, pair, m, 0] + c
+        at_c = cells.share_at[w, pair, m, 0] + c
         q = int(0)
         while q < model.window.share_rows:
-            part = share[w, pair, m, c * model.window.share_rows + q]
-            at_r = share_at[w, pair, m, 1] + q
+            part = cells.share[w, pair, m, c * model.window.share_rows + q]
+            at_r = cells.share_at[w, pair, m, 1] + q
             if part != real(0.0):
                 e = base_b + at_c * 2 * rows_b + at_r
                 v_1 += part * second[e]
                 v_2 += part * second[e + rows_b]
             q += 1
         c += 1
-    u_1 = cell_turn[w, pair, m, 0] * v_1 + cell_turn[w, pair, m, 1] * v_2
-    u_2 = cell_turn[w, pair, m, 2] * v_1 + cell_turn[w, pair, m, 3] * v_2
+    u_1 = cells.cell_turn[w, pair, m, 0] * v_1 + cells.cell_turn[w, pair, m, 1] * v_2
+    u_2 = cells.cell_turn[w, pair, m, 2] * v_1 + cells.cell_turn[w, pair, m, 3] * v_2
     return vec3(u_1, u_2, real(0.0))
 
 

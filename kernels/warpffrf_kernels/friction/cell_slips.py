@@ -7,6 +7,7 @@ The defect of a cell is how far its traction is from the point of its disc that 
 
 import warp as wp
 
+from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, first_line
@@ -21,56 +22,36 @@ JUMPED = wp.constant(3)  # 1 where sliding cells are not on their circles yet
 
 @wp.func
 def add_soft_slips(
-    model: Model,
-    w: int,
-    lane: int,
-    cell_block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
+    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, softness: wp.array(dtype=real),
     x: wp.array(dtype=real),
-    push: wp.array(dtype=real),
-    turned: wp.array(dtype=real),
-    slip: wp.array(dtype=real),
-):
+):  # fmt: skip
     """slip += (K + softness) x."""
     pair = int(0)
     while pair < model.pairs.count:
         line = first_line(model, w, pair) + lane
-        end = first_line(model, w, pair) + 2 * cell_block[w, pair, COUNT]
+        end = first_line(model, w, pair) + 2 * tangential.cell_block[w, pair, COUNT]
         while line < end:
-            slip[line] = slip[line] + softness[line / 2] * x[line]
+            tangential.cell_slip[line] = tangential.cell_slip[line] + softness[line / 2] * x[line]
             line += wp.block_dim()
         pair += 1
     sync()
-    add_slips(model, w, lane, real(1.0), cell_block, D, L, M, x, push, turned, slip)
+    add_slips(
+        model, w, lane, real(1.0), tangential, slopes.speed_D, slopes.speed_L, slopes.speed_M, x, tangential.cell_slip
+    )
 
 
 @wp.func
 def find_slips(
-    model: Model,
-    w: int,
-    lane: int,
-    cell_block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
-    tau: wp.array(dtype=real),
-    push: wp.array(dtype=real),
-    turned: wp.array(dtype=real),
-    slip: wp.array(dtype=real),
+    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, softness: wp.array(dtype=real)
 ):
     """r of the tractions."""
     all = model.pairs.count * 2 * model.capacity.cells
     line = lane
     while line < all:
-        slip[w * all + line] = right[w * all + line]
+        tangential.cell_slip[w * all + line] = slopes.speed_right[w * all + line]
         line += wp.block_dim()
     sync()
-    add_soft_slips(model, w, lane, cell_block, D, L, M, softness, tau, push, turned, slip)
+    add_soft_slips(model, w, lane, tangential, slopes, softness, slopes.speed_tau)
 
 
 # Who sticks (1), slides (2) or is free of load (0) of the cells of a pair, and where sliding ones are to jump; of one
@@ -127,70 +108,39 @@ def sort_pair(
 
 @wp.func
 def sort_cells(
-    model: Model,
-    w: int,
-    lane: int,
-    cell_block: wp.array3d(dtype=int),
-    diagonal: wp.array(dtype=real),
-    radius: wp.array(dtype=real),
+    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, radius: wp.array(dtype=real),
     softness: wp.array(dtype=real),
-    tau: wp.array(dtype=real),
-    slip: wp.array(dtype=real),
-    jumps: wp.array(dtype=real),
-    direction: wp.array(dtype=real),
-    curvature: wp.array(dtype=real),
-    sliding: wp.array(dtype=int),
-    outcome: wp.array2d(dtype=real),
-) -> real:
+) -> real:  # fmt: skip
     """Kinds of the cells of all pairs; returns the defect of the tractions, as a fraction of the largest bound."""
     sync()
     if lane == 0:
         for column in range(4):
-            outcome[w, column] = real(0.0)
+            tangential.cell_outcome[w, column] = real(0.0)
     sync()
     pair = int(0)
     while pair < model.pairs.count:
-        count = cell_block[w, pair, COUNT]
+        count = tangential.cell_block[w, pair, COUNT]
         if count > 0:
             sort_pair(
-                model, w, pair, count, diagonal, radius, softness, tau, slip, jumps, direction, curvature, sliding,
-                outcome,
+                model, w, pair, count, slopes.speed_diagonal, radius, softness, slopes.speed_tau, tangential.cell_slip,
+                tangential.cell_jump, tangential.cell_direction, tangential.cell_curvature, tangential.cell_sliding,
+                tangential.cell_outcome,
             )  # fmt: skip
         pair += 1
-    if outcome[w, LARGEST] > real(0.0):
-        return outcome[w, DEFECT] / outcome[w, LARGEST]
+    if tangential.cell_outcome[w, LARGEST] > real(0.0):
+        return tangential.cell_outcome[w, DEFECT] / tangential.cell_outcome[w, LARGEST]
     return real(0.0)
 
 
 @wp.func
 def judge_cells(
-    model: Model,
-    w: int,
-    lane: int,
-    cell_block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    diagonal: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    radius: wp.array(dtype=real),
+    model: Model, w: int, lane: int, tangential: FrictionSolve, slopes: SlipSpeedSolve, radius: wp.array(dtype=real),
     softness: wp.array(dtype=real),
-    tau: wp.array(dtype=real),
-    slip: wp.array(dtype=real),
-    jumps: wp.array(dtype=real),
-    direction: wp.array(dtype=real),
-    curvature: wp.array(dtype=real),
-    sliding: wp.array(dtype=int),
-    outcome: wp.array2d(dtype=real),
-    push: wp.array(dtype=real),
-    turned: wp.array(dtype=real),
-) -> real:
+) -> real:  # fmt: skip
     """Slips of the tractions, kinds of the cells, and the right-hand side of the reduced system: the slips after
     sliding cells have jumped to their circles. Returns the defect of the tractions."""
-    find_slips(model, w, lane, cell_block, D, L, M, right, softness, tau, push, turned, slip)
-    defect = sort_cells(
-        model, w, lane, cell_block, diagonal, radius, softness, tau, slip, jumps, direction, curvature, sliding, outcome
-    )  # fmt: skip
-    if outcome[w, JUMPED] != real(0.0):
-        add_soft_slips(model, w, lane, cell_block, D, L, M, softness, jumps, push, turned, slip)
+    find_slips(model, w, lane, tangential, slopes, softness)
+    defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
+    if tangential.cell_outcome[w, JUMPED] != real(0.0):
+        add_soft_slips(model, w, lane, tangential, slopes, softness, tangential.cell_jump)
     return defect

@@ -27,10 +27,14 @@ gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relat
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.model import PATCH, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import FrictionState, MotionState
 from warpffrf_kernels.kinematics.line_of_centres import TWO_PI, wrap
 from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 from warpffrf_kernels.surfaces.surface import (
@@ -83,31 +87,26 @@ def opposite(model: Model, B: int, origin: vec3, frame: mat33, x: vec3, c: vec3,
     return vec3(place[0], place[1], gap)
 
 
-@wp.kernel
+@kernel
 def open_cells(
-    models: wp.array(dtype=Model),
-    phase: wp.array3d(dtype=real),
-    center: wp.array3d(dtype=int),
-    ctl: inout(wp.array(dtype=Control)),
-    cell_phase: inout(wp.array3d(dtype=real)),
-    traction: inout(wp.array3d(dtype=real)),
-    friction_offset: inout(wp.array2d(dtype=real)),
-):
+    run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState,
+    friction_offset: wp.array2d(dtype=real),
+):  # fmt: skip
     """Per (world, pair): the tractions of the last attempt put where the patch is now (as `open_window` does with the
     pressures); whether the compliance of the cells is to be assembled anew."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     moved = real(0.0)
     for i in range(4):
-        moved = wp.max(moved, wp.abs(phase[w, pair, 4 + i] - cell_phase[w, pair, i]))
-    if ctl[w].iteration == 0 or ctl[w].recenter != 0 or not (moved < PHASE_TOLERANCE):
-        ctl[w].stale = 1
+        moved = wp.max(moved, wp.abs(geometry.phase[w, pair, 4 + i] - cells.cell_phase[w, pair, i]))
+    if run.ctl[w].iteration == 0 or run.ctl[w].recenter != 0 or not (moved < PHASE_TOLERANCE):
+        run.ctl[w].stale = 1
         for i in range(4):
-            cell_phase[w, pair, i] = phase[w, pair, 4 + i]
+            cells.cell_phase[w, pair, i] = geometry.phase[w, pair, 4 + i]
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
+    offset = real(0.5) * (geometry.phase[w, pair, 4] + geometry.phase[w, pair, 6]) - real(geometry.center[w, pair, 0])
     shift = int(wp.floor(offset - friction_offset[w, pair] + real(0.5))) * 2 * rows
     if shift == 0:
         return
@@ -121,10 +120,10 @@ def open_cells(
         source = to - shift
         value = real(0.0)
         if source >= 0 and source < size:
-            value = traction[w, pair, source]
+            value = friction.traction[w, pair, source]
             if not wp.isfinite(value):  # left by a rejected attempt
                 value = real(0.0)
-        traction[w, pair, to] = value
+        friction.traction[w, pair, to] = value
         n += 1
 
 
@@ -163,40 +162,30 @@ class Place:
 
 @wp.func
 def look(
-    model: Model,
-    w: int,
-    A: int,
-    B: int,
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    known: vec3,
-    theta: real,
-    z: real,
+    model: Model, w: int, A: int, B: int, state: MotionState, trial: Trial, known: vec3, theta: real, z: real
 ) -> Sight:
     """The surfaces A and B of a pair; `known`: the common normal, zero before the first touch, where it is that of A at
     (theta, z)."""
     a = model.surfaces.body[A]
     b = model.surfaces.body[B]
-    axes_a = axes_of(axes, w, a)
-    axes_b = axes_of(axes, w, b)
+    axes_a = axes_of(trial.axes, w, a)
+    axes_b = axes_of(trial.axes, w, b)
     before_a = wp.identity(n=3, dtype=real)
     before_b = wp.identity(n=3, dtype=real)
     if a >= 0:
-        before_a = wp.quat_to_matrix(p[w, a])
+        before_a = wp.quat_to_matrix(state.p[w, a])
     if b >= 0:
-        before_b = wp.quat_to_matrix(p[w, b])
+        before_b = wp.quat_to_matrix(state.p[w, b])
     s = Sight()
-    s.origin = origin_of(r1, w, a)
+    s.origin = origin_of(trial.r1, w, a)
     s.turn_a = axes_a * model.surfaces.frame[A]
     s.turn_b = axes_b * model.surfaces.frame[B]
     s.at_a = s.origin + axes_a * model.surfaces.origin[A]
-    s.at_b = origin_of(r1, w, b) + axes_b * model.surfaces.origin[B]
+    s.at_b = origin_of(trial.r1, w, b) + axes_b * model.surfaces.origin[B]
     s.turn_a0 = before_a * model.surfaces.frame[A]
     s.turn_b0 = before_b * model.surfaces.frame[B]
-    s.at_a0 = origin_of(r, w, a) + before_a * model.surfaces.origin[A]
-    s.at_b0 = origin_of(r, w, b) + before_b * model.surfaces.origin[B]
+    s.at_a0 = origin_of(state.r, w, a) + before_a * model.surfaces.origin[A]
+    s.at_b0 = origin_of(state.r, w, b) + before_b * model.surfaces.origin[B]
     if model.surfaces.side[A] < real(0.0) or model.surfaces.side[B] < real(0.0):
         s.inside = int(1)
     s.normal = known
@@ -251,77 +240,52 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
 
 
 @wp.func
-def keep_cell(
-    w: int,
-    pair: int,
-    rows: int,
-    m: int,
-    area: real,
-    found: Place,
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    cell_wrench: wp.array4d(dtype=real),
-    rigid_slip: wp.array3d(dtype=real),
-):
+def keep_cell(w: int, pair: int, rows: int, m: int, area: real, found: Place, cells: FrictionCells):
     """What all cells are known by: area, turn, wrench per unit traction, rigid slip."""
-    cell_area[w, pair, m] = area
+    cells.cell_area[w, pair, m] = area
     for i in range(4):
-        cell_turn[w, pair, m, i] = found.turn[i]
-    rigid_slip[w, pair, cell_at(rows, m, 0)] = found.slip_1
-    rigid_slip[w, pair, cell_at(rows, m, 1)] = found.slip_2
+        cells.cell_turn[w, pair, m, i] = found.turn[i]
+    cells.rigid_slip[w, pair, cell_at(rows, m, 0)] = found.slip_1
+    cells.rigid_slip[w, pair, cell_at(rows, m, 1)] = found.slip_2
     first = wp.cross(found.arm, found.u_1)
     second = wp.cross(found.arm, found.u_2)
     for i in range(3):
-        cell_wrench[w, pair, cell_at(rows, m, 0), i] = area * found.u_1[i]
-        cell_wrench[w, pair, cell_at(rows, m, 0), 3 + i] = area * first[i]
-        cell_wrench[w, pair, cell_at(rows, m, 1), i] = area * found.u_2[i]
-        cell_wrench[w, pair, cell_at(rows, m, 1), 3 + i] = area * second[i]
+        cells.cell_wrench[w, pair, cell_at(rows, m, 0), i] = area * found.u_1[i]
+        cells.cell_wrench[w, pair, cell_at(rows, m, 0), 3 + i] = area * first[i]
+        cells.cell_wrench[w, pair, cell_at(rows, m, 1), i] = area * found.u_2[i]
+        cells.cell_wrench[w, pair, cell_at(rows, m, 1), 3 + i] = area * second[i]
 
 
-@wp.kernel
+@kernel
 def place_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    contact_normal: wp.array2d(dtype=vec3),
-    cell_area: out(wp.array3d(dtype=real)),
-    cell_place: out(wp.array4d(dtype=real)),
-    cell_turn: out(wp.array4d(dtype=real)),
-    cell_wrench: out(wp.array4d(dtype=real)),
-    cell_own: out(wp.array3d(dtype=real)),
-    rigid_slip: out(wp.array3d(dtype=real)),
+    run: Run, geometry: ContactGeometry, state: MotionState, trial: Trial, friction: FrictionState, cells: FrictionCells
 ):
     """Per (world, pair), lanes over the cells of the window: area, opposite grid place (column, row coordinate) on the
     second surface, components of its tangents in those of the first, wrench per unit traction, displacement by a unit
     traction of their own, and rigid slip."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
     rows = model.surfaces.rows[A]
     H = model.window.half
-    middle = model.surfaces.theta[A] + real(center[w, pair, 0]) * model.surfaces.pitch[A]
+    middle = model.surfaces.theta[A] + real(geometry.center[w, pair, 0]) * model.surfaces.pitch[A]
     z = model.surfaces.z[model.surfaces.z_start[A] + rows / 2]
-    s = look(model, w, A, B, r, p, r1, axes, contact_normal[w, pair], middle, z)
+    s = look(model, w, A, B, state, trial, friction.contact_normal[w, pair], middle, z)
     table = model.responses.tangential[own_load(model, 2 * pair)]
-    m = (window[w, pair, 0] + H) * rows + lane
-    while m < (window[w, pair, 1] + H + 1) * rows:
-        column = center[w, pair, 0] + m / rows - H
+    m = (geometry.window[w, pair, 0] + H) * rows + lane
+    while m < (geometry.window[w, pair, 1] + H + 1) * rows:
+        column = geometry.center[w, pair, 0] + m / rows - H
         row = m % rows
         area = model.surfaces.cell_area[model.surfaces.z_start[A] + row]
         if model.surfaces.periodic[A] == 0 and (column < 0 or column >= model.surfaces.columns[A]):
             area = real(0.0)
         theta = model.surfaces.theta[A] + real(column) * model.surfaces.pitch[A]
         found = find_cell(model, A, B, s, theta, model.surfaces.z[model.surfaces.z_start[A] + row])
-        keep_cell(w, pair, rows, m, area, found, cell_area, cell_turn, cell_wrench, rigid_slip)
-        cell_own[w, pair, m] = area * model.responses.number[place_in_table(model, table, 0, row, 0) + row]
-        cell_place[w, pair, m, 0] = (found.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
-        cell_place[w, pair, m, 1] = found.z
+        keep_cell(w, pair, rows, m, area, found, cells)
+        cells.cell_own[w, pair, m] = area * model.responses.number[place_in_table(model, table, 0, row, 0) + row]
+        cells.cell_place[w, pair, m, 0] = (found.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
+        cells.cell_place[w, pair, m, 1] = found.z
         m += wp.block_dim()

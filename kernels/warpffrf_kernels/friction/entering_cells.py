@@ -25,10 +25,13 @@ patches it may jump). Along the rows the advance is not known: cells that are re
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.model import AT_POINTS, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cell_forces import before_at
 from warpffrf_kernels.friction.cells import rubs_on_grid
 from warpffrf_kernels.friction.traction_bounds import pressed
@@ -46,19 +49,12 @@ JUST_REACHED = wp.constant(wp.float64(0.02))
 
 
 @wp.func
-def advanced_columns(
-    model: Model,
-    w: int,
-    pair: int,
-    phase: wp.array3d(dtype=real),
-    nearest: wp.array3d(dtype=real),
-    history_phase: wp.array2d(dtype=real),
-) -> real:
+def advanced_columns(model: Model, w: int, pair: int, geometry: ContactGeometry, friction: FrictionState) -> real:
     """Columns of the first grid by which the patch has advanced since the end of the last step."""
-    at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
+    at = real(0.5) * (geometry.phase[w, pair, 4] + geometry.phase[w, pair, 6])
     if model.pairs.family[pair] == AT_POINTS:
-        at = nearest[w, pair, 0]
-    advanced = at - history_phase[w, pair]
+        at = geometry.nearest[w, pair, 0]
+    advanced = at - friction.history_phase[w, pair]
     A = model.pairs.first[pair]
     if model.surfaces.turn[A] > 0:
         advanced = wrap(advanced, real(model.surfaces.turn[A]), real(0.0))
@@ -67,19 +63,12 @@ def advanced_columns(
 
 @wp.func
 def response_between(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    n: int,
-    center: wp.array3d(dtype=int),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
+    model: Model, w: int, pair: int, m: int, n: int, geometry: ContactGeometry, cells: FrictionCells
 ) -> real:
     """Displacement around of both surfaces' local modes, mean over cell n, under a unit force around on cell m of the
     same row [m/N]."""
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    origin = center[w, pair, 0] - model.window.half
+    origin = geometry.center[w, pair, 0] - model.window.half
     total = real(0.0)
     table = model.responses.tangential[own_load(model, 2 * pair)]
     at = place_in_table(model, table, origin + m / rows, m % rows, origin + n / rows)
@@ -88,20 +77,20 @@ def response_between(
     if model.surfaces.shear_start[model.pairs.second[pair]] < 0:
         return total
     table_b = model.responses.tangential[own_load(model, 2 * pair + 1)]
-    origin_b = center[w, pair, 1] - model.window.second_half
+    origin_b = geometry.center[w, pair, 1] - model.window.second_half
     shares = model.window.share_columns * model.window.share_rows
     i = int(0)
     while i < shares:
         j = int(0)
-        while share[w, pair, m, i] != real(0.0) and j < shares:
-            if share[w, pair, n, j] != real(0.0):
-                source = origin_b + share_at[w, pair, m, 0] + i / model.window.share_rows
-                target = origin_b + share_at[w, pair, n, 0] + j / model.window.share_rows
-                line = share_at[w, pair, m, 1] + i % model.window.share_rows
+        while cells.share[w, pair, m, i] != real(0.0) and j < shares:
+            if cells.share[w, pair, n, j] != real(0.0):
+                source = origin_b + cells.share_at[w, pair, m, 0] + i / model.window.share_rows
+                target = origin_b + cells.share_at[w, pair, n, 0] + j / model.window.share_rows
+                line = cells.share_at[w, pair, m, 1] + i % model.window.share_rows
                 at = place_in_table(model, table_b, source, line, target)
                 if at >= 0:
-                    at += share_at[w, pair, n, 1] + j % model.window.share_rows
-                    total += share[w, pair, m, i] * share[w, pair, n, j] * model.responses.number[at]
+                    at += cells.share_at[w, pair, n, 1] + j % model.window.share_rows
+                    total += cells.share[w, pair, m, i] * cells.share[w, pair, n, j] * model.responses.number[at]
             j += 1
         i += 1
     return total
@@ -109,18 +98,9 @@ def response_between(
 
 @wp.func
 def lag_of_touch(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    advanced: real,
-    low: int,
-    high: int,
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-) -> real:
+    model: Model, w: int, pair: int, m: int, advanced: real, low: int, high: int, contact: ContactState,
+    cells: FrictionCells, geometry: ContactGeometry,
+) -> real:  # fmt: skip
     """(1 - phi)/phi = a/d - 1 of cell m, not below 0."""
     ahead = model.surfaces.rows[model.pairs.first[pair]]
     if advanced < real(0.0):
@@ -128,21 +108,21 @@ def lag_of_touch(
     # the last hat under pressure ahead of the cell, or the one behind it
     last = m
     d = real(0.0)
-    if not (pressed(model, w, pair, m, low, high, active, pressure, cell_area, area) > real(0.0)):
+    if not (pressed(model, w, pair, m, low, high, contact, cells, geometry) > real(0.0)):
         last = m - ahead
         d = real(-1.0)
-    here = pressed(model, w, pair, last, low, high, active, pressure, cell_area, area)
+    here = pressed(model, w, pair, last, low, high, contact, cells, geometry)
     if not (here > real(0.0)):
         return real(0.0)  # beside the patch
-    following = pressed(model, w, pair, last + ahead, low, high, active, pressure, cell_area, area)
+    following = pressed(model, w, pair, last + ahead, low, high, contact, cells, geometry)
     while following > real(0.0):
         last += ahead
         d += real(1.0)
         if d > wp.abs(advanced):
             return real(0.0)
         here = following
-        following = pressed(model, w, pair, last + ahead, low, high, active, pressure, cell_area, area)
-    behind = pressed(model, w, pair, last - ahead, low, high, active, pressure, cell_area, area)
+        following = pressed(model, w, pair, last + ahead, low, high, contact, cells, geometry)
+    behind = pressed(model, w, pair, last - ahead, low, high, contact, cells, geometry)
     ratio = real(1.0)
     if behind > real(0.0):
         ratio = wp.min(COLUMNS_PER_RATIO * here / behind, real(1.0))
@@ -150,90 +130,65 @@ def lag_of_touch(
     return wp.max(wp.abs(advanced) / wp.max(d, JUST_REACHED) - real(1.0), real(0.0))
 
 
-@wp.kernel
+@kernel
 def soften_late(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    phase: wp.array3d(dtype=real),
-    nearest: wp.array3d(dtype=real),
-    history_center: wp.array2d(dtype=int),
-    history_phase: wp.array2d(dtype=real),
-    last_normal: wp.array2d(dtype=vec3),
-    pressed_before: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
+    run: Run, geometry: ContactGeometry, friction: FrictionState, contact: ContactState, cells: FrictionCells,
     of_state: int,
-    bound: wp.array3d(dtype=real),
-    apart: inout(wp.array3d(dtype=real)),
-    late: out(wp.array3d(dtype=real)),
-):
+):  # fmt: skip
     """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
     last step ended without contact: the patch advances from nowhere. apart: D_mm - D_mn of the cells that were asked
     for since the bodies have moved, -1 of the others."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
-    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
+    if (of_state != 0 and run.ctl[w].moved == 0) or (of_state == 0 and run.ctl[w].changes != 0):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    low = (window[w, pair, 0] + model.window.half) * rows
-    high = (window[w, pair, 1] + model.window.half + 1) * rows - 1
+    low = (geometry.window[w, pair, 0] + model.window.half) * rows
+    high = (geometry.window[w, pair, 1] + model.window.half + 1) * rows - 1
     advanced = real(0.0)
-    if wp.length(last_normal[w, pair]) > real(0.0):
-        advanced = advanced_columns(model, w, pair, phase, nearest, history_phase)
+    if wp.length(friction.contact_normal[w, pair]) > real(0.0):
+        advanced = advanced_columns(model, w, pair, geometry, friction)
     m = lane
     while m < model.window.columns * rows:
         soft = real(0.0)
         if of_state != 0:
-            apart[w, pair, m] = real(-1.0)
-        if bound[w, pair, m] > real(0.0) and advanced != real(0.0):
-            old = before_at(model, w, pair, rows, m, center, history_center)
+            cells.apart[w, pair, m] = real(-1.0)
+        if cells.bound[w, pair, m] > real(0.0) and advanced != real(0.0):
+            old = before_at(model, w, pair, rows, m, geometry, friction)
             touched = int(0)
             if old >= 0:
-                touched = pressed_before[w, pair, old]
+                touched = friction.pressed_before[w, pair, old]
             lag = real(0.0)
             if touched == 0:
-                lag = lag_of_touch(model, w, pair, m, advanced, low, high, active, pressure, cell_area, area)
+                lag = lag_of_touch(model, w, pair, m, advanced, low, high, contact, cells, geometry)
             n = m - rows
             if (advanced < real(0.0) or n < low) and m + rows <= high:
                 n = m + rows
             if lag > real(0.0) and n >= low:
-                if apart[w, pair, m] < real(0.0):
-                    own = response_between(model, w, pair, m, m, center, share, share_at)
-                    less = own - response_between(model, w, pair, m, n, center, share, share_at)
-                    apart[w, pair, m] = wp.max(less, real(0.0))
-                soft = BOTH * apart[w, pair, m] * cell_area[w, pair, m] * lag
-        late[w, pair, m] = soft
+                if cells.apart[w, pair, m] < real(0.0):
+                    own = response_between(model, w, pair, m, m, geometry, cells)
+                    less = own - response_between(model, w, pair, m, n, geometry, cells)
+                    cells.apart[w, pair, m] = wp.max(less, real(0.0))
+                soft = BOTH * cells.apart[w, pair, m] * cells.cell_area[w, pair, m] * lag
+        cells.late[w, pair, m] = soft
         m += wp.block_dim()
 
 
-@wp.kernel
-def keep_pressed(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    pressed_before: out(wp.array3d(dtype=int)),
-):
+@kernel
+def keep_pressed(run: Run, geometry: ContactGeometry, contact: ContactState, friction: FrictionState):
     """Per (world, pair), lanes over cells: which nodes an accepted step leaves under pressure, for the next one."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].attempt == 0 or run.ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     m = lane
     while m < model.window.columns * rows:
         o = m / rows - model.window.half
-        inside = o >= window[w, pair, 0] and o <= window[w, pair, 1]
-        pressed_before[w, pair, m] = 0
-        if inside and active[w, pair, m] != 0 and pressure[w, pair, m] > real(0.0):
-            pressed_before[w, pair, m] = 1
+        inside = o >= geometry.window[w, pair, 0] and o <= geometry.window[w, pair, 1]
+        friction.pressed_before[w, pair, m] = 0
+        if inside and contact.active[w, pair, m] != 0 and contact.pressure[w, pair, m] > real(0.0):
+            friction.pressed_before[w, pair, m] = 1
         m += wp.block_dim()

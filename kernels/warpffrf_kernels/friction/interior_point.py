@@ -12,8 +12,10 @@ ten of them suffice (the primal-dual method of convex programs).
 
 import warp as wp
 
+from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scratch import OuterSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT, FREE
 from warpffrf_kernels.friction.cell_slips import find_slips, sort_cells
 from warpffrf_kernels.friction.reduced_system import factor_reduced, solve_reduced
@@ -171,52 +173,16 @@ def go_inside(
 
 @wp.func
 def come_near(
-    model: Model,
-    p: Pattern,
-    w: int,
-    lane: int,
-    wanted: real,
-    held: int,
-    cell_block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    diagonal: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    radius: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
-    bordered: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    tau: wp.array(dtype=real),
-    slip: wp.array(dtype=real),
-    jumps: wp.array(dtype=real),
-    direction: wp.array(dtype=real),
-    curvature: wp.array(dtype=real),
-    slope: wp.array(dtype=real),
-    sliding: wp.array(dtype=int),
-    order: wp.array(dtype=int),
-    outcome: wp.array2d(dtype=real),
-    inside: wp.array2d(dtype=real),
-    solution: wp.array(dtype=real),
-    U: wp.array(dtype=real),
-    W: wp.array(dtype=real),
-    square: wp.array(dtype=real),
-    push: wp.array(dtype=real),
-    turned: wp.array(dtype=real),
-    outer: wp.array3d(dtype=real),
-    scaling: wp.array2d(dtype=real),
-    pivots: wp.array2d(dtype=int),
-    factor: wp.array(dtype=real),
-    vector: wp.array(dtype=real),
-    lines: wp.array(dtype=real),
-    fallback: wp.array2d(dtype=int),
-    work: wp.array3d(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-) -> int:
+    model: Model, p: Pattern, w: int, lane: int, wanted: real, held: int, tangential: FrictionSolve,
+    slopes: SlipSpeedSolve, radius: wp.array(dtype=real), softness: wp.array(dtype=real), system: OuterSystem,
+) -> int:  # fmt: skip
     """Tractions near the solution, up to a defect of `wanted`; returns the number of steps."""
     pair = int(0)
     while pair < model.pairs.count:
-        begin_inside(model, w, pair, cell_block[w, pair, COUNT], diagonal, right, radius, tau, slip, slope)
+        begin_inside(
+            model, w, pair, tangential.cell_block[w, pair, COUNT], slopes.speed_diagonal, slopes.speed_right, radius,
+            slopes.speed_tau, tangential.cell_slip, tangential.cell_slope,
+        )  # fmt: skip
         pair += 1
     n = int(0)
     defect = real(1.0)
@@ -224,43 +190,43 @@ def come_near(
     while n < STEPS and defect > wanted and bad == 0:
         sync()
         if lane == 0:
-            inside[w, MU] = real(0.0)
-            inside[w, LENGTH] = real(1.0)
+            tangential.cell_inside[w, MU] = real(0.0)
+            tangential.cell_inside[w, LENGTH] = real(1.0)
         sync()
         all = int(0)
         pair = int(0)
         while pair < model.pairs.count:
             m = fill_inside(
-                model, w, pair, cell_block[w, pair, COUNT], D, L, radius, softness, tau, slope, order, U, W, inside
+                model, w, pair, tangential.cell_block[w, pair, COUNT], slopes.speed_D, slopes.speed_L, radius, softness,
+                slopes.speed_tau, tangential.cell_slope, tangential.cell_order, tangential.cell_U, tangential.cell_W,
+                tangential.cell_inside,
             )  # fmt: skip
             if lane == 0:
-                cell_block[w, pair, FREE] = m
+                tangential.cell_block[w, pair, FREE] = m
             all += m
             pair += 1
         sync()
         n += 1
-        mu = CENTRED * real(2.0) * inside[w, MU] / wp.max(real(all), real(1.0))
-        bad = factor_reduced(model, p, w, cell_block, bordered, U, W, square, outer)
+        mu = CENTRED * real(2.0) * tangential.cell_inside[w, MU] / wp.max(real(all), real(1.0))
+        bad = factor_reduced(model, p, w, tangential, slopes)
         pair = int(0)
         while pair < model.pairs.count:
-            pose_inside(model, w, pair, cell_block[w, pair, FREE], mu, radius, tau, slip, order, solution)
+            pose_inside(
+                model, w, pair, tangential.cell_block[w, pair, FREE], mu, radius, slopes.speed_tau,
+                tangential.cell_slip, tangential.cell_order, tangential.cell_solution,
+            )  # fmt: skip
             pair += 1
-        bad += solve_reduced(
-            model, p, w, lane, 1, held, cell_block, U, W, outer, hold, scaling, pivots, factor, vector, lines, fallback,
-            work, inverse_transposed, push, turned, solution,
-        )  # fmt: skip
+        bad += solve_reduced(model, p, w, lane, 1, held, tangential, system)
         if bad == 0:
             for move in range(2):
                 pair = int(0)
                 while pair < model.pairs.count:
                     go_inside(
-                        model, w, pair, cell_block[w, pair, FREE], mu, WITHIN, move, radius, order, solution, tau,
-                        slope, inside,
+                        model, w, pair, tangential.cell_block[w, pair, FREE], mu, WITHIN, move, radius,
+                        tangential.cell_order, tangential.cell_solution, slopes.speed_tau, tangential.cell_slope,
+                        tangential.cell_inside,
                     )  # fmt: skip
                     pair += 1
-            find_slips(model, w, lane, cell_block, D, L, M, right, softness, tau, push, turned, slip)
-            defect = sort_cells(
-                model, w, lane, cell_block, diagonal, radius, softness, tau, slip, jumps, direction, curvature,
-                sliding, outcome,
-            )  # fmt: skip
+            find_slips(model, w, lane, tangential, slopes, softness)
+            defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
     return n

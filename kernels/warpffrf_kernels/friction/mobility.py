@@ -8,10 +8,13 @@ outer coordinates.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactSolve
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionSolve
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scratch import OuterSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT
 from warpffrf_kernels.friction.pressure_answer import RENEWED
 from warpffrf_kernels.linear.outer_solve import solve
@@ -34,58 +37,43 @@ def is_pushed(model: Model, c: int) -> bool:
     return False
 
 
-@wp.kernel
+@kernel
 def invert_outer(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    ctl: wp.array(dtype=Control),
-    answer_state: wp.array2d(dtype=int),
-    matrix: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    factor: inout(wp.array(dtype=real)),
-    vector: inout(wp.array(dtype=real)),
-    lines: inout(wp.array(dtype=real)),
-    fallback: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-    right: inout(wp.array(dtype=real)),
-    column: inout(wp.array(dtype=real)),
-    mobility: out(wp.array(dtype=real)),
+    run: Run, tangential: FrictionSolve, normal: ContactSolve, system: OuterSystem, patterns: wp.array(dtype=Pattern)
 ):
     """Per world: M, column by column with the factor of the last solve, where Y is new."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0:
         return
     N = model.outer.count
     i = lane
     while i < N:
-        right[w * N + i] = real(0.0)
+        tangential.mobility_rhs[w * N + i] = real(0.0)
         i += wp.block_dim()
     c = int(0)
     while c < N:
         sync()
         if is_pushed(model, c):
             if lane == 0:
-                right[w * N + c] = real(1.0)
+                tangential.mobility_rhs[w * N + c] = real(1.0)
             sync()
             solve(
-                model, patterns[0], w, lane, 0, matrix, right, hold, 0, scaling, pivots, factor, vector, lines,
-                fallback, work, inverse_transposed, column,
+                model, patterns[0], w, lane, 0, normal.bordered, tangential.mobility_rhs, system.hold, 0,
+                system.scaling, system.pivots, system.sparse_factor, system.sparse_vector, system.sparse_lines,
+                system.fallback, system.elimination, system.inverse_transposed, tangential.mobility_column,
             )  # fmt: skip
             sync()
             i = lane
             while i < N:
-                mobility[(w * N + c) * N + i] = column[w * N + i]
+                tangential.mobility[(w * N + c) * N + i] = tangential.mobility_column[w * N + i]
                 i += wp.block_dim()
             if lane == 0:
-                right[w * N + c] = real(0.0)
+                tangential.mobility_rhs[w * N + c] = real(0.0)
         else:
             i = lane
             while i < N:
-                mobility[(w * N + c) * N + i] = real(0.0)
+                tangential.mobility[(w * N + c) * N + i] = real(0.0)
                 i += wp.block_dim()
         c += 1
 
@@ -143,23 +131,15 @@ def move_pair(
 ): ...
 
 
-@wp.kernel
-def diagonal_blocks(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    answer_state: wp.array2d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    own: inout(wp.array(dtype=real)),
-    V: inout(wp.array(dtype=real)),
-    diagonal: out(wp.array(dtype=real)),
-):
+@kernel
+def diagonal_blocks(run: Run, tangential: FrictionSolve):
     """Per (world, pair): what each cell's tractions do to the outer coordinates and to its own slip, where new."""
     w, pair, _lane = wp.tid()
-    model = models[w]
-    lines = 2 * cell_block[w, pair, COUNT]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or lines == 0:
+    model = run.models[w]
+    lines = 2 * tangential.cell_block[w, pair, COUNT]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0 or lines == 0:
         return
-    move_pair(model, w, pair, lines, D, L, M, own, V, diagonal)
+    move_pair(
+        model, w, pair, lines, tangential.cell_D, tangential.cell_bordered, tangential.mobility,
+        tangential.mobility_own, tangential.cell_V, tangential.cell_diagonal,
+    )  # fmt: skip

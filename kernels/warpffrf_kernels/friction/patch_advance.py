@@ -12,11 +12,15 @@ The largest advance since the last saved row is kept with the state, so that non
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
-from warpffrf_kernels.core.model import AT_POINTS, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.model import AT_POINTS
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import FrictionState
 from warpffrf_kernels.friction.cells import rubs_on_grid
 from warpffrf_kernels.kinematics.closest_point import settle, view_of
 from warpffrf_kernels.kinematics.line_of_centres import wrap
@@ -24,40 +28,29 @@ from warpffrf_kernels.kinematics.line_of_centres import wrap
 wp.set_module_options(MODULE_OPTIONS)
 
 
-@wp.kernel
-def follow_patch(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    phase: wp.array3d(dtype=real),
-    nearest: wp.array3d(dtype=real),
-    history_phase: inout(wp.array2d(dtype=real)),
-    history_z: inout(wp.array2d(dtype=real)),
-    most_advanced: inout(wp.array2d(dtype=real)),
-    advanced: out(wp.array2d(dtype=real)),
-):
+@kernel
+def follow_patch(run: Run, trial: Trial, geometry: ContactGeometry, friction: FrictionState, cells: FrictionCells):
     """Per (world, pair with friction), after an accepted attempt: columns `advanced` (signed), the largest since the
     last saved row, and the place now: column and z [m] on the first surface (z of pairs at points alone)."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].attempt == 0 or run.ctl[w].accept == 0 or not rubs_on_grid(model, pair):
         return
     A = model.pairs.first[pair]
-    before = history_phase[w, pair]
-    at = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
+    before = friction.history_phase[w, pair]
+    at = real(0.5) * (geometry.phase[w, pair, 4] + geometry.phase[w, pair, 6])
     now = at
     if model.pairs.family[pair] == AT_POINTS:
-        at = nearest[w, pair, 0]
+        at = geometry.nearest[w, pair, 0]
         B = model.pairs.second[pair]
-        now = settle(model, A, B, view_of(model, w, pair, r1, axes), before, history_z[w, pair])
-        history_z[w, pair] = nearest[w, pair, 1]
+        now = settle(model, A, B, view_of(model, w, pair, trial), before, friction.history_z[w, pair])
+        friction.history_z[w, pair] = geometry.nearest[w, pair, 1]
     way = now - before
     if model.surfaces.turn[A] > 0:
         way = wrap(way, real(model.surfaces.turn[A]), real(0.0))
-    history_phase[w, pair] = at
-    advanced[w, pair] = way
-    if is_whole(ctl, w):
-        most_advanced[w, pair] = wp.max(most_advanced[w, pair], wp.abs(way))
+    friction.history_phase[w, pair] = at
+    cells.advanced[w, pair] = way
+    if is_whole(run.ctl, w):
+        friction.most_advanced[w, pair] = wp.max(friction.most_advanced[w, pair], wp.abs(way))
     else:
-        most_advanced[w, pair] = real(0.0)
+        friction.most_advanced[w, pair] = real(0.0)

@@ -32,10 +32,14 @@ nobody changes sides.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve, RollingScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, first_line, is_fresh, move_outer
 from warpffrf_kernels.friction.cell_compliance import scale_modes
 from warpffrf_kernels.friction.cell_shares import add_on_shares
@@ -74,79 +78,45 @@ def answering(model: Model, pair: int, slots: int) -> int:
 
 
 @wp.func
-def is_new(
-    model: Model,
-    w: int,
-    n: int,
-    cell_block: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    answer_hat: wp.array2d(dtype=int),
-    answer_state: wp.array2d(dtype=int),
-) -> bool:
+def is_new(model: Model, w: int, n: int, tangential: FrictionSolve, normal: ContactSolve) -> bool:
     """Whether there are fresh cells, or the active set is not the one that Y was made for."""
-    if n != answer_state[w, ACTIVE] or is_fresh(model, w, cell_block):
+    if n != tangential.answer_state[w, ACTIVE] or is_fresh(model, w, tangential.cell_block):
         return True
     a = int(0)
-    while a < n and hat_of(model, w, order[w, a], slot_hat) == answer_hat[w, a]:
+    while a < n and hat_of(model, w, normal.order[w, a], normal.slot_hat) == tangential.answer_hat[w, a]:
         a += 1
     return a < n
 
 
-@wp.kernel
-def open_answer(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    cell_block: wp.array3d(dtype=int),
-    answer_hat: inout(wp.array2d(dtype=int)),
-    answer_state: inout(wp.array2d(dtype=int)),
-):
+@kernel
+def open_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
     """Per world: whether Y is to be made anew, for the active slots in the order of the last solve."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    n = block[w, 0, LEFT_START]  # the places before are those of active slots
+    n = normal.block[w, 0, LEFT_START]  # the places before are those of active slots
     # in every attempt the pressures' G is another one, and with it Y, and gradients by the motion of the bodies
-    renewed = ctl[w].iteration == 0 or is_new(model, w, n, cell_block, order, slot_hat, answer_hat, answer_state)
+    renewed = run.ctl[w].iteration == 0 or is_new(model, w, n, tangential, normal)
     # and so is the outer matrix that the receptance of tractions is condensed with, where it is inverted anew
-    renewed = renewed or ctl[w].refresh != 0
-    answer_state[w, ACTIVE] = n
-    answer_state[w, RENEWED] = 0
-    answer_state[w, OPEN] = 1
-    answer_state[w, ROUND] = 0
+    renewed = renewed or run.ctl[w].refresh != 0
+    tangential.answer_state[w, ACTIVE] = n
+    tangential.answer_state[w, RENEWED] = 0
+    tangential.answer_state[w, OPEN] = 1
+    tangential.answer_state[w, ROUND] = 0
     if renewed:
-        answer_state[w, RENEWED] = 1
+        tangential.answer_state[w, RENEWED] = 1
         a = int(0)
         while a < n:
-            answer_hat[w, a] = hat_of(model, w, order[w, a], slot_hat)
+            tangential.answer_hat[w, a] = hat_of(model, w, normal.order[w, a], normal.slot_hat)
             a += 1
 
 
 @wp.func
 def couple_near(
-    model: Model,
-    w: int,
-    pair: int,
-    a: int,
-    m: int,
-    lane: int,
-    cell_slot: wp.array3d(dtype=int),
-    cells: int,
-    center: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    shift: wp.array(dtype=real),
-    Y: wp.array(dtype=real),
-):
+    model: Model, w: int, pair: int, a: int, m: int, lane: int, tangential: FrictionSolve, cells: int,
+    geometry: ContactGeometry, rubbing: FrictionCells,
+):  # fmt: skip
     """Adds to line `a` of Y the part of the local modes: slips of the cells under a unit pressure on hat m, as
     `tangential_fields.press_cells` has them."""
     B = model.pairs.second[pair]
@@ -156,134 +126,104 @@ def couple_near(
     if flexible:
         rows_b = model.surfaces.rows[B]
         table_b = model.responses.pressed[own_load(model, 2 * pair + 1)]
-        origin_b = center[w, pair, 1] - model.window.second_half
-        low = second_low(model, w, pair, second_window)
-        wide = 2 * (second_high(model, w, pair, second_window) - low + 1) * rows_b
+        origin_b = geometry.center[w, pair, 1] - model.window.second_half
+        low = second_low(model, w, pair, geometry.second_window)
+        wide = 2 * (second_high(model, w, pair, geometry.second_window) - low + 1) * rows_b
         run = start + 2 * low * rows_b
-        clear_field(lane, wide, run, shift)
+        clear_field(lane, wide, run, rubbing.second_shift)
         e = int(0)
         while e < model.window.stencil_columns * model.window.stencil_rows:
-            part = stencil[w, pair, m, e]
+            part = geometry.stencil[w, pair, m, e]
             if part != real(0.0):
-                column = origin_b + stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
-                row = stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
+                column = origin_b + geometry.stencil_at[w, pair, m, 0] + e / model.window.stencil_rows
+                row = geometry.stencil_at[w, pair, m, 1] + e % model.window.stencil_rows
                 at = place_in_table(model, table_b, column, row, origin_b + low)
                 if at >= 0:
-                    axpy(wide, -part, model.responses.number, at, shift, run)
+                    axpy(wide, -part, model.responses.number, at, rubbing.second_shift, run)
             e += 1
         sync()
     line = (w * model.capacity.slots + a) * 2 * model.capacity.cells
-    origin = center[w, pair, 0] - model.window.half
+    origin = geometry.center[w, pair, 0] - model.window.half
     table = model.responses.pressed[own_load(model, 2 * pair)]
     at = place_in_table(model, table, origin + m / rows, m % rows, origin)
     i = lane
     while at >= 0 and i < 2 * cells:
-        n = cell_slot[w, pair, i / 2]
-        Y[line + i] = Y[line + i] - cell_area[w, pair, n] * model.responses.number[at + cell_at(rows, n, i % 2)]
+        n = tangential.cell_slot[w, pair, i / 2]
+        tangential.cell_Y[line + i] = (
+            tangential.cell_Y[line + i]
+            - rubbing.cell_area[w, pair, n] * model.responses.number[at + cell_at(rows, n, i % 2)]
+        )
         i += wp.block_dim()
     sync()
     if flexible:
         add_on_shares(
-            model, w, pair, cells, real(-1.0), cell_slot, cell_area, cell_turn, share, share_at, shift, start, Y, line
+            model, w, pair, cells, real(-1.0), tangential.cell_slot, rubbing.cell_area, rubbing.cell_turn,
+            rubbing.share, rubbing.share_at, rubbing.second_shift, start, tangential.cell_Y, line,
         )  # fmt: skip
 
 
-@wp.kernel
+@kernel
 def answer_by_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    J: wp.array(dtype=real),
-    cell_block: wp.array3d(dtype=int),
-    cell_JT: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-    answer_state: wp.array2d(dtype=int),
-    scratch: inout(wp.array(dtype=real)),
-    Y: out(wp.array(dtype=real)),
+    run: Run, normal: ContactSolve, tangential: FrictionSolve, residuals: Residuals, cell_JT: wp.array(dtype=real)
 ):
     """Per (world, pair): the part of the global modes in N^T, a line per active slot over the lines of the pair's
     cells."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    cells = cell_block[w, pair, COUNT]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
+    model = run.models[w]
+    cells = tangential.cell_block[w, pair, COUNT]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0 or cells == 0:
         return
     lines = 2 * model.capacity.cells
     width = model.pairs.most_modes
     scaled = (w * model.pairs.count + pair) * 2 * width
     by_mode = (w * model.pairs.count + pair) * width * lines
-    a = block[w, pair, START]
-    while a < block[w, pair, START] + answering(model, pair, block[w, pair, SLOTS]):
-        slot = order[w, a]
+    a = normal.block[w, pair, START]
+    while a < normal.block[w, pair, START] + answering(model, pair, normal.block[w, pair, SLOTS]):
+        slot = normal.order[w, a]
         line = (w * model.capacity.slots + a) * lines
-        clear_field(lane, 2 * cells, line, Y)
+        clear_field(lane, 2 * cells, line, tangential.cell_Y)
         modes = scale_modes(
-            model, w, pair, lane, J, (w * model.capacity.slots + slot) * width, receptance, scratch, scaled
-        )  # fmt: skip
-        add_lines(modes, 2 * cells, scratch, scaled, cell_JT, by_mode, lines, Y, line)
+            model, w, pair, lane, normal.J, (w * model.capacity.slots + slot) * width, residuals, tangential, scaled
+        )
+        add_lines(modes, 2 * cells, tangential.cell_scaled, scaled, cell_JT, by_mode, lines, tangential.cell_Y, line)
         a += 1
 
 
-@wp.kernel
+@kernel
 def answer_on_grid(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    answer_state: wp.array2d(dtype=int),
-    shift: inout(wp.array(dtype=real)),
-    Y: changed(wp.array(dtype=real)),
+    run: Run, geometry: ContactGeometry, normal: ContactSolve, tangential: FrictionSolve, rubbing: FrictionCells
 ):
     """Per (world, pair with cells on the grid): adds the part of the local modes to N^T."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    cells = cell_block[w, pair, COUNT]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
+    model = run.models[w]
+    cells = tangential.cell_block[w, pair, COUNT]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0 or cells == 0:
         return
     if not rubs_on_grid(model, pair):
         return
-    a = block[w, pair, START]
-    while a < block[w, pair, START] + block[w, pair, SLOTS]:
+    a = normal.block[w, pair, START]
+    while a < normal.block[w, pair, START] + normal.block[w, pair, SLOTS]:
         couple_near(
-            model, w, pair, a, slot_hat[w, order[w, a], 1], lane, cell_slot, cells, center, second_window, stencil,
-            stencil_at, cell_area, cell_turn, share, share_at, shift, Y,
-        )  # fmt: skip
+            model, w, pair, a, normal.slot_hat[w, normal.order[w, a], 1], lane, tangential, cells, geometry, rubbing
+        )
         a += 1
 
 
-@wp.kernel
-def reduce_answer(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    block: wp.array3d(dtype=int),
-    factor: wp.array(dtype=real),
-    cell_block: wp.array3d(dtype=int),
-    answer_state: wp.array2d(dtype=int),
-    Y: changed(wp.array(dtype=real)),
-):
+@kernel
+def reduce_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
     """Per (world, pair): Y = U^-T N^T; kept while cells and the active set stay."""
     w, pair, _lane = wp.tid()
-    model = models[w]
-    cells = cell_block[w, pair, COUNT]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or cells == 0:
+    model = run.models[w]
+    cells = tangential.cell_block[w, pair, COUNT]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0 or cells == 0:
         return
-    start = block[w, pair, START]
+    start = normal.block[w, pair, START]
     lines = 2 * model.capacity.cells
     at = (w * model.capacity.slots + start) * lines
-    n = answering(model, pair, block[w, pair, SLOTS])
-    forward_lines(factor, block_at(model, w, start), model.capacity.slots, n, Y, at, lines, 2 * cells)
+    n = answering(model, pair, normal.block[w, pair, SLOTS])
+    forward_lines(
+        normal.factor, block_at(model, w, start), model.capacity.slots, n, tangential.cell_Y, at, lines, 2 * cells
+    )
 
 
 # D = G - Y^T Y of a pair, `lines` lines; the upper triangle and its mirror, lanes over the columns.
@@ -359,31 +299,21 @@ def border_lines(
 ): ...
 
 
-@wp.kernel
-def condense_answer(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    block: wp.array3d(dtype=int),
-    cell_block: wp.array3d(dtype=int),
-    answer_state: wp.array2d(dtype=int),
-    G: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    Y: wp.array(dtype=real),
-    W: wp.array(dtype=real),
-    D: inout(wp.array(dtype=real)),
-    bordered: inout(wp.array(dtype=real)),
-):
+@kernel
+def condense_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
     """Per (world, pair): D and L', where Y is new."""
     w, pair, _lane = wp.tid()
-    model = models[w]
-    lines = 2 * cell_block[w, pair, COUNT]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, RENEWED] == 0 or lines == 0:
+    model = run.models[w]
+    lines = 2 * tangential.cell_block[w, pair, COUNT]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0 or lines == 0:
         return
-    start = block[w, pair, START]
-    n = answering(model, pair, block[w, pair, SLOTS])
-    if n > 0 or cell_block[w, pair, FRESH] < cell_block[w, pair, COUNT]:  # else D is G as it was
-        subtract_answer(model, w, pair, start, n, lines, Y, G, D)
-    border_lines(model, w, pair, start, n, lines, L, Y, W, bordered)
+    start = normal.block[w, pair, START]
+    n = answering(model, pair, normal.block[w, pair, SLOTS])
+    if n > 0 or tangential.cell_block[w, pair, FRESH] < tangential.cell_block[w, pair, COUNT]:  # else D is G as it was
+        subtract_answer(model, w, pair, start, n, lines, tangential.cell_Y, tangential.cell_G, tangential.cell_D)
+    border_lines(
+        model, w, pair, start, n, lines, tangential.cell_L, tangential.cell_Y, normal.W, tangential.cell_bordered
+    )
 
 
 # step = -Y dtau of the n lines of a pair from `start` on. Lanes over the lines.
@@ -417,23 +347,9 @@ def answer_to(
 
 @wp.func
 def take_gaps(
-    model: Model,
-    w: int,
-    pair: int,
-    lane: int,
-    start: int,
-    hats: int,
-    cells: int,
-    order: wp.array2d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    gap_change: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    cell_J: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-    moved: wp.array(dtype=real),
-    scratch: wp.array(dtype=real),
-    step: wp.array(dtype=real),
-):
+    model: Model, w: int, pair: int, lane: int, start: int, hats: int, cells: int, normal: ContactSolve,
+    rolling: RollingScratch, tangential: FrictionSolve, residuals: Residuals,
+):  # fmt: skip
     """step = -N^T dtau of a pair whose cells travel with the patch: by far fields and half-spaces `gap_change`, and by
     the modes that are condensed."""
     width = model.pairs.most_modes
@@ -443,84 +359,72 @@ def take_gaps(
         value = real(0.0)
         line = first_line(model, w, pair)
         while line < first_line(model, w, pair) + 2 * cells:
-            value += cell_J[line * width + n] * moved[line]
+            value += tangential.cell_J[line * width + n] * tangential.answer_moved[line]
             line += 1
-        scratch[scaled + width + n] = value
+        tangential.cell_scaled[scaled + width + n] = value
         n += wp.block_dim()
     sync()
-    modes = scale_modes(model, w, pair, lane, scratch, scaled + width, receptance, scratch, scaled)
+    modes = scale_modes(model, w, pair, lane, tangential.cell_scaled, scaled + width, residuals, tangential, scaled)
     a = lane
     while a < hats:
-        slot = order[w, start + a]
-        value = gap_change[(w * model.pairs.count + pair) * model.window.hats + slot_hat[w, slot, 1]]
-        value += dot(modes, scratch, scaled, J, (w * model.capacity.slots + slot) * width)
-        step[w * model.capacity.slots + start + a] = -value
+        slot = normal.order[w, start + a]
+        value = rolling.gap_change[(w * model.pairs.count + pair) * model.window.hats + normal.slot_hat[w, slot, 1]]
+        value += dot(modes, tangential.cell_scaled, scaled, normal.J, (w * model.capacity.slots + slot) * width)
+        tangential.answer_step[w * model.capacity.slots + start + a] = -value
         a += wp.block_dim()
     sync()
 
 
-@wp.kernel
+@kernel
 def press_with_tractions(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    cell_block: wp.array3d(dtype=int),
-    factor: wp.array(dtype=real),
-    solution: wp.array2d(dtype=real),
-    Y: wp.array(dtype=real),
-    W: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    weight: wp.array2d(dtype=real),
-    tau: wp.array(dtype=real),
-    tau_base: wp.array(dtype=real),
-    base: wp.array3d(dtype=real),
-    gap_change: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    cell_J: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-    moved: inout(wp.array(dtype=real)),
-    scratch: inout(wp.array(dtype=real)),
-    push: inout(wp.array(dtype=real)),
-    z_change: inout(wp.array(dtype=real)),
-    step: inout(wp.array(dtype=real)),
-    pressure: inout(wp.array3d(dtype=real)),
-    change: inout(wp.array2d(dtype=real)),
-    answer_state: inout(wp.array2d(dtype=int)),
-):
+    run: Run, normal: ContactSolve, tangential: FrictionSolve, impulses: ImpulsiveContact, fields: ContactFields,
+    rolling: RollingScratch, residuals: Residuals, contact: ContactState, solution: wp.array2d(dtype=real),
+):  # fmt: skip
     """Per world: the pressures with their answer to the tractions found in this round, none below zero, and whether the
     bounds are to follow them in another one. change: of the largest in the first round; z_change: outer increments."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
         return
-    n = answer_state[w, ACTIVE]
+    n = tangential.answer_state[w, ACTIVE]
     slots = w * model.capacity.slots
     pair = int(0)
     while pair < model.pairs.count:
         line = first_line(model, w, pair) + lane
-        while line < first_line(model, w, pair) + 2 * cell_block[w, pair, COUNT]:
-            moved[line] = tau[line] - tau_base[line]
+        while line < first_line(model, w, pair) + 2 * tangential.cell_block[w, pair, COUNT]:
+            tangential.answer_moved[line] = tangential.cell_tau[line] - tangential.cell_base[line]
             line += wp.block_dim()
         pair += 1
     sync()
-    move_outer(model, w, lane, cell_block, L, M, moved, push, z_change)
+    move_outer(
+        model, w, lane, tangential, tangential.cell_bordered, tangential.mobility, tangential.answer_moved,
+        tangential.answer_z,
+    )  # fmt: skip
     pair = int(0)
     while pair < model.pairs.count:
-        start = block[w, pair, START]
-        hats = block[w, pair, SLOTS]
+        start = normal.block[w, pair, START]
+        hats = normal.block[w, pair, SLOTS]
         if rubs_on_patch(model, pair):
             take_gaps(
-                model, w, pair, lane, start, hats, cell_block[w, pair, COUNT], order, slot_hat, gap_change, J, cell_J,
-                receptance, moved, scratch, step,
+                model, w, pair, lane, start, hats, tangential.cell_block[w, pair, COUNT], normal, rolling, tangential,
+                residuals,
             )  # fmt: skip
-            forward(factor, block_at(model, w, start), model.capacity.slots, hats, step, slots + start)
+            forward(
+                normal.factor, block_at(model, w, start), model.capacity.slots, hats, tangential.answer_step,
+                slots + start,
+            )  # fmt: skip
         else:
-            answer_to(model, w, pair, start, hats, 2 * cell_block[w, pair, COUNT], Y, moved, step)
-        follow_columns(model, w, pair, hats, real(-1.0), W, lines_at(model, w, start), z_change, step, slots + start)
-        backward(factor, block_at(model, w, start), model.capacity.slots, hats, step, slots + start)
+            answer_to(
+                model, w, pair, start, hats, 2 * tangential.cell_block[w, pair, COUNT], tangential.cell_Y,
+                tangential.answer_moved, tangential.answer_step,
+            )  # fmt: skip
+        follow_columns(
+            model, w, pair, hats, real(-1.0), normal.W, lines_at(model, w, start), tangential.answer_z,
+            tangential.answer_step, slots + start,
+        )  # fmt: skip
+        backward(
+            normal.factor, block_at(model, w, start), model.capacity.slots, hats, tangential.answer_step, slots + start
+        )
         pair += 1
     if lane != 0:
         return
@@ -528,30 +432,33 @@ def press_with_tractions(
     largest = real(0.0)
     a = int(0)
     while a < n:
-        slot = order[w, a]
-        pair = slot_hat[w, slot, 0]
-        m = slot_hat[w, slot, 1]
-        value = wp.max(base[w, pair, m] + (solution[w, a] + step[slots + a]) / weight[w, pair], real(0.0))
-        most = wp.max(most, wp.abs(value - pressure[w, pair, m]))
+        slot = normal.order[w, a]
+        pair = normal.slot_hat[w, slot, 0]
+        m = normal.slot_hat[w, slot, 1]
+        value = wp.max(
+            fields.base[w, pair, m] + (solution[w, a] + tangential.answer_step[slots + a]) / impulses.weight[w, pair],
+            real(0.0),
+        )
+        most = wp.max(most, wp.abs(value - contact.pressure[w, pair, m]))
         largest = wp.max(largest, value)
-        pressure[w, pair, m] = value
+        contact.pressure[w, pair, m] = value
         a += 1
-    rounds = answer_state[w, ROUND] + 1
-    answer_state[w, ROUND] = rounds
+    rounds = tangential.answer_state[w, ROUND] + 1
+    tangential.answer_state[w, ROUND] = rounds
     if rounds == 1:
-        change[w, 0] = most
-    settled = most <= NEGLIGIBLE * largest or (most <= SAME * change[w, 0] and rounds > 1)
-    if settled or rounds == ROUNDS or ctl[w].failure != 0:
-        answer_state[w, OPEN] = 0
+        tangential.answer_change[w, 0] = most
+    settled = most <= NEGLIGIBLE * largest or (most <= SAME * tangential.answer_change[w, 0] and rounds > 1)
+    if settled or rounds == ROUNDS or run.ctl[w].failure != 0:
+        tangential.answer_state[w, OPEN] = 0
 
 
-@wp.kernel
-def count_rounds(ctl: wp.array(dtype=Control), answer_state: wp.array2d(dtype=int), again: out(wp.array(dtype=int))):
+@kernel
+def count_rounds(run: Run, tangential: FrictionSolve):
     """One thread: do the bounds of any world still follow its pressures?"""
     open_worlds = int(0)
     w = int(0)
-    while w < ctl.shape[0]:
-        if ctl[w].run != 0 and ctl[w].changes == 0:
-            open_worlds += answer_state[w, OPEN]
+    while w < run.ctl.shape[0]:
+        if run.ctl[w].run != 0 and run.ctl[w].changes == 0:
+            open_worlds += tangential.answer_state[w, OPEN]
         w += 1
-    again[0] = open_worlds
+    run.rubbing[0] = open_worlds

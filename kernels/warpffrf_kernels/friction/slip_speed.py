@@ -26,10 +26,14 @@ b_k/|r_k|, so that the disc does not vanish.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import ImpulsiveContact
+from warpffrf_kernels.core.state import FrictionState
 from warpffrf_kernels.friction.cell_blocks import COUNT as USED
 from warpffrf_kernels.friction.cell_blocks import first_line
 from warpffrf_kernels.friction.cell_forces import SLIP
@@ -74,89 +78,67 @@ def share_of(model: Model, pair: int, speed: real) -> wp.vec2d:
 
 
 @wp.func
-def sliding(
-    rows: int,
-    w: int,
-    pair: int,
-    m: int,
-    slip: wp.array3d(dtype=real),
-    late: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-) -> wp.vec2d:
+def sliding(rows: int, w: int, pair: int, m: int, cells: FrictionCells, friction: FrictionState) -> wp.vec2d:
     """Slip [m] of a cell in the step, since its touch."""
     i = cell_at(rows, m, 0)
     j = cell_at(rows, m, 1)
     return wp.vec2d(
-        slip[w, pair, i] + late[w, pair, m] * traction[w, pair, i],
-        slip[w, pair, j] + late[w, pair, m] * traction[w, pair, j],
+        cells.slip[w, pair, i] + cells.late[w, pair, m] * friction.traction[w, pair, i],
+        cells.slip[w, pair, j] + cells.late[w, pair, m] * friction.traction[w, pair, j],
     )
 
 
-@wp.kernel
-def open_attempt(models: wp.array(dtype=Model), ctl: wp.array(dtype=Control), steep: out(wp.array3d(dtype=int))):
+@kernel
+def open_attempt(run: Run, cells: FrictionCells):
     """Per (world, pair): no mark yet."""
     w, pair = wp.tid()
-    if ctl[w].attempt != 0 and models[w].elements[0].slip_speeds.pieces[pair] > 0:
-        steep[w, pair, MARK] = UNIQUE
+    if run.ctl[w].attempt != 0 and run.models[w].elements[0].slip_speeds.pieces[pair] > 0:
+        cells.steep[w, pair, MARK] = UNIQUE
 
 
-@wp.kernel
-def follow_slips(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    window: wp.array3d(dtype=int),
-    slip: wp.array3d(dtype=real),
-    late: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    bound: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def follow_slips(run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState):
     """Per (world, pair), lanes over cells: bounds mu(v) p of the slips at hand, from those of the largest mu."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].slip_speeds.pieces[pair] == 0 or clk[w].h == real(0.0):
+    model = run.models[w]
+    if (
+        run.ctl[w].run == 0
+        or run.ctl[w].moved == 0
+        or model.elements[0].slip_speeds.pieces[pair] == 0
+        or run.clk[w].h == real(0.0)
+    ):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     H = model.window.half
-    m = (window[w, pair, 0] + H) * rows + lane
-    while m < (window[w, pair, 1] + H + 1) * rows:
-        if bound[w, pair, m] > real(0.0):
-            way = wp.length(sliding(rows, w, pair, m, slip, late, traction))
-            bound[w, pair, m] = bound[w, pair, m] * share_of(model, pair, way / clk[w].h)[0]
+    m = (geometry.window[w, pair, 0] + H) * rows + lane
+    while m < (geometry.window[w, pair, 1] + H + 1) * rows:
+        if cells.bound[w, pair, m] > real(0.0):
+            way = wp.length(sliding(rows, w, pair, m, cells, friction))
+            cells.bound[w, pair, m] = cells.bound[w, pair, m] * share_of(model, pair, way / run.clk[w].h)[0]
         m += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def begin_slips(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    cell_state: wp.array3d(dtype=int),
-    late: wp.array3d(dtype=real),
-    slip: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    speed_slip: out(wp.array3d(dtype=real)),
-    speed_before: out(wp.array3d(dtype=real)),
-):
+    run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, friction: FrictionState,
+    slopes: SlipSpeedSolve,
+):  # fmt: skip
     """Per (world, pair), lanes over slots: weak slips r of the state at hand, 0 of what sticks in it."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     i = lane
-    while i < cell_block[w, pair, USED]:
-        m = cell_slot[w, pair, i]
+    while i < tangential.cell_block[w, pair, USED]:
+        m = tangential.cell_slot[w, pair, i]
         scale = real(0.0)
-        if cell_state[w, pair, m] == SLIP:
-            scale = weight[w, pair] * cell_area[w, pair, m]
-        way = sliding(rows, w, pair, m, slip, late, traction)
-        speed_slip[w, pair, 2 * i] = scale * way[0]
-        speed_slip[w, pair, 2 * i + 1] = scale * way[1]
-        speed_before[w, pair, i] = real(0.0)
+        if cells.cell_state[w, pair, m] == SLIP:
+            scale = impulses.weight[w, pair] * cells.cell_area[w, pair, m]
+        way = sliding(rows, w, pair, m, cells, friction)
+        slopes.speed_slip[w, pair, 2 * i] = scale * way[0]
+        slopes.speed_slip[w, pair, 2 * i + 1] = scale * way[1]
+        slopes.speed_before[w, pair, i] = real(0.0)
         i += wp.block_dim()
 
 
@@ -166,90 +148,67 @@ def speed_of(h: real, w: int, pair: int, i: int, scale: real, speed_slip: wp.arr
     return wp.length(wp.vec2d(speed_slip[w, pair, 2 * i], speed_slip[w, pair, 2 * i + 1])) / (scale * h)
 
 
-@wp.kernel
+@kernel
 def split_tractions(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    bound: wp.array3d(dtype=real),
-    radius: wp.array3d(dtype=real),
-    found: wp.array(dtype=real),
-    speed_tau: wp.array(dtype=real),
-    speed_slope: wp.array3d(dtype=real),
-    answer_state: wp.array2d(dtype=int),
-    speed_slip: inout(wp.array3d(dtype=real)),
-    tau: out(wp.array(dtype=real)),
-    speed_before: out(wp.array3d(dtype=real)),
-    speed_again: out(wp.array2d(dtype=int)),
+    run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, slopes: SlipSpeedSolve
 ):
     """Per world, one lane: tau = tau' - s r with the slips r `found`, and whether the law is far enough from its
     tangents there to ask for another round."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0 or lane != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0 or lane != 0:
         return
-    h = clk[w].h
+    h = run.clk[w].h
     largest = real(0.0)
     off = real(0.0)
     pair = int(0)
     while pair < model.pairs.count:
         i = int(0)
-        while i < cell_block[w, pair, USED]:
-            m = cell_slot[w, pair, i]
+        while i < tangential.cell_block[w, pair, USED]:
+            m = tangential.cell_slot[w, pair, i]
             line = first_line(model, w, pair) + 2 * i
-            s = speed_slope[w, pair, i]
-            disc = wp.vec2d(speed_tau[line], speed_tau[line + 1])
-            scale = weight[w, pair] * cell_area[w, pair, m]
-            speed_before[w, pair, i] = speed_of(h, w, pair, i, scale, speed_slip)
-            slides = wp.length(disc) > (real(1.0) - ON_DISC) * radius[w, pair, i]
+            s = slopes.speed_slope[w, pair, i]
+            disc = wp.vec2d(slopes.speed_tau[line], slopes.speed_tau[line + 1])
+            scale = impulses.weight[w, pair] * cells.cell_area[w, pair, m]
+            slopes.speed_before[w, pair, i] = speed_of(h, w, pair, i, scale, slopes.speed_slip)
+            slides = wp.length(disc) > (real(1.0) - ON_DISC) * tangential.cell_radius[w, pair, i]
             for d in range(2):
                 r = real(0.0)
                 if slides:
-                    r = found[line + d]
-                speed_slip[w, pair, 2 * i + d] = r
-                tau[line + d] = speed_tau[line + d] - s * r
+                    r = tangential.cell_slip[line + d]
+                slopes.speed_slip[w, pair, 2 * i + d] = r
+                tangential.cell_tau[line + d] = slopes.speed_tau[line + d] - s * r
             if model.elements[0].slip_speeds.pieces[pair] > 0:
-                speed = speed_of(h, w, pair, i, scale, speed_slip)
-                law = weight[w, pair] * bound[w, pair, m] * share_of(model, pair, speed)[0]
+                speed = speed_of(h, w, pair, i, scale, slopes.speed_slip)
+                law = impulses.weight[w, pair] * cells.bound[w, pair, m] * share_of(model, pair, speed)[0]
                 largest = wp.max(largest, law)
                 if slides:
-                    off = wp.max(off, wp.abs(radius[w, pair, i] + s * scale * h * speed - law))
-                elif radius[w, pair, i] > law:
+                    off = wp.max(off, wp.abs(tangential.cell_radius[w, pair, i] + s * scale * h * speed - law))
+                elif tangential.cell_radius[w, pair, i] > law:
                     off = wp.max(off, wp.length(disc) - law)
             i += 1
         pair += 1
-    speed_again[w, 0] = 0
+    slopes.speed_again[w, 0] = 0
     if off > FOLLOWED * largest:
-        speed_again[w, 0] = 1
+        slopes.speed_again[w, 0] = 1
 
 
-@wp.kernel
-def keep_following(
-    ctl: wp.array(dtype=Control), speed_again: wp.array2d(dtype=int), answer_state: changed(wp.array2d(dtype=int))
-):
+@kernel
+def keep_following(run: Run, slopes: SlipSpeedSolve, tangential: FrictionSolve):
     """Per world: another round where the bounds do not follow the speeds yet."""
     w = wp.tid()
-    if ctl[w].run == 0 or ctl[w].changes != 0 or ctl[w].failure != 0:
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or run.ctl[w].failure != 0:
         return
-    if speed_again[w, 0] != 0 and answer_state[w, ROUND] < ROUNDS:
-        answer_state[w, OPEN] = 1
+    if slopes.speed_again[w, 0] != 0 and tangential.answer_state[w, ROUND] < ROUNDS:
+        tangential.answer_state[w, OPEN] = 1
 
 
-@wp.kernel
-def mark(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    friction_work: wp.array3d(dtype=real),
-    steep: inout(wp.array3d(dtype=int)),
-):
+@kernel
+def mark(run: Run, cells: FrictionCells):
     """Per (world, pair): counts the accepted steps in which a pair slid that was marked, see the module docstring."""
     w, pair = wp.tid()
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or models[w].elements[0].slip_speeds.pieces[pair] == 0:
+    if run.ctl[w].attempt == 0 or run.ctl[w].accept == 0 or run.models[w].elements[0].slip_speeds.pieces[pair] == 0:
         return
-    if steep[w, pair, MARK] != UNIQUE and friction_work[w, pair, 0] < real(0.0):
-        steep[w, pair, COUNT] = steep[w, pair, COUNT] + 1
-        steep[w, pair, WORST] = wp.max(steep[w, pair, WORST], steep[w, pair, MARK])
+    if cells.steep[w, pair, MARK] != UNIQUE and cells.friction_work[w, pair, 0] < real(0.0):
+        cells.steep[w, pair, COUNT] = cells.steep[w, pair, COUNT] + 1
+        cells.steep[w, pair, WORST] = wp.max(cells.steep[w, pair, WORST], cells.steep[w, pair, MARK])

@@ -12,10 +12,13 @@ tractions and discs are times the weight of their pair here (`impulsive_contact`
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactSolve
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, weighted
+from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals
+from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cell_blocks import COUNT, add_slips, borders_of, first_line
 from warpffrf_kernels.friction.cell_forces import creep_softness
 from warpffrf_kernels.friction.cells import cell_at
@@ -27,203 +30,149 @@ from warpffrf_kernels.normal.pair_forces import surface_of
 wp.set_module_options(MODULE_OPTIONS)
 
 
-@wp.kernel
+@kernel
 def drive_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    J: wp.array(dtype=real),
-    pressure: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
-    modal_drive: inout(wp.array(dtype=real)),
-):
+    run: Run, contact: ContactState, normal: ContactSolve, impulses: ImpulsiveContact, fields: ContactFields,
+    residuals: Residuals, tangential: FrictionSolve,
+):  # fmt: skip
     """Per world: what pushes the global modes after the solve of the pressures, -r_m + J^T ds."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     first = w * model.modes.count
     n = lane
     while n < model.modes.count:
-        modal_drive[first + n] = -modal_residual[w, n]
+        tangential.modal_drive[first + n] = -residuals.modal_residual[w, n]
         n += wp.block_dim()
     sync()
-    push_by_slots(model, ctl, w, slot_hat, active, pressure, base, weight, J, modal_drive)
+    push_by_slots(model, run, w, normal, contact, fields, impulses, tangential.modal_drive)
 
 
-@wp.kernel
+@kernel
 def pose_tractions(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    traction: wp.array3d(dtype=real),
-    traction_base: wp.array3d(dtype=real),
-    slip: wp.array3d(dtype=real),
-    pressed_slip: wp.array3d(dtype=real),
-    L: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    receptance: wp.array(dtype=real),
-    modal_drive: wp.array(dtype=real),
-    z: wp.array(dtype=real),
-    base: out(wp.array(dtype=real)),
-    right: inout(wp.array(dtype=real)),
-    tau: out(wp.array(dtype=real)),
-):
+    run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, friction: FrictionState,
+    residuals: Residuals, system: OuterSystem,
+):  # fmt: skip
     """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and first guess of all slots.
     pressed_slip: by the local modes under the change of the pressures."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    count = cell_block[w, pair, COUNT]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or count == 0:
+    model = run.models[w]
+    count = tangential.cell_block[w, pair, COUNT]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or count == 0:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    scale = weight[w, pair]
+    scale = impulses.weight[w, pair]
     start = first_line(model, w, pair)
     i = lane
     while i < count:
-        m = cell_slot[w, pair, i]
-        area = cell_area[w, pair, m]
+        m = tangential.cell_slot[w, pair, i]
+        area = cells.cell_area[w, pair, m]
         for d in range(2):
             line = start + 2 * i + d
             at = cell_at(rows, m, d)
-            base[line] = scale * traction_base[w, pair, at]
-            tau[line] = scale * traction[w, pair, at]
-            value = scale * area * (slip[w, pair, at] + pressed_slip[w, pair, at])
+            tangential.cell_base[line] = scale * cells.traction_base[w, pair, at]
+            tangential.cell_tau[line] = scale * friction.traction[w, pair, at]
+            value = scale * area * (cells.slip[w, pair, at] + cells.pressed_slip[w, pair, at])
             by_mode = line * model.pairs.most_modes
             for side in range(2):
                 surface = surface_of(model, pair, side)
                 modes = w * model.modes.count + model.surfaces.modal_start[surface]
                 n = model.surfaces.modal_count[surface]
-                value += weighted(n, J, by_mode, receptance, modes, modal_drive, modes)
+                value += weighted(
+                    n, tangential.cell_J, by_mode, residuals.receptance, modes, tangential.modal_drive, modes
+                )
                 by_mode += n
-            right[line] = value
+            tangential.cell_right[line] = value
         i += wp.block_dim()
     sync()
-    follow_columns(model, w, pair, 2 * count, real(1.0), L, borders_of(model, w, pair), z, right, start)
+    follow_columns(
+        model, w, pair, 2 * count, real(1.0), tangential.cell_L, borders_of(model, w, pair), system.z,
+        tangential.cell_right, start,
+    )  # fmt: skip
 
 
-@wp.kernel
-def take_off_base(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    base: wp.array(dtype=real),
-    push: inout(wp.array(dtype=real)),
-    turned: inout(wp.array(dtype=real)),
-    right: inout(wp.array(dtype=real)),
-):
+@kernel
+def take_off_base(run: Run, tangential: FrictionSolve):
     """Per world: the right-hand side less K tau_base."""
     w, lane = wp.tid()
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    add_slips(models[w], w, lane, real(-1.0), cell_block, D, L, M, base, push, turned, right)
+    add_slips(
+        run.models[w], w, lane, real(-1.0), tangential, tangential.cell_D, tangential.cell_bordered,
+        tangential.mobility, tangential.cell_base, tangential.cell_right,
+    )  # fmt: skip
 
 
-@wp.kernel
-def limit_tractions(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    bound: wp.array3d(dtype=real),
-    late: wp.array3d(dtype=real),
-    answer_state: wp.array2d(dtype=int),
-    radius: out(wp.array3d(dtype=real)),
-    softness: out(wp.array3d(dtype=real)),
-):
+@kernel
+def limit_tractions(run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells):
     """Per (world, pair): discs and softness of all slots, with the bounds of the pressures as they are in this
     round."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
         return
     i = lane
-    while i < cell_block[w, pair, COUNT]:
-        m = cell_slot[w, pair, i]
-        b = bound[w, pair, m]
-        radius[w, pair, i] = weight[w, pair] * b
-        softness[w, pair, i] = real(0.0)
+    while i < tangential.cell_block[w, pair, COUNT]:
+        m = tangential.cell_slot[w, pair, i]
+        b = cells.bound[w, pair, m]
+        tangential.cell_radius[w, pair, i] = impulses.weight[w, pair] * b
+        tangential.cell_softness[w, pair, i] = real(0.0)
         if b > real(0.0):
-            soft = creep_softness(model, clk, w, pair, b) + late[w, pair, m]
-            softness[w, pair, i] = cell_area[w, pair, m] * soft
+            soft = creep_softness(model, run.clk, w, pair, b) + cells.late[w, pair, m]
+            tangential.cell_softness[w, pair, i] = cells.cell_area[w, pair, m] * soft
         i += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def take_tractions(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    tau: wp.array(dtype=real),
-    z_change: wp.array(dtype=real),
-    z: changed(wp.array(dtype=real)),
-    traction: out(wp.array3d(dtype=real)),
+    run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, system: OuterSystem, friction: FrictionState
 ):
     """Per world: the tractions found, and the outer increments with them and with the pressures' answer."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    axpy(model.outer.count, real(1.0), z_change, w * model.outer.count, z, w * model.outer.count)
+    axpy(model.outer.count, real(1.0), tangential.answer_z, w * model.outer.count, system.z, w * model.outer.count)
     pair = int(0)
     while pair < model.pairs.count:
         rows = model.surfaces.rows[model.pairs.first[pair]]
         line = lane
-        while line < 2 * cell_block[w, pair, COUNT]:
-            value = tau[first_line(model, w, pair) + line] / weight[w, pair]
-            traction[w, pair, cell_at(rows, cell_slot[w, pair, line / 2], line % 2)] = value
+        while line < 2 * tangential.cell_block[w, pair, COUNT]:
+            value = tangential.cell_tau[first_line(model, w, pair) + line] / impulses.weight[w, pair]
+            friction.traction[w, pair, cell_at(rows, tangential.cell_slot[w, pair, line / 2], line % 2)] = value
             line += wp.block_dim()
         pair += 1
 
 
-@wp.kernel
-def push_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    moved: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    push: inout(wp.array(dtype=real)),
-    modal_step: changed(wp.array(dtype=real)),
-):
+@kernel
+def push_modes(run: Run, tangential: FrictionSolve, system: OuterSystem, receptance: wp.array2d(dtype=real)):
     """Per world: adds the increments of the global modes by the change of the tractions (those without inertia terms;
     the others are outer coordinates)."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     first = w * model.modes.count
     n = lane
     while n < model.modes.count:
-        push[first + n] = real(0.0)
+        tangential.cell_push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
     pair = int(0)
     while pair < model.pairs.count:
         line = first_line(model, w, pair)
-        end = line + 2 * cell_block[w, pair, COUNT]
+        end = line + 2 * tangential.cell_block[w, pair, COUNT]
         while line < end:
-            if moved[line] != real(0.0):
+            if tangential.answer_moved[line] != real(0.0):
                 start = line * model.pairs.most_modes
                 for side in range(2):
                     surface = surface_of(model, pair, side)
                     modes = model.surfaces.modal_count[surface]
-                    axpy(modes, moved[line], J, start, push, first + model.surfaces.modal_start[surface])
+                    axpy(
+                        modes, tangential.answer_moved[line], tangential.cell_J, start, tangential.cell_push,
+                        first + model.surfaces.modal_start[surface],
+                    )  # fmt: skip
                     start += modes
             line += 1
         pair += 1
@@ -231,5 +180,7 @@ def push_modes(
     n = lane
     while n < model.modes.count:
         if model.modes.dense_of[n] < 0:
-            modal_step[first + n] = modal_step[first + n] + receptance[w, n] * push[first + n]
+            system.modal_step[first + n] = (
+                system.modal_step[first + n] + receptance[w, n] * tangential.cell_push[first + n]
+            )
         n += wp.block_dim()

@@ -30,10 +30,12 @@ resort.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionSolve, SlipSpeedSolve
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.core.scratch import OuterSystem
 from warpffrf_kernels.friction.cell_blocks import COUNT, FREE, move_outer
 from warpffrf_kernels.friction.cell_slips import CHANGED, judge_cells
 from warpffrf_kernels.friction.interior_point import come_near
@@ -133,43 +135,36 @@ def sweep_pair(
 
 @wp.func
 def sweep_cells(
-    model: Model,
-    w: int,
-    lane: int,
-    sweeps: int,
-    cell_block: wp.array3d(dtype=int),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    V: wp.array(dtype=real),
-    diagonal: wp.array(dtype=real),
-    right: wp.array(dtype=real),
-    radius: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
-    tau: wp.array(dtype=real),
-    push: wp.array(dtype=real),
-    turned: wp.array(dtype=real),
-):
+    model: Model, w: int, lane: int, sweeps: int, tangential: FrictionSolve, slopes: SlipSpeedSolve,
+    radius: wp.array(dtype=real), softness: wp.array(dtype=real),
+):  # fmt: skip
     """Gauss-Seidel over the cells of all pairs, with the outer increments that all tractions lead to."""
     N = model.outer.count
-    move_outer(model, w, lane, cell_block, L, M, tau, push, turned)
+    move_outer(
+        model, w, lane, tangential, slopes.speed_L, slopes.speed_M, slopes.speed_tau, tangential.cell_moved_outer
+    )
     for _sweep in range(sweeps):
         pair = int(0)
         while pair < model.pairs.count:
-            count = cell_block[w, pair, COUNT]
+            count = tangential.cell_block[w, pair, COUNT]
             if count > 0:
                 i = lane
                 while i < N:
-                    push[w * N + i] = real(0.0)
+                    tangential.cell_load[w * N + i] = real(0.0)
                     i += wp.block_dim()
                 sync()
                 sweep_pair(
-                    model, w, pair, count, D, L, V, diagonal, right, radius, softness, turned, tau, push
+                    model, w, pair, count, slopes.speed_D, slopes.speed_L, slopes.speed_V, slopes.speed_diagonal,
+                    slopes.speed_right, radius, softness, tangential.cell_moved_outer, slopes.speed_tau,
+                    tangential.cell_load,
                 )  # fmt: skip
                 c = int(0)
                 while c < N:
-                    if push[w * N + c] != real(0.0):
-                        axpy(N, push[w * N + c], M, (w * N + c) * N, turned, w * N)
+                    if tangential.cell_load[w * N + c] != real(0.0):
+                        axpy(
+                            N, tangential.cell_load[w * N + c], slopes.speed_M, (w * N + c) * N,
+                            tangential.cell_moved_outer, w * N,
+                        )  # fmt: skip
                     c += 1
                 sync()
             pair += 1
@@ -302,50 +297,11 @@ def move_cells(
 ): ...
 
 
-@wp.kernel
+@kernel
 def solve_tractions(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    D: wp.array(dtype=real),
-    L: wp.array(dtype=real),
-    M: wp.array(dtype=real),
-    V: wp.array(dtype=real),
-    diagonal: wp.array(dtype=real),
-    bordered: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    hold_count: wp.array(dtype=int),
-    right: wp.array(dtype=real),
-    radius: wp.array(dtype=real),
-    softness: wp.array(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    cell_block: inout(wp.array3d(dtype=int)),
-    tau: inout(wp.array(dtype=real)),
-    slip: inout(wp.array(dtype=real)),
-    jumps: inout(wp.array(dtype=real)),
-    direction: inout(wp.array(dtype=real)),
-    frozen: inout(wp.array(dtype=real)),
-    curvature: inout(wp.array(dtype=real)),
-    slope: inout(wp.array(dtype=real)),
-    order: inout(wp.array(dtype=int)),
-    sliding: inout(wp.array(dtype=int)),
-    outcome: inout(wp.array2d(dtype=real)),
-    inside: inout(wp.array2d(dtype=real)),
-    solution: inout(wp.array(dtype=real)),
-    U: inout(wp.array(dtype=real)),
-    W: inout(wp.array(dtype=real)),
-    square: inout(wp.array(dtype=real)),
-    push: inout(wp.array(dtype=real)),
-    turned: inout(wp.array(dtype=real)),
-    outer: inout(wp.array3d(dtype=real)),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    factor: inout(wp.array(dtype=real)),
-    vector: inout(wp.array(dtype=real)),
-    lines: inout(wp.array(dtype=real)),
-    fallback: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-):
+    run: Run, slopes: SlipSpeedSolve, system: OuterSystem, tangential: FrictionSolve, patterns: wp.array(dtype=Pattern),
+    radius: wp.array(dtype=real), softness: wp.array(dtype=real),
+):  # fmt: skip
     """Per world: the tractions tau of all slots, from a first guess, for r = right + K tau + softness tau and discs of
     `radius`. A problem that does not settle is a failure of the attempt.
 
@@ -353,21 +309,18 @@ def solve_tractions(
     within a step the matrix hardly changes.
     """
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    held = held_motions(ctl, w, hold_count)
-    free = ctl[w].factored
+    held = held_motions(run.ctl, w, system.hold_count)
+    free = run.ctl[w].factored
     sync()
     turn = int(0)
     n = int(0)
     before = real(0.0)
-    defect = judge_cells(
-        model, w, lane, cell_block, D, L, M, diagonal, right, radius, softness, tau, slip, jumps, direction, curvature,
-        sliding, outcome, push, turned,
-    )  # fmt: skip
+    defect = judge_cells(model, w, lane, tangential, slopes, radius, softness)
     while turn < ROUNDS and defect > SETTLED:
-        changed = outcome[w, CHANGED] != real(0.0)
+        changed = tangential.cell_outcome[w, CHANGED] != real(0.0)
         poor = free == 0 or changed or (n > 0 and defect > NEAR)  # all may slide to and fro
         if poor and n % NEWTON == 0:
             if turn == 1 or turn == 2:
@@ -375,27 +328,19 @@ def solve_tractions(
                 if turn == 1:
                     wanted = NEAR
                 steps = come_near(
-                    model, patterns[0], w, lane, wanted, held, cell_block, D, L, M, diagonal, right, radius, softness,
-                    bordered, hold, tau, slip, jumps, direction, curvature, slope, sliding, order, outcome, inside,
-                    solution, U, W, square, push, turned, outer, scaling, pivots, factor, vector, lines, fallback, work,
-                    inverse_transposed,
-                )  # fmt: skip
+                    model, patterns[0], w, lane, wanted, held, tangential, slopes, radius, softness, system
+                )
                 free = 0
                 if lane == 0:
-                    ctl[w].solves = ctl[w].solves + steps
+                    run.ctl[w].solves = run.ctl[w].solves + steps
             else:
                 sweeps = SWEEPS
                 if turn > 0:
                     sweeps = MORE_SWEEPS
-                sweep_cells(
-                    model, w, lane, sweeps, cell_block, D, L, M, V, diagonal, right, radius, softness, tau, push, turned
-                )  # fmt: skip
+                sweep_cells(model, w, lane, sweeps, tangential, slopes, radius, softness)
             turn += 1
-            defect = judge_cells(
-                model, w, lane, cell_block, D, L, M, diagonal, right, radius, softness, tau, slip, jumps, direction,
-                curvature, sliding, outcome, push, turned,
-            )  # fmt: skip
-            changed = outcome[w, CHANGED] != real(0.0)
+            defect = judge_cells(model, w, lane, tangential, slopes, radius, softness)
+            changed = tangential.cell_outcome[w, CHANGED] != real(0.0)
         renew = int(0)
         bad = int(0)
         if free == 0 or changed or (before > real(0.0) and defect > SLOW * before):
@@ -404,47 +349,46 @@ def solve_tractions(
             pair = int(0)
             while pair < model.pairs.count:
                 m = reduce_pair(
-                    model, w, pair, cell_block[w, pair, COUNT], D, L, softness, direction, curvature, frozen, order,
-                    sliding, U, W,
+                    model, w, pair, tangential.cell_block[w, pair, COUNT], slopes.speed_D, slopes.speed_L, softness,
+                    tangential.cell_direction, tangential.cell_curvature, tangential.cell_frozen, tangential.cell_order,
+                    tangential.cell_sliding, tangential.cell_U, tangential.cell_W,
                 )  # fmt: skip
                 if lane == 0:
-                    cell_block[w, pair, FREE] = m
+                    tangential.cell_block[w, pair, FREE] = m
                 free += m
                 pair += 1
             sync()
-            bad = factor_reduced(model, patterns[0], w, cell_block, bordered, U, W, square, outer)
+            bad = factor_reduced(model, patterns[0], w, tangential, slopes)
             if lane == 0:
-                ctl[w].solves = ctl[w].solves + 1
+                run.ctl[w].solves = run.ctl[w].solves + 1
         pair = int(0)
         while pair < model.pairs.count:
-            pose_reduced(model, w, pair, cell_block[w, pair, FREE], slip, direction, order, sliding, solution)
+            pose_reduced(
+                model, w, pair, tangential.cell_block[w, pair, FREE], tangential.cell_slip, tangential.cell_direction,
+                tangential.cell_order, tangential.cell_sliding, tangential.cell_solution,
+            )  # fmt: skip
             pair += 1
         if bad == 0:
-            bad = solve_reduced(
-                model, patterns[0], w, lane, renew, held, cell_block, U, W, outer, hold, scaling, pivots, factor,
-                vector, lines, fallback, work, inverse_transposed, push, turned, solution,
-            )  # fmt: skip
+            bad = solve_reduced(model, patterns[0], w, lane, renew, held, tangential, system)
         if bad != 0:
             if lane == 0:
-                ctl[w].failure = ctl[w].failure | k.INDEFINITE
-                ctl[w].factored = 0
+                run.ctl[w].failure = run.ctl[w].failure | k.INDEFINITE
+                run.ctl[w].factored = 0
             return
         pair = int(0)
         while pair < model.pairs.count:
             move_cells(
-                model, w, pair, cell_block[w, pair, COUNT], cell_block[w, pair, FREE], radius, direction, order,
-                sliding, solution, tau,
+                model, w, pair, tangential.cell_block[w, pair, COUNT], tangential.cell_block[w, pair, FREE], radius,
+                tangential.cell_direction, tangential.cell_order, tangential.cell_sliding, tangential.cell_solution,
+                slopes.speed_tau,
             )  # fmt: skip
             pair += 1
         before = defect
-        defect = judge_cells(
-            model, w, lane, cell_block, D, L, M, diagonal, right, radius, softness, tau, slip, jumps, direction,
-            curvature, sliding, outcome, push, turned,
-        )  # fmt: skip
+        defect = judge_cells(model, w, lane, tangential, slopes, radius, softness)
         n += 1
         if n > ROUNDS * NEWTON:
             turn = ROUNDS
     if lane == 0:
-        ctl[w].factored = free
+        run.ctl[w].factored = free
         if defect > SETTLED:
-            ctl[w].failure = ctl[w].failure | k.CYCLING
+            run.ctl[w].failure = run.ctl[w].failure | k.CYCLING

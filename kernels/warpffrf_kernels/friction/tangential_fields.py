@@ -13,10 +13,14 @@ that are no half-spaces). All operators are applied to the present loads, never 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, dot, real, sync, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cell_shares import line_of, on_shares
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 from warpffrf_kernels.surfaces.fields import add_fields, clear_field
@@ -25,55 +29,47 @@ from warpffrf_kernels.surfaces.responses import loaded_by_others
 wp.set_module_options(MODULE_OPTIONS)
 
 
-@wp.kernel
+@kernel
 def force_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    traction: wp.array3d(dtype=real),
-    first_force: out(wp.array3d(dtype=real)),
-    second_force: inout(wp.array3d(dtype=real)),
-):
+    run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState,
+    first_force: wp.array3d(dtype=real),
+):  # fmt: skip
     """Per (world, pair): forces of the tractions on the first surface's cells, and their shares on the second's
     [N]."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     i = lane
     while i < 2 * model.window.nodes:
-        second_force[w, pair, i] = real(0.0)
+        cells.second_force[w, pair, i] = real(0.0)
         i += wp.block_dim()
-    i = (window[w, pair, 0] + model.window.half) * 2 * rows + lane
-    while i < (window[w, pair, 1] + model.window.half + 1) * 2 * rows:
-        area = cell_area[w, pair, (i / (2 * rows)) * rows + i % rows]
-        first_force[w, pair, i] = area * traction[w, pair, i]
+    i = (geometry.window[w, pair, 0] + model.window.half) * 2 * rows + lane
+    while i < (geometry.window[w, pair, 1] + model.window.half + 1) * 2 * rows:
+        area = cells.cell_area[w, pair, (i / (2 * rows)) * rows + i % rows]
+        first_force[w, pair, i] = area * friction.traction[w, pair, i]
         i += wp.block_dim()
     sync()
     if lane != 0 or model.surfaces.shear_start[model.pairs.second[pair]] < 0:
         return
-    m = (window[w, pair, 0] + model.window.half) * rows
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
-        f_1 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 0)]
-        f_2 = cell_area[w, pair, m] * traction[w, pair, cell_at(rows, m, 1)]
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
+        f_1 = cells.cell_area[w, pair, m] * friction.traction[w, pair, cell_at(rows, m, 0)]
+        f_2 = cells.cell_area[w, pair, m] * friction.traction[w, pair, cell_at(rows, m, 1)]
         if f_1 != real(0.0) or f_2 != real(0.0):
-            g_1 = -(cell_turn[w, pair, m, 0] * f_1 + cell_turn[w, pair, m, 2] * f_2)
-            g_2 = -(cell_turn[w, pair, m, 1] * f_1 + cell_turn[w, pair, m, 3] * f_2)
+            g_1 = -(cells.cell_turn[w, pair, m, 0] * f_1 + cells.cell_turn[w, pair, m, 2] * f_2)
+            g_2 = -(cells.cell_turn[w, pair, m, 1] * f_1 + cells.cell_turn[w, pair, m, 3] * f_2)
             c = int(0)
             while c < model.window.share_columns:
                 q = int(0)
                 while q < model.window.share_rows:
-                    part = share[w, pair, m, c * model.window.share_rows + q]
+                    part = cells.share[w, pair, m, c * model.window.share_rows + q]
                     if part != real(0.0):
-                        e = (share_at[w, pair, m, 0] + c) * 2 * rows_b + share_at[w, pair, m, 1] + q
-                        second_force[w, pair, e] = second_force[w, pair, e] + part * g_1
-                        second_force[w, pair, e + rows_b] = second_force[w, pair, e + rows_b] + part * g_2
+                        e = (cells.share_at[w, pair, m, 0] + c) * 2 * rows_b + cells.share_at[w, pair, m, 1] + q
+                        cells.second_force[w, pair, e] = cells.second_force[w, pair, e] + part * g_1
+                        cells.second_force[w, pair, e + rows_b] = cells.second_force[w, pair, e + rows_b] + part * g_2
                     q += 1
                 c += 1
         m += 1
@@ -91,211 +87,156 @@ def second_high(model: Model, w: int, pair: int, second_window: wp.array3d(dtype
     return wp.min(second_window[w, pair, 1] + model.window.share_columns, model.window.second_columns - 1)
 
 
-@wp.kernel
-def push_gaps(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    first_force: wp.array(dtype=real),
-    second_force: wp.array(dtype=real),
-    first_push: inout(wp.array(dtype=real)),
-    second_push: inout(wp.array(dtype=real)),
-):
+@kernel
+def push_gaps(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_force: wp.array(dtype=real)):
     """Per (world, pair), with and without friction of its own: the displacements by the local modes with which the
     tractions of all pairs on its bodies open its gaps, as those of `contact_fields.local_fields`."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     base = (w * model.pairs.count + pair) * model.window.hats
     base_b = (w * model.pairs.count + pair) * model.window.nodes
-    clear_field(lane, model.window.hats, base, first_push)
-    clear_field(lane, model.window.nodes, base_b, second_push)
-    low = window[w, pair, 0] + model.window.half
-    columns = window[w, pair, 1] - window[w, pair, 0] + 1
+    clear_field(lane, model.window.hats, base, cells.first_push)
+    clear_field(lane, model.window.nodes, base_b, cells.second_push)
+    low = geometry.window[w, pair, 0] + model.window.half
+    columns = geometry.window[w, pair, 1] - geometry.window[w, pair, 0] + 1
     start = base + low * model.surfaces.rows[model.pairs.first[pair]]
     add_fields(
-        model, w, 2 * pair, low, columns, model.responses.rubbed, real(-1.0), 2, center, window, second_window,
-        first_force, second_force, start, first_push,
+        model, w, 2 * pair, low, columns, model.responses.rubbed, real(-1.0), 2, geometry, cells.first_force,
+        second_force, start, cells.first_push,
     )  # fmt: skip
-    low = second_window[w, pair, 0]
-    columns = second_window[w, pair, 1] - low + 1
+    low = geometry.second_window[w, pair, 0]
+    columns = geometry.second_window[w, pair, 1] - low + 1
     start = base_b + low * model.surfaces.rows[model.pairs.second[pair]]
     add_fields(
-        model, w, 2 * pair + 1, low, columns, model.responses.rubbed, real(-1.0), 2, center, window, second_window,
-        first_force, second_force, start, second_push,
+        model, w, 2 * pair + 1, low, columns, model.responses.rubbed, real(-1.0), 2, geometry, cells.first_force,
+        second_force, start, cells.second_push,
     )  # fmt: skip
 
 
-@wp.kernel
-def add_push(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    first_push: wp.array(dtype=real),
-    second_push: wp.array(dtype=real),
-    first_local: changed(wp.array(dtype=real)),
-    second_local: changed(wp.array(dtype=real)),
-):
+@kernel
+def add_push(run: Run, cells: FrictionCells, fields: ContactFields):
     """Per (world, pair): adds what `push_gaps` found to the displacements by the pressures."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or (not rubs_on_grid(model, pair) and not loaded_by_others(model, pair)):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or (not rubs_on_grid(model, pair) and not loaded_by_others(model, pair)):
         return
     at = w * model.pairs.count + pair
-    axpy(model.window.hats, real(1.0), first_push, at * model.window.hats, first_local, at * model.window.hats)
-    axpy(model.window.nodes, real(1.0), second_push, at * model.window.nodes, second_local, at * model.window.nodes)
+    axpy(
+        model.window.hats, real(1.0), cells.first_push, at * model.window.hats, fields.first_local,
+        at * model.window.hats,
+    )  # fmt: skip
+    axpy(
+        model.window.nodes, real(1.0), cells.second_push, at * model.window.nodes, fields.second_local,
+        at * model.window.nodes,
+    )  # fmt: skip
     sync()
 
 
-@wp.kernel
+@kernel
 def press_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    pressure: wp.array(dtype=real),
-    second_load: wp.array(dtype=real),
-    of_state: int,
-    first_shift: inout(wp.array(dtype=real)),
-    second_shift: inout(wp.array(dtype=real)),
-):
+    run: Run, geometry: ContactGeometry, cells: FrictionCells, pressure: wp.array(dtype=real),
+    second_load: wp.array(dtype=real), of_state: int,
+):  # fmt: skip
     """Per (world, pair): tangential displacements of both surfaces' cells by the pressures (0 where inactive) of all
     pairs on the two bodies and the loads that they are on second surfaces."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
-    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
+    if (of_state != 0 and run.ctl[w].moved == 0) or (of_state == 0 and run.ctl[w].changes != 0):
         return
     base = (w * model.pairs.count + pair) * 2 * model.window.hats
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
-    clear_field(lane, 2 * model.window.hats, base, first_shift)
-    clear_field(lane, 2 * model.window.nodes, base_b, second_shift)
-    low = window[w, pair, 0] + model.window.half
-    columns = window[w, pair, 1] - window[w, pair, 0] + 1
+    clear_field(lane, 2 * model.window.hats, base, cells.first_shift)
+    clear_field(lane, 2 * model.window.nodes, base_b, cells.second_shift)
+    low = geometry.window[w, pair, 0] + model.window.half
+    columns = geometry.window[w, pair, 1] - geometry.window[w, pair, 0] + 1
     start = base + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
     add_fields(
-        model, w, 2 * pair, low, columns, model.responses.pressed, real(-1.0), 1, center, window, second_window,
-        pressure, second_load, start, first_shift,
+        model, w, 2 * pair, low, columns, model.responses.pressed, real(-1.0), 1, geometry, pressure, second_load,
+        start, cells.first_shift,
     )  # fmt: skip
     if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
-        low = second_low(model, w, pair, second_window)
-        columns = second_high(model, w, pair, second_window) - low + 1
+        low = second_low(model, w, pair, geometry.second_window)
+        columns = second_high(model, w, pair, geometry.second_window) - low + 1
         start = base_b + 2 * low * model.surfaces.rows[model.pairs.second[pair]]
         add_fields(
-            model, w, 2 * pair + 1, low, columns, model.responses.pressed, real(-1.0), 1, center, window,
-            second_window, pressure, second_load, start, second_shift,
+            model, w, 2 * pair + 1, low, columns, model.responses.pressed, real(-1.0), 1, geometry, pressure,
+            second_load, start, cells.second_shift,
         )  # fmt: skip
 
 
-@wp.kernel
-def shift_slips(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    window: wp.array3d(dtype=int),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    first_shift: wp.array(dtype=real),
-    second_shift: wp.array(dtype=real),
-    pressed_slip: out(wp.array3d(dtype=real)),
-):
+@kernel
+def shift_slips(run: Run, geometry: ContactGeometry, cells: FrictionCells):
     """Per (world, pair), lanes over cells: what changes of the pressures make of their slips by the local modes [m]."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_grid(model, pair):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     flexible = model.surfaces.shear_start[model.pairs.second[pair]] >= 0
     base = (w * model.pairs.count + pair) * 2 * model.window.hats
-    m = (window[w, pair, 0] + model.window.half) * rows + lane
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
         second = vec3(real(0.0), real(0.0), real(0.0))
         if flexible:
-            second = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
+            second = on_shares(model, w, pair, m, cells, cells.second_shift)
         for d in range(2):
             at = cell_at(rows, m, d)
-            pressed_slip[w, pair, at] = first_shift[base + at] - second[d]
+            cells.pressed_slip[w, pair, at] = cells.first_shift[base + at] - second[d]
         m += wp.block_dim()
 
 
-@wp.kernel
-def rub_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    first_force: wp.array(dtype=real),
-    second_force: wp.array(dtype=real),
-    first_shift: changed(wp.array(dtype=real)),
-    second_shift: changed(wp.array(dtype=real)),
-):
+@kernel
+def rub_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_force: wp.array(dtype=real)):
     """Per (world, pair): adds what the tractions of all pairs on the two bodies displace along both surfaces."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_grid(model, pair) or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_grid(model, pair) or run.ctl[w].moved == 0:
         return
-    low = window[w, pair, 0] + model.window.half
-    columns = window[w, pair, 1] - window[w, pair, 0] + 1
+    low = geometry.window[w, pair, 0] + model.window.half
+    columns = geometry.window[w, pair, 1] - geometry.window[w, pair, 0] + 1
     at = (w * model.pairs.count + pair) * 2
     start = at * model.window.hats + 2 * low * model.surfaces.rows[model.pairs.first[pair]]
     add_fields(
-        model, w, 2 * pair, low, columns, model.responses.tangential, real(1.0), 2, center, window, second_window,
-        first_force, second_force, start, first_shift,
+        model, w, 2 * pair, low, columns, model.responses.tangential, real(1.0), 2, geometry, cells.first_force,
+        second_force, start, cells.first_shift,
     )  # fmt: skip
     if model.surfaces.shear_start[model.pairs.second[pair]] >= 0:
-        low = second_low(model, w, pair, second_window)
-        columns = second_high(model, w, pair, second_window) - low + 1
+        low = second_low(model, w, pair, geometry.second_window)
+        columns = second_high(model, w, pair, geometry.second_window) - low + 1
         start = at * model.window.nodes + 2 * low * model.surfaces.rows[model.pairs.second[pair]]
         add_fields(
-            model, w, 2 * pair + 1, low, columns, model.responses.tangential, real(1.0), 2, center, window,
-            second_window, first_force, second_force, start, second_shift,
+            model, w, 2 * pair + 1, low, columns, model.responses.tangential, real(1.0), 2, geometry, cells.first_force,
+            second_force, start, cells.second_shift,
         )  # fmt: skip
 
 
-@wp.kernel
-def displace_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    share: wp.array4d(dtype=real),
-    share_at: wp.array4d(dtype=int),
-    amplitude: wp.array(dtype=real),
-    first_shift: wp.array(dtype=real),
-    second_shift: wp.array(dtype=real),
-    second_modal: inout(wp.array(dtype=real)),
-    elastic_local: out(wp.array3d(dtype=real)),
-    elastic: out(wp.array3d(dtype=real)),
-):
+@kernel
+def displace_cells(run: Run, geometry: ContactGeometry, rubbing: FrictionCells, trial: Trial):
     """Per (world, pair), lanes over the cells: difference e of the tangential displacements of both bodies [m], by the
     local modes alone and in all; the shifts are those of `press_cells` and `rub_cells`."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_grid(model, pair) or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_grid(model, pair) or run.ctl[w].moved == 0:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
     rows = model.surfaces.rows[A]
     rows_b = model.surfaces.rows[B]
     H = model.window.half
-    first = window[w, pair, 0] + H
-    cells = (window[w, pair, 1] + H - first + 1) * rows
-    origin = center[w, pair, 0] - H
-    origin_b = center[w, pair, 1] - model.window.second_half
+    first = geometry.window[w, pair, 0] + H
+    cells = (geometry.window[w, pair, 1] + H - first + 1) * rows
+    origin = geometry.center[w, pair, 0] - H
+    origin_b = geometry.center[w, pair, 1] - model.window.second_half
     base = (w * model.pairs.count + pair) * 2 * model.window.hats
     base_b = (w * model.pairs.count + pair) * 2 * model.window.nodes
     flexible = model.surfaces.shear_start[B] >= 0
     if flexible:
-        low = second_low(model, w, pair, second_window)
-        high = second_high(model, w, pair, second_window)
+        low = second_low(model, w, pair, geometry.second_window)
+        high = second_high(model, w, pair, geometry.second_window)
         modes_b = model.surfaces.modal_count[B]
         i = 2 * low * rows_b + lane
         while i < 2 * (high + 1) * rows_b:
@@ -304,8 +245,8 @@ def displace_cells(
             if line >= 0:
                 at = model.surfaces.shear_start[B] + line * modes_b
                 start_b = w * model.modes.count + model.surfaces.modal_start[B]
-                value = dot(modes_b, model.surfaces.mode_tangent, at, amplitude, start_b)
-            second_modal[base_b + i] = value
+                value = dot(modes_b, model.surfaces.mode_tangent, at, trial.q1, start_b)
+            rubbing.second_modal[base_b + i] = value
             i += wp.block_dim()
     sync()
     modes_a = model.surfaces.modal_count[A]
@@ -314,54 +255,42 @@ def displace_cells(
     while m < first * rows + cells:
         i_1 = cell_at(rows, m, 0)
         i_2 = cell_at(rows, m, 1)
-        u_1 = first_shift[base + i_1]
-        u_2 = first_shift[base + i_2]
+        u_1 = rubbing.first_shift[base + i_1]
+        u_2 = rubbing.first_shift[base + i_2]
         q_1 = real(0.0)
         q_2 = real(0.0)
         line = line_of(model, A, origin + m / rows, m % rows)
         if line >= 0:
             q_1 = dot(
-                modes_a, model.surfaces.mode_tangent, model.surfaces.shear_start[A] + line * modes_a, amplitude, start_a
+                modes_a, model.surfaces.mode_tangent, model.surfaces.shear_start[A] + line * modes_a, trial.q1, start_a
             )
             q_2 = dot(
-                modes_a,
-                model.surfaces.mode_tangent,
-                model.surfaces.shear_start[A] + (line + rows) * modes_a,
-                amplitude,
+                modes_a, model.surfaces.mode_tangent, model.surfaces.shear_start[A] + (line + rows) * modes_a, trial.q1,
                 start_a,
-            )
-        if flexible and cell_area[w, pair, m] > real(0.0):
-            u = on_shares(model, w, pair, m, cell_turn, share, share_at, second_shift)
-            q = on_shares(model, w, pair, m, cell_turn, share, share_at, second_modal)
+            )  # fmt: skip
+        if flexible and rubbing.cell_area[w, pair, m] > real(0.0):
+            u = on_shares(model, w, pair, m, rubbing, rubbing.second_shift)
+            q = on_shares(model, w, pair, m, rubbing, rubbing.second_modal)
             u_1 -= u[0]
             u_2 -= u[1]
             q_1 -= q[0]
             q_2 -= q[1]
-        elastic_local[w, pair, i_1] = u_1
-        elastic_local[w, pair, i_2] = u_2
-        elastic[w, pair, i_1] = u_1 + q_1
-        elastic[w, pair, i_2] = u_2 + q_2
+        rubbing.elastic_local[w, pair, i_1] = u_1
+        rubbing.elastic_local[w, pair, i_2] = u_2
+        rubbing.elastic[w, pair, i_1] = u_1 + q_1
+        rubbing.elastic[w, pair, i_2] = u_2 + q_2
         m += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def change_pressures(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    pressure_change: out(wp.array3d(dtype=real)),
-    load_change: inout(wp.array3d(dtype=real)),
+    run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields, cells: FrictionCells
 ):
     """Per (world, pair): what the solve of the pressures has changed, and the loads that this is on the second
     surface."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     if not rubs_on_grid(model, pair) and not loaded_by_others(model, pair):
         return
@@ -369,25 +298,25 @@ def change_pressures(
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     i = lane
     while i < model.window.nodes:
-        load_change[w, pair, i] = real(0.0)
+        cells.load_change[w, pair, i] = real(0.0)
         i += wp.block_dim()
     sync()
     if lane != 0:
         return
-    m = (window[w, pair, 0] + model.window.half) * rows
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
-        change = -base[w, pair, m]
-        if active[w, pair, m] != 0:
-            change += pressure[w, pair, m]
-        pressure_change[w, pair, m] = change
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
+        change = -fields.base[w, pair, m]
+        if contact.active[w, pair, m] != 0:
+            change += contact.pressure[w, pair, m]
+        cells.pressure_change[w, pair, m] = change
         c = int(0)
         while change != real(0.0) and c < model.window.stencil_columns:
             q = int(0)
             while q < model.window.stencil_rows:
-                part = stencil[w, pair, m, c * model.window.stencil_rows + q]
+                part = geometry.stencil[w, pair, m, c * model.window.stencil_rows + q]
                 if part != real(0.0):
-                    e = (stencil_at[w, pair, m, 0] + c) * rows_b + stencil_at[w, pair, m, 1] + q
-                    load_change[w, pair, e] = load_change[w, pair, e] + part * change
+                    e = (geometry.stencil_at[w, pair, m, 0] + c) * rows_b + geometry.stencil_at[w, pair, m, 1] + q
+                    cells.load_change[w, pair, e] = cells.load_change[w, pair, e] + part * change
                 q += 1
             c += 1
         m += 1

@@ -14,11 +14,14 @@ ten per cent low; at the mean it is as much high.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -28,26 +31,18 @@ SPREAD = wp.constant(wp.float64(1.0 / 16.0))  # c of like neighbours: half of th
 
 @wp.func
 def pressed(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    low: int,
-    high: int,
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-) -> real:
+    model: Model, w: int, pair: int, m: int, low: int, high: int, contact: ContactState, cells: FrictionCells,
+    geometry: ContactGeometry,
+) -> real:  # fmt: skip
     """Pressure of the hat of cell m times its facing part [Pa]; -1 where there is no cell of the window that faces the
     second surface."""
     if m < low or m > high:
         return real(-1.0)
-    if not (cell_area[w, pair, m] > real(0.0) and area[w, pair, m] > real(0.0)):
+    if not (cells.cell_area[w, pair, m] > real(0.0) and geometry.area[w, pair, m] > real(0.0)):
         return real(-1.0)
-    if active[w, pair, m] == 0:
+    if contact.active[w, pair, m] == 0:
         return real(0.0)
-    return wp.max(pressure[w, pair, m], real(0.0)) * area[w, pair, m] / cell_area[w, pair, m]
+    return wp.max(contact.pressure[w, pair, m], real(0.0)) * geometry.area[w, pair, m] / cells.cell_area[w, pair, m]
 
 
 @wp.func
@@ -64,55 +59,49 @@ def exchanged(model: Model, z0: int, rows: int, row: int, other: int) -> real:
     return SPREAD * h * g / model.surfaces.cell_area[z0 + row]
 
 
-@wp.kernel
+@kernel
 def bound_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    clip: int,
-    bound: out(wp.array3d(dtype=real)),
-    traction: inout(wp.array3d(dtype=real)),
+    run: Run, geometry: ContactGeometry, contact: ContactState, cells: FrictionCells, friction: FrictionState, clip: int
 ):
     """Per (world, pair), lanes over cells: the bounds [Pa] of the present pressures; with `clip` tractions beyond them
     are cut. Friction acts in steps in time and load steps: a first equilibrium or a start has no slip to speak of."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_grid(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_grid(model, pair):
         return
-    if (clip != 0 and ctl[w].moved == 0) or (clip == 0 and ctl[w].changes != 0):
+    if (clip != 0 and run.ctl[w].moved == 0) or (clip == 0 and run.ctl[w].changes != 0):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     z0 = model.surfaces.z_start[model.pairs.first[pair]]
     H = model.window.half
-    low = (window[w, pair, 0] + H) * rows
-    high = (window[w, pair, 1] + H + 1) * rows - 1
+    low = (geometry.window[w, pair, 0] + H) * rows
+    high = (geometry.window[w, pair, 1] + H + 1) * rows - 1
     m = lane
     while m < model.window.columns * rows:
         value = real(0.0)
-        here = pressed(model, w, pair, m, low, high, active, pressure, cell_area, area)
-        if here >= real(0.0) and is_whole(ctl, w):
+        here = pressed(model, w, pair, m, low, high, contact, cells, geometry)
+        if here >= real(0.0) and is_whole(run.ctl, w):
             value = here
             for side in range(2):
                 step = 2 * side - 1
-                there = pressed(model, w, pair, m + step * rows, low, high, active, pressure, cell_area, area)
+                there = pressed(model, w, pair, m + step * rows, low, high, contact, cells, geometry)
                 if there >= real(0.0):
                     value += SPREAD * (there - here)
                 row = m % rows + step
                 if row >= 0 and row < rows:
-                    there = pressed(model, w, pair, m + step, low, high, active, pressure, cell_area, area)
+                    there = pressed(model, w, pair, m + step, low, high, contact, cells, geometry)
                     if there >= real(0.0):
                         value += exchanged(model, z0, rows, m % rows, row) * (there - here)
             value = model.pairs.friction[pair] * value
-        bound[w, pair, m] = value
+        cells.bound[w, pair, m] = value
         if clip != 0:
             i = cell_at(rows, m, 0)
             j = cell_at(rows, m, 1)
-            size = wp.sqrt(traction[w, pair, i] * traction[w, pair, i] + traction[w, pair, j] * traction[w, pair, j])
+            size = wp.sqrt(
+                friction.traction[w, pair, i] * friction.traction[w, pair, i]
+                + friction.traction[w, pair, j] * friction.traction[w, pair, j]
+            )
             if size > value:
-                traction[w, pair, i] = traction[w, pair, i] * value / size
-                traction[w, pair, j] = traction[w, pair, j] * value / size
+                friction.traction[w, pair, i] = friction.traction[w, pair, i] * value / size
+                friction.traction[w, pair, j] = friction.traction[w, pair, j] * value / size
         m += wp.block_dim()

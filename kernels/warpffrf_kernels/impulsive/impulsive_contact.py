@@ -62,11 +62,16 @@ that differ.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Coefficients, Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve
+from warpffrf_kernels.core.control import Clock, Coefficients
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import EXACT, LOCAL, OUTER, coefficients_of, rule_of
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import ContactState, FrictionState, LoadState, MotionState
 from warpffrf_kernels.normal.contact_solve import push_by_slots
 from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, modal_place, whole
 
@@ -110,26 +115,26 @@ def outer_kappa(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
 
 
 @wp.func
-def mode_share(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> real:
+def mode_share(model: Model, run: Run, w: int, m: int) -> real:
     """b over beta of mode m; 0 where it steps exactly and needs none."""
-    rule = rule_of(model, ctl, clk, w, m)
+    rule = rule_of(model, run, w, m)
     part = real(0.0)
     if rule == OUTER:
-        part = outer_share(model, clk, w)
+        part = outer_share(model, run.clk, w)
     if rule == LOCAL:
-        part = share(clk[w].h, clk[w].local, model.modes.stiffness[m])
+        part = share(run.clk[w].h, run.clk[w].local, model.modes.stiffness[m])
     return part
 
 
 @wp.func
-def mode_kappa(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, m: int) -> real:
+def mode_kappa(model: Model, run: Run, w: int, m: int) -> real:
     """kappa of mode m, less what its damper makes of the velocity."""
-    rule = rule_of(model, ctl, clk, w, m)
+    rule = rule_of(model, run, w, m)
     if rule == EXACT:
         return real(1.0)
-    part = mode_share(model, ctl, clk, w, m)
-    c = coefficients_of(clk, w, rule)
-    return kappa_of(c, part) - model.modes.damping[m] * slip_of(clk[w].h, c, part)
+    part = mode_share(model, run, w, m)
+    c = coefficients_of(run.clk, w, rule)
+    return kappa_of(c, part) - model.modes.damping[m] * slip_of(run.clk[w].h, c, part)
 
 
 @wp.func
@@ -141,71 +146,45 @@ def weight_of(kappa: real, theta: real) -> real:
 # --- the beginning of an attempt
 
 
-@wp.kernel
+@kernel
 def begin_contact(
-    models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
-    v_rate: wp.array2d(dtype=vec3),
-    v_alg: wp.array2d(dtype=vec3),
-    omega_rate: wp.array2d(dtype=vec3),
-    omega_alg: wp.array2d(dtype=vec3),
-    qd_rate: wp.array2d(dtype=real),
-    qd_alg: wp.array2d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    friction_force: wp.array4d(dtype=real),
-    friction_modal: wp.array4d(dtype=real),
-    memory: wp.array4d(dtype=real),
-    modal_memory: wp.array4d(dtype=real),
-    friction_memory: wp.array4d(dtype=real),
-    modal_friction_memory: wp.array4d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    impulsive: inout(wp.array2d(dtype=int)),
-    theta: inout(wp.array2d(dtype=real)),
-    bracket: out(wp.array3d(dtype=real)),
-    weight: out(wp.array2d(dtype=real)),
-    v_rate0: inout(wp.array2d(dtype=vec3)),
-    v_alg0: out(wp.array2d(dtype=vec3)),
-    omega_rate0: inout(wp.array2d(dtype=vec3)),
-    omega_alg0: out(wp.array2d(dtype=vec3)),
-    qd_rate0: inout(wp.array2d(dtype=real)),
-    qd_alg0: out(wp.array2d(dtype=real)),
+    run: Run, state: MotionState, contact: ContactState, friction: FrictionState, impulses: ImpulsiveContact
 ):
     """Per world: which pairs are impulsive in this attempt, and the accelerations of its beginning without them."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
     if lane == 0:
-        ctl[w].round = 0
-        ctl[w].even = 0
-        ctl[w].reweighed = 0
+        run.ctl[w].round = 0
+        run.ctl[w].even = 0
+        run.ctl[w].reweighed = 0
         pair = int(0)
         while pair < model.pairs.count:
             kind = int(0)
-            if ctl[w].mode == k.DYNAMIC:
+            if run.ctl[w].mode == k.DYNAMIC:
                 if model.modes.dynamic_count > 0:
-                    if ctl[w].impulsive == k.IMPULSIVE:
+                    if run.ctl[w].impulsive == k.IMPULSIVE:
                         kind = 1
-                elif ctl[w].again != 0:
-                    kind = impulsive[w, pair]
-                elif not is_closed(pair_force, w, pair, 0):
+                elif run.ctl[w].again != 0:
+                    kind = contact.impulsive[w, pair]
+                elif not is_closed(contact.pair_force, w, pair, 0):
                     kind = 1
-            impulsive[w, pair] = kind
+            contact.impulsive[w, pair] = kind
             if model.modes.dynamic_count > 0:
-                theta[w, pair] = real(1.0)
-            elif ctl[w].again == 0:
-                theta[w, pair] = real(0.5)
-            bracket[w, pair, 0] = real(0.0)
-            bracket[w, pair, 1] = real(1.0)
-            bracket[w, pair, 2] = real(0.0)
-            bracket[w, pair, 3] = real(0.0)
-            bracket[w, pair, 4] = real(-1.0)
-            bracket[w, pair, 5] = real(-1.0)
-            bracket[w, pair, 7] = real(-1.0)
-            weight[w, pair] = real(1.0)
+                impulses.theta[w, pair] = real(1.0)
+            elif run.ctl[w].again == 0:
+                impulses.theta[w, pair] = real(0.5)
+            impulses.bracket[w, pair, 0] = real(0.0)
+            impulses.bracket[w, pair, 1] = real(1.0)
+            impulses.bracket[w, pair, 2] = real(0.0)
+            impulses.bracket[w, pair, 3] = real(0.0)
+            impulses.bracket[w, pair, 4] = real(-1.0)
+            impulses.bracket[w, pair, 5] = real(-1.0)
+            impulses.bracket[w, pair, 7] = real(-1.0)
+            impulses.weight[w, pair] = real(1.0)
             if kind != 0:
-                weight[w, pair] = weight_of(outer_kappa(model, clk, w), theta[w, pair])
+                impulses.weight[w, pair] = weight_of(outer_kappa(model, run.clk, w), impulses.theta[w, pair])
             pair += 1
     sync()
     rubs = model.capacity.cells > 0
@@ -217,30 +196,30 @@ def begin_contact(
         m_t = f
         pair = int(0)
         while pair < model.pairs.count:
-            if impulsive[w, pair] != 0:
-                f_p, t_p = force_on(model, pair_force, w, pair, 0, b)
+            if contact.impulsive[w, pair] != 0:
+                f_p, t_p = force_on(model, contact.pair_force, w, pair, 0, b)
                 f += f_p
                 t += t_p
-                f_p, t_p = force_on(model, memory, w, pair, 0, b)
+                f_p, t_p = force_on(model, contact.memory, w, pair, 0, b)
                 m_f += f_p
                 m_t += t_p
                 if rubs:
-                    f_p, t_p = force_on(model, friction_force, w, pair, 0, b)
+                    f_p, t_p = force_on(model, friction.friction_force, w, pair, 0, b)
                     f += f_p
                     t += t_p
-                    f_p, t_p = force_on(model, friction_memory, w, pair, 0, b)
+                    f_p, t_p = force_on(model, friction.friction_memory, w, pair, 0, b)
                     m_f += f_p
                     m_t += t_p
             pair += 1
         soft = wp.inverse(model.bodies.inertia[b])
-        v_rate0[w, b] = v_rate[w, b] - f / model.bodies.mass[b]
-        omega_rate0[w, b] = omega_rate[w, b] - soft * t
-        if ctl[w].trapezoidal == 0:
-            v_alg0[w, b] = v_alg[w, b] - m_f / model.bodies.mass[b]
-            omega_alg0[w, b] = omega_alg[w, b] - soft * m_t
+        impulses.v_rate0[w, b] = state.v_rate[w, b] - f / model.bodies.mass[b]
+        impulses.omega_rate0[w, b] = state.omega_rate[w, b] - soft * t
+        if run.ctl[w].trapezoidal == 0:
+            impulses.v_alg0[w, b] = state.v_alg[w, b] - m_f / model.bodies.mass[b]
+            impulses.omega_alg0[w, b] = state.omega_alg[w, b] - soft * m_t
         else:
-            v_alg0[w, b] = v_rate0[w, b]
-            omega_alg0[w, b] = omega_rate0[w, b]
+            impulses.v_alg0[w, b] = impulses.v_rate0[w, b]
+            impulses.omega_alg0[w, b] = impulses.omega_rate0[w, b]
         b += wp.block_dim()
     n = lane
     while n < model.modes.count:
@@ -249,170 +228,152 @@ def begin_contact(
         pair = int(0)
         while pair < model.pairs.count:
             at = modal_place(model, pair, n)
-            if impulsive[w, pair] != 0 and at >= 0:
-                f_n += whole(model, pair_modal, friction_modal, w, pair, 0, at)
-                m_n += whole(model, modal_memory, modal_friction_memory, w, pair, 0, at)
+            if contact.impulsive[w, pair] != 0 and at >= 0:
+                f_n += whole(model, contact.pair_modal, friction.friction_modal, w, pair, 0, at)
+                m_n += whole(model, contact.modal_memory, friction.modal_friction_memory, w, pair, 0, at)
             pair += 1
-        qd_rate0[w, n] = qd_rate[w, n] - f_n
-        if ctl[w].trapezoidal == 0:
-            qd_alg0[w, n] = qd_alg[w, n] - m_n
+        impulses.qd_rate0[w, n] = state.qd_rate[w, n] - f_n
+        if run.ctl[w].trapezoidal == 0:
+            impulses.qd_alg0[w, n] = state.qd_alg[w, n] - m_n
         else:
-            qd_alg0[w, n] = qd_rate0[w, n]
+            impulses.qd_alg0[w, n] = impulses.qd_rate0[w, n]
         n += wp.block_dim()
 
 
 # --- within the Newton loop
 
 
-@wp.kernel
+@kernel
 def push_bodies(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    pair_wrench: wp.array3d(dtype=real),
-    normal_wrench: wp.array3d(dtype=real),
-    impulsive: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    friction_modal: wp.array4d(dtype=real),
-    pair_force: inout(wp.array4d(dtype=real)),
-    friction_force: inout(wp.array4d(dtype=real)),
-    modal_load: out(wp.array3d(dtype=real)),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array2d(dtype=real)),
-):
+    run: Run, trial: Trial, geometry: ContactGeometry, cells: FrictionCells, contact: ContactState,
+    impulses: ImpulsiveContact, friction: FrictionState, loads: LoadState, residuals: Residuals,
+):  # fmt: skip
     """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal ones
     and friction, and what of them acts in the step, off the residuals."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     rubs = model.capacity.cells > 0
     if lane == 0:
-        kappa = outer_kappa(model, clk, w)
+        kappa = outer_kappa(model, run.clk, w)
         pair = int(0)
         while pair < model.pairs.count:
             A = model.surfaces.body[model.pairs.first[pair]]
             B = model.surfaces.body[model.pairs.second[pair]]
             for part in range(2):
                 if part == 0 or rubs:
-                    f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
-                    t = vec3(pair_wrench[w, pair, 3], pair_wrench[w, pair, 4], pair_wrench[w, pair, 5])
+                    f = vec3(
+                        geometry.pair_wrench[w, pair, 0], geometry.pair_wrench[w, pair, 1],
+                        geometry.pair_wrench[w, pair, 2],
+                    )  # fmt: skip
+                    t = vec3(
+                        geometry.pair_wrench[w, pair, 3], geometry.pair_wrench[w, pair, 4],
+                        geometry.pair_wrench[w, pair, 5],
+                    )  # fmt: skip
                     if rubs:
-                        f_n = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
-                        t_n = vec3(normal_wrench[w, pair, 3], normal_wrench[w, pair, 4], normal_wrench[w, pair, 5])
+                        f_n = vec3(
+                            cells.normal_wrench[w, pair, 0], cells.normal_wrench[w, pair, 1],
+                            cells.normal_wrench[w, pair, 2],
+                        )  # fmt: skip
+                        t_n = vec3(
+                            cells.normal_wrench[w, pair, 3], cells.normal_wrench[w, pair, 4],
+                            cells.normal_wrench[w, pair, 5],
+                        )  # fmt: skip
                         if part == 0:
                             f = f_n
                             t = t_n
                         else:
                             f -= f_n
                             t -= t_n
-                    t_a = wp.transpose(axes[w, A]) * t
+                    t_a = wp.transpose(trial.axes[w, A]) * t
                     t_b = vec3(real(0.0), real(0.0), real(0.0))  # on the ground it does nothing
                     if B >= 0:
-                        t_b = -(wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f)))
+                        t_b = -(wp.transpose(trial.axes[w, B]) * (t + wp.cross(trial.r1[w, A] - trial.r1[w, B], f)))
                     for i in range(3):
                         if part == 0:
-                            pair_force[w, pair, 1, i] = f[i]
-                            pair_force[w, pair, 1, 3 + i] = t_a[i]
-                            pair_force[w, pair, 1, 6 + i] = -f[i]
-                            pair_force[w, pair, 1, 9 + i] = t_b[i]
+                            contact.pair_force[w, pair, 1, i] = f[i]
+                            contact.pair_force[w, pair, 1, 3 + i] = t_a[i]
+                            contact.pair_force[w, pair, 1, 6 + i] = -f[i]
+                            contact.pair_force[w, pair, 1, 9 + i] = t_b[i]
                         else:
-                            friction_force[w, pair, 1, i] = f[i]
-                            friction_force[w, pair, 1, 3 + i] = t_a[i]
-                            friction_force[w, pair, 1, 6 + i] = -f[i]
-                            friction_force[w, pair, 1, 9 + i] = t_b[i]
+                            friction.friction_force[w, pair, 1, i] = f[i]
+                            friction.friction_force[w, pair, 1, 3 + i] = t_a[i]
+                            friction.friction_force[w, pair, 1, 6 + i] = -f[i]
+                            friction.friction_force[w, pair, 1, 9 + i] = t_b[i]
             for i in range(12):
-                before = whole(model, pair_force, friction_force, w, pair, 0, i)
-                after = whole(model, pair_force, friction_force, w, pair, 1, i)
+                before = whole(model, contact.pair_force, friction.friction_force, w, pair, 0, i)
+                after = whole(model, contact.pair_force, friction.friction_force, w, pair, 1, i)
                 force = after
-                if impulsive[w, pair] != 0:
-                    force = kappa * mean_of(theta[w, pair], before, after)
+                if contact.impulsive[w, pair] != 0:
+                    force = kappa * mean_of(impulses.theta[w, pair], before, after)
                 body = A
                 if i >= 6:
                     body = B
                 if body >= 0:
                     at = 6 * body + i % 6
-                    residual[w, at] = residual[w, at] - force
+                    residuals.residual[w, at] = residuals.residual[w, at] - force
             pair += 1
     n = lane
     while n < model.modes.count:
         load = real(0.0)
         acts = real(0.0)
-        kappa = mode_kappa(model, ctl, clk, w, n)
+        kappa = mode_kappa(model, run, w, n)
         pair = int(0)
         while pair < model.pairs.count:
             at = modal_place(model, pair, n)
             if at >= 0:
-                before = whole(model, pair_modal, friction_modal, w, pair, 0, at)
-                after = whole(model, pair_modal, friction_modal, w, pair, 1, at)
+                before = whole(model, contact.pair_modal, friction.friction_modal, w, pair, 0, at)
+                after = whole(model, contact.pair_modal, friction.friction_modal, w, pair, 1, at)
                 load += after
                 force = after
-                if impulsive[w, pair] != 0:
-                    force = kappa * mean_of(theta[w, pair], before, after)
+                if contact.impulsive[w, pair] != 0:
+                    force = kappa * mean_of(impulses.theta[w, pair], before, after)
                 acts += force
             pair += 1
-        modal_load[w, 1, n] = load
-        modal_residual[w, n] = modal_residual[w, n] - acts
+        loads.modal_load[w, 1, n] = load
+        residuals.modal_residual[w, n] = residuals.modal_residual[w, n] - acts
         n += wp.block_dim()
 
 
-@wp.kernel
-def compare_receptances(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    receptance: wp.array2d(dtype=real),
-    contact_receptance: out(wp.array2d(dtype=real)),
-):
+@kernel
+def compare_receptances(run: Run, impulses: ImpulsiveContact, receptance: wp.array2d(dtype=real)):
     """Per world: kappa sigma^-1 of the modes over kappa of bodies, the answer to a contact force without its pair's
     weight; of scenes with dynamic local modes, which have a kappa of their own."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     n = lane
     while n < model.modes.count:
         factor = real(1.0)
-        if ctl[w].mode == k.DYNAMIC and ctl[w].impulsive == k.IMPULSIVE:
-            factor = mode_kappa(model, ctl, clk, w, n) / outer_kappa(model, clk, w)
-        contact_receptance[w, n] = factor * receptance[w, n]
+        if run.ctl[w].mode == k.DYNAMIC and run.ctl[w].impulsive == k.IMPULSIVE:
+            factor = mode_kappa(model, run, w, n) / outer_kappa(model, run.clk, w)
+        impulses.contact_receptance[w, n] = factor * receptance[w, n]
         n += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def push_further(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    J: wp.array(dtype=real),
-    pressure: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
-    weight: wp.array2d(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    contact_receptance: wp.array2d(dtype=real),
-    push: inout(wp.array(dtype=real)),
-    modal_step: changed(wp.array(dtype=real)),
-):
+    run: Run, contact: ContactState, normal: ContactSolve, fields: ContactFields, impulses: ImpulsiveContact,
+    system: OuterSystem, receptance: wp.array2d(dtype=real),
+):  # fmt: skip
     """Per world, lanes over modes: what the modal increments lack of `contact_receptance`. Modes that carry inertia
     terms have it from the outer system (their receptance is 0)."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].impulsive != k.IMPULSIVE or ctl[w].mode != k.DYNAMIC:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].impulsive != k.IMPULSIVE or run.ctl[w].mode != k.DYNAMIC:
         return
     first = w * model.modes.count
     n = lane
     while n < model.modes.count:
-        push[first + n] = real(0.0)
+        impulses.modal_push[first + n] = real(0.0)
         n += wp.block_dim()
     sync()
-    push_by_slots(model, ctl, w, slot_hat, active, pressure, base, weight, J, push)
+    push_by_slots(model, run, w, normal, contact, fields, impulses, impulses.modal_push)
     sync()
     n = lane
     while n < model.modes.count:
-        excess = contact_receptance[w, n] - receptance[w, n]
-        modal_step[first + n] = modal_step[first + n] + excess * push[first + n]
+        excess = impulses.contact_receptance[w, n] - receptance[w, n]
+        system.modal_step[first + n] = system.modal_step[first + n] + excess * impulses.modal_push[first + n]
         n += wp.block_dim()

@@ -39,11 +39,15 @@ holds for both.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import OUTER
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals, Trial
+from warpffrf_kernels.core.state import ContactState, FrictionState, MotionState
 from warpffrf_kernels.impulsive.impulsive_contact import mode_kappa, outer_kappa, weight_of
 from warpffrf_kernels.impulsive.impulsive_memory import filtered
 from warpffrf_kernels.normal.pair_forces import (
@@ -76,46 +80,27 @@ MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket that lose
 
 
 @wp.func
-def kinetic_along(
-    model: Model,
-    w: int,
-    pair: int,
-    force: wp.array4d(dtype=real),
-    modal: wp.array4d(dtype=real),
-    v: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-    qd: wp.array2d(dtype=real),
-) -> real:
+def kinetic_along(model: Model, w: int, pair: int, contact: ContactState, state: MotionState) -> real:
     """Kinetic energy [J] of the motion along the force of a pair, before or after the attempt, of the bodies alone or
     with their modes, the largest: against stiff modes the motion of the bodies is little of a force on both."""
     energy = real(0.0)
     for side in range(2):
-        power = body_work(model, w, pair, side, force, v, omega)
-        mobility = body_mobility(model, w, pair, side, force)
+        power = body_work(model, w, pair, side, contact.pair_force, state.v, state.omega)
+        mobility = body_mobility(model, w, pair, side, contact.pair_force)
         if mobility > real(0.0):
             energy = wp.max(energy, real(0.5) * power * power / mobility)
-        power += modal_work(model, w, pair, side, modal, qd)
-        mobility += modal_mobility(model, w, pair, side, modal)
+        power += modal_work(model, w, pair, side, contact.pair_modal, state.qd)
+        mobility += modal_mobility(model, w, pair, side, contact.pair_modal)
         if mobility > real(0.0):
             energy = wp.max(energy, real(0.5) * power * power / mobility)
     return energy
 
 
 @wp.func
-def own_energy(
-    model: Model,
-    w: int,
-    pair: int,
-    pair_energy: wp.array3d(dtype=real),
-    force: wp.array4d(dtype=real),
-    modal: wp.array4d(dtype=real),
-    v: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-    qd: wp.array2d(dtype=real),
-) -> real:
+def own_energy(model: Model, w: int, pair: int, contact: ContactState, state: MotionState) -> real:
     """Of a pair: contact energy, or the kinetic energy along its force with which the step begins, the largest."""
-    approach = kinetic_along(model, w, pair, force, modal, v, omega, qd)
-    return wp.max(approach, wp.max(pair_energy[w, pair, 0], pair_energy[w, pair, 1]))
+    approach = kinetic_along(model, w, pair, contact, state)
+    return wp.max(approach, wp.max(contact.pair_energy[w, pair, 0], contact.pair_energy[w, pair, 1]))
 
 
 @wp.func
@@ -156,30 +141,11 @@ def has_converged(ctl: wp.array(dtype=Control), w: int) -> bool:
     return ctl[w].attempt != 0 and ctl[w].run == 0 and ctl[w].failure == 0 and ctl[w].even == 0
 
 
-@wp.kernel
+@kernel
 def balance_means(
-    models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
-    v: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-    qd: wp.array2d(dtype=real),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    dq: wp.array2d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    friction_force: wp.array4d(dtype=real),
-    friction_modal: wp.array4d(dtype=real),
-    pair_energy: wp.array3d(dtype=real),
-    pair_loss: wp.array2d(dtype=real),
-    impulsive: wp.array2d(dtype=int),
-    ctl: inout(wp.array(dtype=Control)),
-    theta: inout(wp.array2d(dtype=real)),
-    bracket: inout(wp.array3d(dtype=real)),
-    weight: out(wp.array2d(dtype=real)),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array2d(dtype=real)),
-):
+    run: Run, state: MotionState, trial: Trial, contact: ContactState, friction: FrictionState,
+    impulses: ImpulsiveContact, residuals: Residuals,
+):  # fmt: skip
     """Per world whose iteration has just converged: theta of the impulsive pairs that do not give back their energy,
     and another round of the loop with them. `pair_loss`: what a damped layer takes.
 
@@ -187,51 +153,53 @@ def balance_means(
     where it is not known.
     """
     w = wp.tid()
-    model = models[w]
-    if not has_converged(ctl, w):
+    model = run.models[w]
+    if not has_converged(run.ctl, w):
         return
     # an attempt that is not a repeated one is repeated where a pair swings
-    if ctl[w].mode != k.DYNAMIC or ctl[w].again == 0 or ctl[w].round > MOST_ROUNDS:
-        ctl[w].even = 1
+    if run.ctl[w].mode != k.DYNAMIC or run.ctl[w].again == 0 or run.ctl[w].round > MOST_ROUNDS:
+        run.ctl[w].even = 1
         return
-    kappa = outer_kappa(model, clk, w)
+    kappa = outer_kappa(model, run.clk, w)
     changed = int(0)
     pair = int(0)
     while pair < model.pairs.count:
-        if impulsive[w, pair] != 0 and swings(pair_energy, w, pair):
-            before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
-            after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
-            stored = pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
-            at = theta[w, pair]
-            own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
+        if contact.impulsive[w, pair] != 0 and swings(contact.pair_energy, w, pair):
+            before = pair_work(model, w, pair, 0, contact.pair_force, contact.pair_modal, trial)
+            after = pair_work(model, w, pair, 1, contact.pair_force, contact.pair_modal, trial)
+            stored = contact.pair_energy[w, pair, 1] - contact.pair_energy[w, pair, 0] + impulses.pair_loss[w, pair]
+            at = impulses.theta[w, pair]
+            own = own_energy(model, w, pair, contact, state)
             excess = mean_of(at, before, after) + stored + LOST * own
             to = at
-            if own < IDLE * energy_about(model, w, pair, pair_energy):
+            if own < IDLE * energy_about(model, w, pair, contact.pair_energy):
                 to = real(1.0)
             elif wp.abs(excess) > MISSED * own:
                 side = int(0)
                 if excess < real(0.0):
                     side = 1
-                narrow(bracket, w, pair, side, at, excess)
+                narrow(impulses.bracket, w, pair, side, at, excess)
                 force = real(0.0)
-                ease = real(0.5) * clk[w].h * clk[w].h
-                if pair_energy[w, pair, 0] == real(0.0):
+                ease = real(0.5) * run.clk[w].h * run.clk[w].h
+                if contact.pair_energy[w, pair, 0] == real(0.0):
                     force = wp.sqrt(
-                        body_mobility(model, w, pair, 1, pair_force) + modal_mobility(model, w, pair, 1, pair_modal)
+                        body_mobility(model, w, pair, 1, contact.pair_force)
+                        + modal_mobility(model, w, pair, 1, contact.pair_modal)
                     )
-                elif pair_energy[w, pair, 1] == real(0.0):
+                elif contact.pair_energy[w, pair, 1] == real(0.0):
                     force = wp.sqrt(
-                        body_mobility(model, w, pair, 0, pair_force) + modal_mobility(model, w, pair, 0, pair_modal)
+                        body_mobility(model, w, pair, 0, contact.pair_force)
+                        + modal_mobility(model, w, pair, 0, contact.pair_modal)
                     )
-                to = next_theta(bracket, w, pair, at, excess, force, before, after, stored, ease)
-            if ctl[w].round == MOST_ROUNDS:
+                to = next_theta(impulses.bracket, w, pair, at, excess, force, before, after, stored, ease)
+            if run.ctl[w].round == MOST_ROUNDS:
                 to = at
                 if excess > MISSED * own:
-                    to = bracket[w, pair, 1]
+                    to = impulses.bracket[w, pair, 1]
             if to != at:
                 changed = int(1)
-                theta[w, pair] = to
-                weight[w, pair] = weight_of(kappa, to)
+                impulses.theta[w, pair] = to
+                impulses.weight[w, pair] = weight_of(kappa, to)
                 # what the balance sees of it
                 for side in range(2):
                     surface = surface_of(model, pair, side)
@@ -239,27 +207,29 @@ def balance_means(
                     if b >= 0:
                         for c in range(6):
                             i = 6 * side + c
-                            change = whole(model, pair_force, friction_force, w, pair, 1, i)
-                            change -= whole(model, pair_force, friction_force, w, pair, 0, i)
-                            residual[w, 6 * b + c] = residual[w, 6 * b + c] - kappa * (to - at) * change
+                            change = whole(model, contact.pair_force, friction.friction_force, w, pair, 1, i)
+                            change -= whole(model, contact.pair_force, friction.friction_force, w, pair, 0, i)
+                            residuals.residual[w, 6 * b + c] = (
+                                residuals.residual[w, 6 * b + c] - kappa * (to - at) * change
+                            )
                     n = int(0)
                     while n < model.surfaces.modal_count[surface]:
                         m = model.surfaces.modal_start[surface] + n
                         i = modal_place(model, pair, m)
-                        change = whole(model, pair_modal, friction_modal, w, pair, 1, i)
-                        change -= whole(model, pair_modal, friction_modal, w, pair, 0, i)
-                        own_kappa = mode_kappa(model, ctl, clk, w, m)
-                        modal_residual[w, m] = modal_residual[w, m] - own_kappa * (to - at) * change
+                        change = whole(model, contact.pair_modal, friction.friction_modal, w, pair, 1, i)
+                        change -= whole(model, contact.pair_modal, friction.friction_modal, w, pair, 0, i)
+                        own_kappa = mode_kappa(model, run, w, m)
+                        residuals.modal_residual[w, m] = residuals.modal_residual[w, m] - own_kappa * (to - at) * change
                         n += 1
         pair += 1
     if changed == 0:
-        ctl[w].even = 1
+        run.ctl[w].even = 1
         return
-    ctl[w].round = ctl[w].round + 1
-    ctl[w].run = 1
-    ctl[w].reweighed = 1
-    ctl[w].stale = 1
-    ctl[w].refresh = 1  # the outer matrix has the weights, and what is condensed into it, too
+    run.ctl[w].round = run.ctl[w].round + 1
+    run.ctl[w].run = 1
+    run.ctl[w].reweighed = 1
+    run.ctl[w].stale = 1
+    run.ctl[w].refresh = 1  # the outer matrix has the weights, and what is condensed into it, too
 
 
 @wp.func
@@ -357,28 +327,8 @@ def root(a: real, b: real, c: real) -> real:
     return (under - b) / (real(2.0) * a)
 
 
-@wp.kernel
-def judge_pairs(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    impulsive: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    memory: wp.array4d(dtype=real),
-    modal_memory: wp.array4d(dtype=real),
-    pair_energy: wp.array3d(dtype=real),
-    pair_loss: wp.array2d(dtype=real),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    dq: wp.array2d(dtype=real),
-    v: wp.array2d(dtype=vec3),
-    omega: wp.array2d(dtype=vec3),
-    qd: wp.array2d(dtype=real),
-    wanted: out(wp.array2d(dtype=int)),
-    created: out(wp.array2d(dtype=real)),
-):
+@kernel
+def judge_pairs(run: Run, contact: ContactState, impulses: ImpulsiveContact, trial: Trial, state: MotionState):
     """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be taken again as
     impulsive: where it swings and its mean was not looked for, or its memory creates more than OWN of its own energy.
 
@@ -386,67 +336,61 @@ def judge_pairs(
     damped layers take. Local modes with inertia may step exactly, by other forces: nothing is judged there.
     """
     w, pair = wp.tid()
-    model = models[w]
-    wanted[w, pair] = 0
-    created[w, pair] = real(0.0)
-    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or model.modes.dynamic_count > 0:
+    model = run.models[w]
+    impulses.wanted[w, pair] = 0
+    impulses.created_now[w, pair] = real(0.0)
+    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or model.modes.dynamic_count > 0:
         return
-    if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
+    if not is_closed(contact.pair_force, w, pair, 0) and not is_closed(contact.pair_force, w, pair, 1):
         return
-    before = pair_work(model, w, pair, 0, pair_force, pair_modal, dx, psi, dq)
-    after = pair_work(model, w, pair, 1, pair_force, pair_modal, dx, psi, dq)
-    worked = mean_of(clk[w].outer.gamma, before, after)
-    if impulsive[w, pair] != 0:
-        worked = mean_of(theta[w, pair], before, after)
-    elif ctl[w].trapezoidal == 0:
-        recalled = pair_work(model, w, pair, 0, memory, modal_memory, dx, psi, dq)
-        ahead = filtered(clk, w, OUTER, before, after, recalled)
-        worked = mean_of(clk[w].outer.gamma, recalled, ahead)
-    total = worked + pair_energy[w, pair, 1] - pair_energy[w, pair, 0] + pair_loss[w, pair]
-    own = own_energy(model, w, pair, pair_energy, pair_force, pair_modal, v, omega, qd)
-    swung = swings(pair_energy, w, pair)
-    if impulsive[w, pair] == 0:
+    before = pair_work(model, w, pair, 0, contact.pair_force, contact.pair_modal, trial)
+    after = pair_work(model, w, pair, 1, contact.pair_force, contact.pair_modal, trial)
+    worked = mean_of(run.clk[w].outer.gamma, before, after)
+    if contact.impulsive[w, pair] != 0:
+        worked = mean_of(impulses.theta[w, pair], before, after)
+    elif run.ctl[w].trapezoidal == 0:
+        recalled = pair_work(model, w, pair, 0, contact.memory, contact.modal_memory, trial)
+        ahead = filtered(run.clk, w, OUTER, before, after, recalled)
+        worked = mean_of(run.clk[w].outer.gamma, recalled, ahead)
+    total = worked + contact.pair_energy[w, pair, 1] - contact.pair_energy[w, pair, 0] + impulses.pair_loss[w, pair]
+    own = own_energy(model, w, pair, contact, state)
+    swung = swings(contact.pair_energy, w, pair)
+    if contact.impulsive[w, pair] == 0:
         if swung or worked - mean_of(real(0.5), before, after) > OWN * own:
-            wanted[w, pair] = 1
-    elif swung and ctl[w].again == 0:
-        wanted[w, pair] = 1
-    created[w, pair] = total
+            impulses.wanted[w, pair] = 1
+    elif swung and run.ctl[w].again == 0:
+        impulses.wanted[w, pair] = 1
+    impulses.created_now[w, pair] = total
 
 
-@wp.kernel
+@kernel
 def find_restless(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    area: wp.array3d(dtype=real),
-    pressure: wp.array3d(dtype=real),
-    pressure_before: wp.array3d(dtype=real),
-    offset: wp.array2d(dtype=real),
-    patch_offset_before: wp.array2d(dtype=real),
-    restless: out(wp.array2d(dtype=int)),
-):
+    run: Run, geometry: ContactGeometry, contact: ContactState, impulses: ImpulsiveContact,
+    pressure_before: wp.array3d(dtype=real), patch_offset_before: wp.array2d(dtype=real),
+):  # fmt: skip
     """Per (world, pair): 1 where the forces of the hats changed by more than CALM in the attempt, the sum of |change|.
     Where the window was laid anew, the hats of before are those that `line_of_centres.open_window` put in their place.
     """
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0:
         return
-    shift = int(wp.floor(offset[w, pair] - patch_offset_before[w, pair] + real(0.5)))
+    shift = int(wp.floor(contact.patch_offset[w, pair] - patch_offset_before[w, pair] + real(0.5)))
     shift = shift * model.surfaces.rows[model.pairs.first[pair]]
     change = real(0.0)
     before = real(0.0)
     after = real(0.0)
     m = int(0)
     while m < model.window.hats:
-        weight = wp.max(area[w, pair, m], real(0.0))
+        weight = wp.max(geometry.area[w, pair, m], real(0.0))
         p0 = real(0.0)
         if m - shift >= 0 and m - shift < model.window.hats:
             p0 = weight * pressure_before[w, pair, m - shift]
-        p1 = weight * pressure[w, pair, m]
+        p1 = weight * contact.pressure[w, pair, m]
         change += wp.abs(p1 - p0)
         before += p0
         after += p1
         m += 1
-    restless[w, pair] = 0
+    impulses.restless[w, pair] = 0
     if change > CALM * wp.max(before, after):
-        restless[w, pair] = 1
+        impulses.restless[w, pair] = 1

@@ -22,10 +22,13 @@ off an edge ends there. A rigid B has no edges, no grid and no load.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import AT_POINTS, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
 from warpffrf_kernels.kinematics.contact_wrench import Held, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import row_below, wrap
@@ -38,34 +41,24 @@ wp.set_module_options(MODULE_OPTIONS)
 LINE = 16
 
 
-@wp.kernel
-def sample_points(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    held: wp.array3d(dtype=Held),
-    held_ball: wp.array2d(dtype=mat33),
-    point_line: out(wp.array3d(dtype=real)),
-):
+@kernel
+def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.array3d(dtype=Held)):
     """Per (world, pair of family 1), lanes over points of the window: gap, place on B's grid, weight (0 where B ends),
     and the wrench of a unit pressure."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
-    view = view_of(model, w, pair, r1, axes)
+    view = view_of(model, w, pair, trial)
     arm_a = wp.transpose(model.surfaces.frame[A]) * model.surfaces.origin[A]
     planar = model.surfaces.planar[A]
     pitch = model.surfaces.pitch[A]
     start = model.points.start[pair]
     count = model.points.count[pair]
-    first = window[w, pair, 0] + model.window.half
-    strips = window[w, pair, 1] + model.window.half + 2 - first
+    first = geometry.window[w, pair, 0] + model.window.half
+    strips = geometry.window[w, pair, 1] + model.window.half + 2 - first
     rigid = model.surfaces.rigid[B]
     planar_b = model.surfaces.planar[B]
     side_b = model.surfaces.side[B]
@@ -75,7 +68,7 @@ def sample_points(
     high = model.surfaces.z[z0 + rows_b - 1]
     last = real(model.surfaces.columns[B])
     turn_b = TWO_PI / model.surfaces.pitch[B]
-    middle = real(center[w, pair, 1])
+    middle = real(geometry.center[w, pair, 1])
     known = int(-1)
     cosine = real(1.0)
     sine = real(0.0)
@@ -85,7 +78,7 @@ def sample_points(
         p = e % count
         if strip != known:  # angle of the column that the strip begins at
             known = strip
-            column = center[w, pair, 0] + strip - model.window.half - 1
+            column = geometry.center[w, pair, 0] + strip - model.window.half - 1
             angle = model.surfaces.theta[A] + real(column) * pitch
             sine = angle
             if planar == 0:
@@ -113,7 +106,7 @@ def sample_points(
             scale = side_b * foot[2] / wp.max(rho, CENTRE)
             f = vec3(scale * y[0], scale * y[1], side_b * foot[3])
         f = wp.transpose(view.turn) * f
-        unit = point_wrench(model, A, x, f, held[w, pair, p], held_ball[w, pair])
+        unit = point_wrench(model, A, x, f, held[w, pair, p], geometry.held_ball[w, pair])
         m = unit.moment + wp.cross(arm_a, unit.force)
         more = unit.more_moment + wp.cross(arm_a, unit.more_force)
         column_b = real(0.0)
@@ -133,15 +126,15 @@ def sample_points(
             row_b = real(row) + (foot_z - below) / (model.surfaces.z[z0 + row + 1] - below)
             row_b = wp.clamp(row_b, real(0.0), real(rows_b - 1))
         i = (strip * count + p) * LINE
-        point_line[w, pair, i] = g
-        point_line[w, pair, i + 1] = column_b
-        point_line[w, pair, i + 2] = row_b
-        point_line[w, pair, i + 3] = weight
+        geometry.point_line[w, pair, i] = g
+        geometry.point_line[w, pair, i + 1] = column_b
+        geometry.point_line[w, pair, i + 2] = row_b
+        geometry.point_line[w, pair, i + 3] = weight
         for axis in range(3):
-            point_line[w, pair, i + 4 + axis] = unit.force[axis]
-            point_line[w, pair, i + 7 + axis] = m[axis]
-            point_line[w, pair, i + 10 + axis] = unit.more_force[axis]
-            point_line[w, pair, i + 13 + axis] = more[axis]
+            geometry.point_line[w, pair, i + 4 + axis] = unit.force[axis]
+            geometry.point_line[w, pair, i + 7 + axis] = m[axis]
+            geometry.point_line[w, pair, i + 10 + axis] = unit.more_force[axis]
+            geometry.point_line[w, pair, i + 13 + axis] = more[axis]
         e += wp.block_dim()
 
 
@@ -219,82 +212,61 @@ def sum_points(
 ) -> int: ...
 
 
-@wp.kernel
-def weigh_points(
-    models: wp.array(dtype=Model),
-    axes: wp.array2d(dtype=mat33),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    point_line: wp.array3d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    weak_gap: inout(wp.array3d(dtype=real)),
-    area: out(wp.array3d(dtype=real)),
-    wrench: out(wp.array4d(dtype=real)),
-    more_wrench: out(wp.array4d(dtype=real)),
-    stencil: inout(wp.array4d(dtype=real)),
-    stencil_at: inout(wp.array4d(dtype=int)),
-):
+@kernel
+def weigh_points(run: Run, trial: Trial, geometry: ContactGeometry):
     """Per (world, pair of family 1), lanes over hats of the window: as `line_of_centres_weights.weigh` for the
     others."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
     rows = model.surfaces.rows[A]
     H = model.window.half
-    origin = center[w, pair, 1] - model.window.second_half
-    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
-    m = (window[w, pair, 0] + H) * rows + lane
-    end = (window[w, pair, 1] + H + 1) * rows
+    origin = geometry.center[w, pair, 1] - model.window.second_half
+    turn = axes_of(trial.axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
+    m = (geometry.window[w, pair, 0] + H) * rows + lane
+    end = (geometry.window[w, pair, 1] + H + 1) * rows
     while m < end:
         beyond = sum_points(
-            model, w, pair, m, rows, model.surfaces.rows[B], model.surfaces.rigid[B], origin, turn, point_line,
-            weak_gap, area, wrench, more_wrench, stencil, stencil_at,
+            model, w, pair, m, rows, model.surfaces.rows[B], model.surfaces.rigid[B], origin, turn, geometry.point_line,
+            geometry.weak_gap, geometry.area, geometry.wrench, geometry.more_wrench, geometry.stencil,
+            geometry.stencil_at,
         )  # fmt: skip
-        absolute = center[w, pair, 0] + m / rows - H
+        absolute = geometry.center[w, pair, 0] + m / rows - H
         dropped = int(0)
         if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
             dropped = int(1)
-        reached = stencil_at[w, pair, m, 0]
+        reached = geometry.stencil_at[w, pair, m, 0]
         if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns:
-            if dropped == 0 and weak_gap[w, pair, m] <= real(0.0):
-                ctl[w].failure = ctl[w].failure | k.STENCIL  # overlaps, where the second window does not reach
+            if dropped == 0 and geometry.weak_gap[w, pair, m] <= real(0.0):
+                run.ctl[w].failure = run.ctl[w].failure | k.STENCIL  # overlaps, where the second window does not reach
             dropped = int(1)  # so far round the bodies that nothing of the second window is opposite
         if beyond != 0 and dropped == 0:
             # where surfaces part, the places opposite spread; a hat that overlaps is one that may be needed
-            if weak_gap[w, pair, m] > real(0.0):
+            if geometry.weak_gap[w, pair, m] > real(0.0):
                 dropped = int(1)
             else:
-                ctl[w].failure = ctl[w].failure | k.STENCIL
+                run.ctl[w].failure = run.ctl[w].failure | k.STENCIL
         if dropped != 0:
-            area[w, pair, m] = real(0.0)
-            stencil_at[w, pair, m, 0] = model.window.second_half
-            stencil_at[w, pair, m, 1] = 0
+            geometry.area[w, pair, m] = real(0.0)
+            geometry.stencil_at[w, pair, m, 0] = model.window.second_half
+            geometry.stencil_at[w, pair, m, 1] = 0
             e = int(0)
             while e < model.window.stencil_columns * model.window.stencil_rows:
-                stencil[w, pair, m, e] = real(0.0)
+                geometry.stencil[w, pair, m, e] = real(0.0)
                 e += 1
         m += wp.block_dim()
 
 
-@wp.kernel
-def sum_points_second(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    axes: wp.array2d(dtype=mat33),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    point_line: wp.array3d(dtype=real),
-    second_wrench: out(wp.array3d(dtype=real)),
-):
+@kernel
+def sum_points_second(run: Run, trial: Trial, geometry: ContactGeometry, contact: ContactState, fields: ContactFields):
     """Per (world, pair of family 1): force on B and its moment about A's centre of mass, from the pressure at every
     point."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:
+    model = run.models[w]
+    if run.ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
@@ -302,8 +274,8 @@ def sum_points_second(
     count = model.points.count[pair]
     force = vec3(real(0.0), real(0.0), real(0.0))
     moment = vec3(real(0.0), real(0.0), real(0.0))
-    strip = window[w, pair, 0] + model.window.half
-    end = window[w, pair, 1] + model.window.half + 1
+    strip = geometry.window[w, pair, 0] + model.window.half
+    end = geometry.window[w, pair, 1] + model.window.half + 1
     while strip <= end:
         p = int(0)
         while p < count:
@@ -315,7 +287,7 @@ def sum_points_second(
                 column = strip - 1 + corner / 2
                 m = column * rows + model.points.row[start + p] + corner % 2
                 if column >= 0 and column < model.window.columns:
-                    if active[w, pair, m] != 0:
+                    if contact.active[w, pair, m] != 0:
                         psi = real(1.0) - x
                         if corner / 2 == 1:
                             psi = x
@@ -323,18 +295,18 @@ def sum_points_second(
                             psi = psi * zeta
                         else:
                             psi = psi * (real(1.0) - zeta)
-                        load += psi * pressure[w, pair, m]
+                        load += psi * contact.pressure[w, pair, m]
             if load != real(0.0):
-                load *= point_line[w, pair, i + 3]
+                load *= geometry.point_line[w, pair, i + 3]
                 for axis in range(3):
                     j = i + 4 + axis
-                    force[axis] += load * (point_line[w, pair, j] + point_line[w, pair, j + 6])
-                    moment[axis] += load * (point_line[w, pair, j + 3] + point_line[w, pair, j + 9])
+                    force[axis] += load * (geometry.point_line[w, pair, j] + geometry.point_line[w, pair, j + 6])
+                    moment[axis] += load * (geometry.point_line[w, pair, j + 3] + geometry.point_line[w, pair, j + 9])
             p += 1
         strip += 1
-    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
+    turn = axes_of(trial.axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
     force = turn * force
     moment = turn * moment
     for c in range(3):
-        second_wrench[w, pair, c] = -force[c]
-        second_wrench[w, pair, 3 + c] = -moment[c]
+        fields.second_wrench[w, pair, c] = -force[c]
+        fields.second_wrench[w, pair, 3 + c] = -moment[c]

@@ -24,10 +24,12 @@ import math
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import AT_POINTS, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.line_of_centres import DRIFT, FARTHEST, PHASE_TOLERANCE, row_below, wrap
 from warpffrf_kernels.surfaces.surface import (
     axes_of,
@@ -70,15 +72,15 @@ class View:
 
 
 @wp.func
-def view_of(model: Model, w: int, pair: int, r1: wp.array2d(dtype=vec3), axes: wp.array2d(dtype=mat33)) -> View:
+def view_of(model: Model, w: int, pair: int, trial: Trial) -> View:
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
     body_a = model.surfaces.body[A]
     body_b = model.surfaces.body[B]
-    turn_a = axes_of(axes, w, body_a)
-    turn_b = axes_of(axes, w, body_b)
+    turn_a = axes_of(trial.axes, w, body_a)
+    turn_b = axes_of(trial.axes, w, body_b)
     # the difference of the centres of mass first: positions may be large against the bodies
-    between = origin_of(r1, w, body_a) - origin_of(r1, w, body_b)
+    between = origin_of(trial.r1, w, body_a) - origin_of(trial.r1, w, body_b)
     between += turn_a * model.surfaces.origin[A] - turn_b * model.surfaces.origin[B]
     to_b = wp.transpose(turn_b * model.surfaces.frame[B])
     view = View()
@@ -233,16 +235,7 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
 
 
 @wp.func
-def scan(
-    model: Model,
-    w: int,
-    pair: int,
-    A: int,
-    B: int,
-    view: View,
-    nearest: wp.array3d(dtype=real),
-    touched: wp.array3d(dtype=int),
-):
+def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: ContactGeometry):
     """The first look: the nearest place, and the columns of other minima that overlap."""
     around = model.surfaces.periodic[A] != 0
     spacing = spacing_of(model, A)
@@ -299,23 +292,14 @@ def scan(
         low = wp.min(low, column)
         high = wp.max(high, column)
         i += 1
-    nearest[w, pair, 0] = x_at
-    nearest[w, pair, 1] = place[2]
-    touched[w, pair, 0] = low
-    touched[w, pair, 1] = high
+    geometry.nearest[w, pair, 0] = x_at
+    geometry.nearest[w, pair, 1] = place[2]
+    geometry.touched[w, pair, 0] = low
+    geometry.touched[w, pair, 1] = high
 
 
-@wp.kernel
-def locate_points(
-    models: wp.array(dtype=Model),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    ctl: inout(wp.array(dtype=Control)),
-    phase: inout(wp.array3d(dtype=real)),
-    center: inout(wp.array3d(dtype=int)),
-    nearest: inout(wp.array3d(dtype=real)),
-    touched: out(wp.array3d(dtype=int)),
-):
+@kernel
+def locate_points(run: Run, trial: Trial, geometry: ContactGeometry):
     """Per (world, pair of family 1): nearest place, phases, centre columns; `line_of_centres.locate` for the others.
 
     phase: column on A and B twice (as of the first and last station there), in use then new; then B's row and the
@@ -323,19 +307,19 @@ def locate_points(
     highest column of the minima of the gap that overlap, NOWHERE without.
     """
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
-    view = view_of(model, w, pair, r1, axes)
+    view = view_of(model, w, pair, trial)
     columns = model.surfaces.columns[A]
     whole = model.surfaces.periodic[A] == 0 and columns <= model.window.columns
-    if ctl[w].iteration == 0:
-        scan(model, w, pair, A, B, view, nearest, touched)
-    z = nearest[w, pair, 1]
-    x = settle(model, A, B, view, nearest[w, pair, 0], z)
-    nearest[w, pair, 0] = x
+    if run.ctl[w].iteration == 0:
+        scan(model, w, pair, A, B, view, geometry)
+    z = geometry.nearest[w, pair, 1]
+    x = settle(model, A, B, view, geometry.nearest[w, pair, 0], z)
+    geometry.nearest[w, pair, 0] = x
     x_a = x
     if whole:
         x_a = real((columns - 1) / 2)
@@ -354,54 +338,51 @@ def locate_points(
         if model.surfaces.planar[B] == 0:
             turn_b = TWO_PI / model.surfaces.pitch[B]
             middle = real(0.5) * real(model.surfaces.columns[B] - 1)
-            if ctl[w].iteration > 0:  # stay on the branch of the window
-                middle = real(center[w, pair, 1])
+            if run.ctl[w].iteration > 0:  # stay on the branch of the window
+                middle = real(geometry.center[w, pair, 1])
             x_b = wrap(x_b, turn_b, middle)
             turned = wrap(turned, turn_b, real(0.0))
         row = row_below(model, B, foot[1])
         z0 = model.surfaces.z_start[B] + row
         row_b = real(row) + (foot[1] - model.surfaces.z[z0]) / (model.surfaces.z[z0 + 1] - model.surfaces.z[z0])
     if not (wp.abs(x_a) < FARTHEST and wp.abs(x_b) < FARTHEST):  # also where they are not numbers
-        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
-        ctl[w].run = 0
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
+        run.ctl[w].run = 0
         return
-    largest = wp.max(wp.abs(x_a - phase[w, pair, 0]), wp.abs(x_b - phase[w, pair, 1]))
-    largest = wp.max(largest, wp.max(wp.abs(row_b - phase[w, pair, 8]), wp.abs(turned - phase[w, pair, 9])))
+    largest = wp.max(wp.abs(x_a - geometry.phase[w, pair, 0]), wp.abs(x_b - geometry.phase[w, pair, 1]))
+    largest = wp.max(
+        largest, wp.max(wp.abs(row_b - geometry.phase[w, pair, 8]), wp.abs(turned - geometry.phase[w, pair, 9]))
+    )
     if largest > PHASE_TOLERANCE:
-        ctl[w].reassemble = 1
+        run.ctl[w].reassemble = 1
     for i in range(2):
-        phase[w, pair, 4 + 2 * i] = x_a
-        phase[w, pair, 5 + 2 * i] = x_b
-    phase[w, pair, 10] = row_b
-    phase[w, pair, 11] = turned
-    center[w, pair, 2] = 0
-    drift = wp.max(wp.abs(x_a - real(center[w, pair, 0])), wp.abs(x_b - real(center[w, pair, 1])))
-    if ctl[w].iteration == 0 or drift > DRIFT:
-        center[w, pair, 0] = int(wp.floor(x_a + real(0.5)))
-        center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
-        ctl[w].reassemble = 1
-        ctl[w].recenter = 1
+        geometry.phase[w, pair, 4 + 2 * i] = x_a
+        geometry.phase[w, pair, 5 + 2 * i] = x_b
+    geometry.phase[w, pair, 10] = row_b
+    geometry.phase[w, pair, 11] = turned
+    geometry.center[w, pair, 2] = 0
+    drift = wp.max(wp.abs(x_a - real(geometry.center[w, pair, 0])), wp.abs(x_b - real(geometry.center[w, pair, 1])))
+    if run.ctl[w].iteration == 0 or drift > DRIFT:
+        geometry.center[w, pair, 0] = int(wp.floor(x_a + real(0.5)))
+        geometry.center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
+        run.ctl[w].reassemble = 1
+        run.ctl[w].recenter = 1
 
 
-@wp.kernel
-def measure_approach(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    nearest: wp.array3d(dtype=real),
-    station: out(wp.array4d(dtype=real)),
-):
+@kernel
+def measure_approach(run: Run, trial: Trial, geometry: ContactGeometry):
     """Per (world, pair of family 1), where a state is recorded: smallest undeformed gap and nearest column, put where
     `record` finds distance and column of the first and the last station of the other pairs."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:
+    model = run.models[w]
+    if run.ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
-    view = view_of(model, w, pair, r1, axes)
-    place = least_place(model, A, model.pairs.second[pair], view, nearest[w, pair, 0], nearest[w, pair, 1])
+    view = view_of(model, w, pair, trial)
+    place = least_place(
+        model, A, model.pairs.second[pair], view, geometry.nearest[w, pair, 0], geometry.nearest[w, pair, 1]
+    )
     for end in range(2):
         s = end * ((model.surfaces.rows[A] - 1) * model.quadrature.z_points - 1)
-        station[w, pair, s, 0] = place[0]
-        station[w, pair, s, 1] = nearest[w, pair, 0]
+        geometry.station[w, pair, s, 0] = place[0]
+        geometry.station[w, pair, s, 1] = geometry.nearest[w, pair, 0]

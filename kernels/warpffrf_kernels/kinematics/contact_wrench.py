@@ -45,10 +45,12 @@ side of the patch to the other as the pin moves; forces are those above all the 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import AT_POINTS, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.closest_point import BEYOND, view_of
 from warpffrf_kernels.surfaces.surface import gradient_of, gradient_slope_of, local_point
 
@@ -114,30 +116,22 @@ def held_sphere(model: Model, B: int, at: vec3, turn: mat33) -> mat33:
     return force
 
 
-@wp.kernel
-def hold_contact_frame(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    nearest: wp.array3d(dtype=real),
-    held: out(wp.array3d(dtype=Held)),
-    held_ball: out(wp.array2d(dtype=mat33)),
-):
+@kernel
+def hold_contact_frame(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.array3d(dtype=Held)):
     """Per (world, pair of family 1), lanes over the points of a column: the frame of the contact in each one's section,
     and that of a sphere."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
     if model.surfaces.planar[A] != 0:
         return
-    view = view_of(model, w, pair, r1, axes)
+    view = view_of(model, w, pair, trial)
     if is_sphere(model, A):
         if lane == 0:
-            held_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
+            geometry.held_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
         return
     p = lane
     known = real(BEYOND)
@@ -146,7 +140,7 @@ def hold_contact_frame(
         z = model.points.z[model.points.start[pair] + p]
         if z != known:
             known = z
-            section = held_section(model, A, B, view.at, view.turn, nearest[w, pair, 0], z)
+            section = held_section(model, A, B, view.at, view.turn, geometry.nearest[w, pair, 0], z)
         held[w, pair, p] = section
         p += wp.block_dim()
 

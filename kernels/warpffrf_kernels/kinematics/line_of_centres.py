@@ -33,10 +33,12 @@ import math
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -71,34 +73,25 @@ def wrap(x: real, turn: real, middle: real) -> real:
     return x - turn * wp.floor((x - middle) / turn + real(0.5))
 
 
-@wp.kernel
-def locate(
-    models: wp.array(dtype=Model),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    ctl: inout(wp.array(dtype=Control)),
-    phase: inout(wp.array3d(dtype=real)),
-    center: inout(wp.array3d(dtype=int)),
-    station: inout(wp.array4d(dtype=real)),
-    station_wrench: out(wp.array4d(dtype=real)),
-):
+@kernel
+def locate(run: Run, trial: Trial, geometry: ContactGeometry):
     """Per (world, pair): contact frame and grid phases of every axial station.
 
     station: d, column on A, column on B, axial position on B, t.e_B, c.e_B, weight int dz R_A, sense of B's angle, d
     where the gaps were sampled, columns of this evaluation.
     """
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
     body_a = model.surfaces.body[A]
     body_b = model.surfaces.body[B]
-    O_A = r1[w, body_a] + axes[w, body_a] * model.surfaces.origin[A]
-    O_B = r1[w, body_b] + axes[w, body_b] * model.surfaces.origin[B]
-    F_A = axes[w, body_a] * model.surfaces.frame[A]
-    F_B = axes[w, body_b] * model.surfaces.frame[B]
+    O_A = trial.r1[w, body_a] + trial.axes[w, body_a] * model.surfaces.origin[A]
+    O_B = trial.r1[w, body_b] + trial.axes[w, body_b] * model.surfaces.origin[B]
+    F_A = trial.axes[w, body_a] * model.surfaces.frame[A]
+    F_B = trial.axes[w, body_b] * model.surfaces.frame[B]
     e_A = vec3(F_A[0, 2], F_A[1, 2], F_A[2, 2])
     e_B = vec3(F_B[0, 2], F_B[1, 2], F_B[2, 2])
     cosine = wp.dot(e_A, e_B)
@@ -137,65 +130,69 @@ def locate(
         if s == 0:
             x_a = wrap(x_a, turn_a, middle_a)
             x_b = wrap(x_b, turn_b, middle_b)
-            if ctl[w].iteration > 0:  # stay on the branch of the window
-                x_a = wrap(x_a, turn_a, real(center[w, pair, 0]))
-                x_b = wrap(x_b, turn_b, real(center[w, pair, 1]))
+            if run.ctl[w].iteration > 0:  # stay on the branch of the window
+                x_a = wrap(x_a, turn_a, real(geometry.center[w, pair, 0]))
+                x_b = wrap(x_b, turn_b, real(geometry.center[w, pair, 1]))
             column_a = x_a
             column_b = x_b
         x_a = wrap(x_a, turn_a, column_a)
         x_b = wrap(x_b, turn_b, column_b)
         N = c - e_A * (wp.dot(c, e_B) / cosine)
         f = N + e_A * (slope_at(model.surfaces.crown[B], axial) / cosine)
-        m = wp.cross(b - r1[w, body_a], f)
+        m = wp.cross(b - trial.r1[w, body_a], f)
         slope = slope_at(model.surfaces.crown[A], z)
         weight = model.quadrature.z_weight[g] * dz * radius_at(model.surfaces.radius[A], model.surfaces.crown[A], z)
         weight *= wp.sqrt(real(1.0) + slope * slope)
         if axial < zb_low or axial > zb_high:
             weight = real(0.0)  # no opposite surface here
-        station[w, pair, s, 0] = d
-        moved = wp.max(moved, wp.max(wp.abs(x_a - station[w, pair, s, 1]), wp.abs(x_b - station[w, pair, s, 2])))
-        station[w, pair, s, 9] = x_a
-        station[w, pair, s, 10] = x_b
-        station[w, pair, s, 3] = axial
-        station[w, pair, s, 4] = wp.dot(t, e_B)
-        station[w, pair, s, 5] = wp.dot(c, e_B)
-        station[w, pair, s, 6] = weight
-        station[w, pair, s, 7] = -wp.sign(cosine)
+        geometry.station[w, pair, s, 0] = d
+        moved = wp.max(
+            moved, wp.max(wp.abs(x_a - geometry.station[w, pair, s, 1]), wp.abs(x_b - geometry.station[w, pair, s, 2]))
+        )
+        geometry.station[w, pair, s, 9] = x_a
+        geometry.station[w, pair, s, 10] = x_b
+        geometry.station[w, pair, s, 3] = axial
+        geometry.station[w, pair, s, 4] = wp.dot(t, e_B)
+        geometry.station[w, pair, s, 5] = wp.dot(c, e_B)
+        geometry.station[w, pair, s, 6] = weight
+        geometry.station[w, pair, s, 7] = -wp.sign(cosine)
         for i in range(3):
-            station_wrench[w, pair, s, i] = -f[i]
-            station_wrench[w, pair, s, 3 + i] = -m[i]
+            geometry.station_wrench[w, pair, s, i] = -f[i]
+            geometry.station_wrench[w, pair, s, 3 + i] = -m[i]
         if s == 0:
-            largest = wp.max(wp.abs(x_a - phase[w, pair, 0]), wp.abs(x_b - phase[w, pair, 1]))
-            phase[w, pair, 4] = x_a
-            phase[w, pair, 5] = x_b
+            largest = wp.max(wp.abs(x_a - geometry.phase[w, pair, 0]), wp.abs(x_b - geometry.phase[w, pair, 1]))
+            geometry.phase[w, pair, 4] = x_a
+            geometry.phase[w, pair, 5] = x_b
         if s == count - 1:
-            largest = wp.max(largest, wp.max(wp.abs(x_a - phase[w, pair, 2]), wp.abs(x_b - phase[w, pair, 3])))
-            phase[w, pair, 6] = x_a
-            phase[w, pair, 7] = x_b
+            largest = wp.max(
+                largest, wp.max(wp.abs(x_a - geometry.phase[w, pair, 2]), wp.abs(x_b - geometry.phase[w, pair, 3]))
+            )
+            geometry.phase[w, pair, 6] = x_a
+            geometry.phase[w, pair, 7] = x_b
         s += 1
     if largest > PHASE_TOLERANCE:
-        ctl[w].reassemble = 1
-    mid_a = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6])
-    mid_b = real(0.5) * (phase[w, pair, 5] + phase[w, pair, 7])
+        run.ctl[w].reassemble = 1
+    mid_a = real(0.5) * (geometry.phase[w, pair, 4] + geometry.phase[w, pair, 6])
+    mid_b = real(0.5) * (geometry.phase[w, pair, 5] + geometry.phase[w, pair, 7])
     if not (wp.abs(mid_a) < FARTHEST and wp.abs(mid_b) < FARTHEST):  # also where they are not numbers
-        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
-        ctl[w].run = 0
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
+        run.ctl[w].run = 0
         return
-    center[w, pair, 2] = 0
-    drift = wp.max(wp.abs(mid_a - real(center[w, pair, 0])), wp.abs(mid_b - real(center[w, pair, 1])))
-    if ctl[w].iteration == 0 or drift > DRIFT:
-        center[w, pair, 0] = int(wp.floor(mid_a + real(0.5)))
-        center[w, pair, 1] = int(wp.floor(mid_b + real(0.5)))
-        ctl[w].reassemble = 1
-        ctl[w].recenter = 1
-    elif moved <= FREEZE and ctl[w].reassemble == 0 and model.surfaces.crown[B] == real(0.0):
-        center[w, pair, 2] = 1
-    if center[w, pair, 2] == 0:
+    geometry.center[w, pair, 2] = 0
+    drift = wp.max(wp.abs(mid_a - real(geometry.center[w, pair, 0])), wp.abs(mid_b - real(geometry.center[w, pair, 1])))
+    if run.ctl[w].iteration == 0 or drift > DRIFT:
+        geometry.center[w, pair, 0] = int(wp.floor(mid_a + real(0.5)))
+        geometry.center[w, pair, 1] = int(wp.floor(mid_b + real(0.5)))
+        run.ctl[w].reassemble = 1
+        run.ctl[w].recenter = 1
+    elif moved <= FREEZE and run.ctl[w].reassemble == 0 and model.surfaces.crown[B] == real(0.0):
+        geometry.center[w, pair, 2] = 1
+    if geometry.center[w, pair, 2] == 0:
         s = int(0)
         while s < count:
-            station[w, pair, s, 1] = station[w, pair, s, 9]
-            station[w, pair, s, 2] = station[w, pair, s, 10]
-            station[w, pair, s, 8] = station[w, pair, s, 0]
+            geometry.station[w, pair, s, 1] = geometry.station[w, pair, s, 9]
+            geometry.station[w, pair, s, 2] = geometry.station[w, pair, s, 10]
+            geometry.station[w, pair, s, 8] = geometry.station[w, pair, s, 0]
             s += 1
 
 
@@ -210,22 +207,19 @@ def row_below(model: Model, B: int, z: real) -> int:
     return i
 
 
-@wp.kernel
-def sample(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    point_gap: out(wp.array3d(dtype=real)),
-    point_place: out(wp.array4d(dtype=real)),
-):
+@kernel
+def sample(run: Run, geometry: ContactGeometry):
     """Per (world, pair), lanes over points of the window: gap, and grid coordinates (column, row) of the opposite
     point of B.
     """
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
+    model = run.models[w]
+    if (
+        run.ctl[w].run == 0
+        or run.ctl[w].moved == 0
+        or geometry.center[w, pair, 2] != 0
+        or model.pairs.family[pair] != LINE_OF_CENTRES
+    ):
         return
     if model.points.count[pair] != 0:  # few points: `line_of_centres_sampled`
         return
@@ -233,8 +227,8 @@ def sample(
     B = model.pairs.second[pair]
     stations = (model.surfaces.rows[A] - 1) * model.quadrature.z_points
     per_cell = model.quadrature.theta_points * stations
-    first = window[w, pair, 0] + model.window.half
-    last = window[w, pair, 1] + model.window.half + 1
+    first = geometry.window[w, pair, 0] + model.window.half
+    last = geometry.window[w, pair, 1] + model.window.half + 1
     R_A = model.surfaces.radius[A]
     crown_a = model.surfaces.crown[A]
     crown_b = model.surfaces.crown[B]
@@ -245,19 +239,19 @@ def sample(
     while e < columns:
         cell = first + e / model.quadrature.theta_points
         g = e % model.quadrature.theta_points
-        x = real(center[w, pair, 0] + cell - model.window.half - 1) + model.quadrature.theta_abscissa[g]
+        x = real(geometry.center[w, pair, 0] + cell - model.window.half - 1) + model.quadrature.theta_abscissa[g]
         # stations differ little: sines and the angle on B are carried from the first one by their series
-        x_0 = station[w, pair, 0, 1]
+        x_0 = geometry.station[w, pair, 0, 1]
         xi = (x - x_0) * model.surfaces.pitch[A]
         sine = wp.sin(xi)
         cosine = wp.cos(xi)
-        R_B0 = radius_at(model.surfaces.radius[B], crown_b, station[w, pair, 0, 3])
+        R_B0 = radius_at(model.surfaces.radius[B], crown_b, geometry.station[w, pair, 0, 3])
         y_0 = R_A * sine
         h_0 = wp.sqrt(wp.max(R_B0 * R_B0 - y_0 * y_0, real(0.0)))
         angle_0 = wp.atan2(y_0, h_0)
         s = int(0)
         while s < stations:
-            d = (x_0 - station[w, pair, s, 1]) * model.surfaces.pitch[A]
+            d = (x_0 - geometry.station[w, pair, s, 1]) * model.surfaces.pitch[A]
             si = sine
             co = cosine
             if wp.abs(d) > SERIES:
@@ -275,9 +269,13 @@ def sample(
                 )
                 R = radius_at(R_A, crown_a, z)
             y = R * si
-            R_B = radius_at(model.surfaces.radius[B], crown_b, station[w, pair, s, 3])
+            R_B = radius_at(model.surfaces.radius[B], crown_b, geometry.station[w, pair, s, 3])
             h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
-            axial = station[w, pair, s, 3] + y * station[w, pair, s, 4] - h * station[w, pair, s, 5]
+            axial = (
+                geometry.station[w, pair, s, 3]
+                + y * geometry.station[w, pair, s, 4]
+                - h * geometry.station[w, pair, s, 5]
+            )
             if crown_b != real(0.0):
                 R_B = radius_at(model.surfaces.radius[B], crown_b, axial)
                 h = wp.sqrt(wp.max(R_B * R_B - y * y, real(0.0)))
@@ -286,13 +284,13 @@ def sample(
             if wp.abs(turned) > SERIES:
                 angle = wp.atan2(y, h)
             i = cell * per_cell + g * stations + s
-            point_gap[w, pair, i] = station[w, pair, s, 0] - h - R * co
-            point_place[w, pair, i, 0] = (
-                station[w, pair, s, 2] + station[w, pair, s, 7] * angle / model.surfaces.pitch[B]
+            geometry.point_gap[w, pair, i] = geometry.station[w, pair, s, 0] - h - R * co
+            geometry.point_place[w, pair, i, 0] = (
+                geometry.station[w, pair, s, 2] + geometry.station[w, pair, s, 7] * angle / model.surfaces.pitch[B]
             )
             row = row_below(model, B, axial)
             low = model.surfaces.z[zb0 + row]
             place = real(row) + (axial - low) / (model.surfaces.z[zb0 + row + 1] - low)
-            point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surfaces.rows[B] - 1))
+            geometry.point_place[w, pair, i, 1] = wp.clamp(place, real(0.0), real(model.surfaces.rows[B] - 1))
             s += 1
         e += wp.block_dim()

@@ -16,9 +16,10 @@ turn by less than a column: SMALL keeps its remainder below round-off.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import LINE_OF_CENTRES, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 from warpffrf_kernels.kinematics.line_of_centres import SERIES
 from warpffrf_kernels.kinematics.line_of_centres_weights import keep_hat
@@ -101,30 +102,29 @@ def sample_strip(
 ): ...
 
 
-@wp.kernel
-def sample_few(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    point_gap: out(wp.array3d(dtype=real)),
-    point_place: out(wp.array4d(dtype=real)),
-):
+@kernel
+def sample_few(run: Run, geometry: ContactGeometry):
     """Per (world, pair of few points), lanes over strips of the window: gap, column and row of the opposite point."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
+    model = run.models[w]
+    if (
+        run.ctl[w].run == 0
+        or run.ctl[w].moved == 0
+        or not looks_at_few(model, pair)
+        or geometry.center[w, pair, 2] != 0
+    ):
         return
     A = model.pairs.first[pair]
     B = model.pairs.second[pair]
-    x_0 = station[w, pair, 0, 1]
-    strip = window[w, pair, 0] + model.window.half + lane
-    end = window[w, pair, 1] + model.window.half + 2
+    x_0 = geometry.station[w, pair, 0, 1]
+    strip = geometry.window[w, pair, 0] + model.window.half + lane
+    end = geometry.window[w, pair, 1] + model.window.half + 2
     while strip < end:
-        column = real(center[w, pair, 0] + strip - model.window.half - 1)
+        column = real(geometry.center[w, pair, 0] + strip - model.window.half - 1)
         xi = (column - x_0) * model.surfaces.pitch[A]
-        sample_strip(model, w, pair, A, B, strip, xi, SERIES, SMALL, station, point_gap, point_place)
+        sample_strip(
+            model, w, pair, A, B, strip, xi, SERIES, SMALL, geometry.station, geometry.point_gap, geometry.point_place
+        )
         strip += wp.block_dim()
 
 
@@ -201,86 +201,69 @@ def sum_few(
 ) -> int: ...
 
 
-@wp.kernel
-def weigh_few(
-    models: wp.array(dtype=Model),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    station_wrench: wp.array4d(dtype=real),
-    point_gap: wp.array3d(dtype=real),
-    point_place: wp.array4d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    weak_gap: changed(wp.array3d(dtype=real)),
-    area: changed(wp.array3d(dtype=real)),
-    wrench: changed(wp.array4d(dtype=real)),
-    stencil: changed(wp.array4d(dtype=real)),
-    stencil_at: changed(wp.array4d(dtype=int)),
-):
+@kernel
+def weigh_few(run: Run, geometry: ContactGeometry):
     """Per (world, pair of few points), lanes over hats of the window: what `line_of_centres_weights.weigh` does for
     all."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair) or center[w, pair, 2] != 0:
+    model = run.models[w]
+    if (
+        run.ctl[w].run == 0
+        or run.ctl[w].moved == 0
+        or not looks_at_few(model, pair)
+        or geometry.center[w, pair, 2] != 0
+    ):
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     H = model.window.half
-    m = (window[w, pair, 0] + H) * rows + lane
-    end = (window[w, pair, 1] + H + 1) * rows
+    m = (geometry.window[w, pair, 0] + H) * rows + lane
+    end = (geometry.window[w, pair, 1] + H + 1) * rows
     while m < end:
         beyond = sum_few(
-            model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.window.second_half, station, station_wrench,
-            point_gap, point_place, weak_gap, area, wrench, stencil, stencil_at,
+            model, w, pair, m, rows, rows_b, geometry.center[w, pair, 1] - model.window.second_half, geometry.station,
+            geometry.station_wrench, geometry.point_gap, geometry.point_place, geometry.weak_gap, geometry.area,
+            geometry.wrench, geometry.stencil, geometry.stencil_at,
         )  # fmt: skip
-        keep_hat(model, w, pair, m, rows, beyond, center, stencil_at, weak_gap, ctl, area)
+        keep_hat(model, w, pair, m, rows, beyond, geometry, run)
         m += wp.block_dim()
 
 
-@wp.kernel
-def shift_few(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    station_wrench: wp.array4d(dtype=real),
-    area: wp.array3d(dtype=real),
-    weak_gap: wp.array3d(dtype=real),
-    wrench: changed(wp.array4d(dtype=real)),
-    shifted_gap: out(wp.array3d(dtype=real)),
-):
+@kernel
+def shift_few(run: Run, geometry: ContactGeometry):
     """Per (world, pair of few points), lanes over hats: weak gaps at the present distance of the axes, and their
     gradient."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not looks_at_few(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not looks_at_few(model, pair):
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     start = model.points.start[pair]
     begin = model.points.row_start[pair]
-    frozen = center[w, pair, 2]
-    m = (window[w, pair, 0] + model.window.half) * rows + lane
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
-        value = weak_gap[w, pair, m]
-        if frozen != 0 and area[w, pair, m] > real(0.0):
+    frozen = geometry.center[w, pair, 2]
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
+        value = geometry.weak_gap[w, pair, m]
+        if frozen != 0 and geometry.area[w, pair, m] > real(0.0):
             row = m % rows
             for i in range(6):
-                wrench[w, pair, m, i] = real(0.0)
+                geometry.wrench[w, pair, m, i] = real(0.0)
             p = start + model.points.row_at[begin + wp.max(row - 1, 0)]
             end = start + model.points.row_at[begin + wp.min(row + 1, rows - 1)]
             while p < end:
                 s = model.points.station[p]
-                if station[w, pair, s, 6] != real(0.0):
+                if geometry.station[w, pair, s, 6] != real(0.0):
                     psi = model.points.zeta[p]
                     if model.points.row[p] == row:
                         psi = real(1.0) - psi
                     q = psi * model.points.weight[p]
-                    value += q * (station[w, pair, s, 0] - station[w, pair, s, 8])
+                    value += q * (geometry.station[w, pair, s, 0] - geometry.station[w, pair, s, 8])
                     for i in range(6):
-                        wrench[w, pair, m, i] = wrench[w, pair, m, i] + q * station_wrench[w, pair, s, i]
+                        geometry.wrench[w, pair, m, i] = (
+                            geometry.wrench[w, pair, m, i] + q * geometry.station_wrench[w, pair, s, i]
+                        )
                 p += 1
-        shifted_gap[w, pair, m] = value
+        geometry.shifted_gap[w, pair, m] = value
         m += wp.block_dim()

@@ -13,9 +13,10 @@ is linear in the distance d of the axes, and `shift` adds sum_k w_k psi_i (d - d
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import LINE_OF_CENTRES, PATCH, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -96,56 +97,35 @@ def sum_hat(
 
 
 @wp.func
-def keep_hat(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    rows: int,
-    beyond: int,
-    center: wp.array3d(dtype=int),
-    stencil_at: wp.array4d(dtype=int),
-    weak_gap: wp.array3d(dtype=real),
-    ctl: wp.array(dtype=Control),
-    area: wp.array3d(dtype=real),
-):
+def keep_hat(model: Model, w: int, pair: int, m: int, rows: int, beyond: int, geometry: ContactGeometry, run: Run):
     """Area 0 for a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is
     opposite, or that the places opposite spread beyond its stencil (`beyond`). One that overlaps there may be needed:
     the attempt fails."""
     A = model.pairs.first[pair]
-    absolute = center[w, pair, 0] + m / rows - model.window.half
+    absolute = geometry.center[w, pair, 0] + m / rows - model.window.half
     if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
-        area[w, pair, m] = real(0.0)
-    reached = stencil_at[w, pair, m, 0]
+        geometry.area[w, pair, m] = real(0.0)
+    reached = geometry.stencil_at[w, pair, m, 0]
     if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns or beyond != 0:
-        if area[w, pair, m] > real(0.0) and weak_gap[w, pair, m] <= real(0.0):
-            ctl[w].failure = ctl[w].failure | k.STENCIL
-        area[w, pair, m] = real(0.0)
+        if geometry.area[w, pair, m] > real(0.0) and geometry.weak_gap[w, pair, m] <= real(0.0):
+            run.ctl[w].failure = run.ctl[w].failure | k.STENCIL
+        geometry.area[w, pair, m] = real(0.0)
 
 
-@wp.kernel
-def weigh(
-    models: wp.array(dtype=Model),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    station_wrench: wp.array4d(dtype=real),
-    point_gap: wp.array3d(dtype=real),
-    point_place: wp.array4d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    weak_gap: inout(wp.array3d(dtype=real)),
-    area: inout(wp.array3d(dtype=real)),
-    wrench: inout(wp.array4d(dtype=real)),
-    stencil: inout(wp.array4d(dtype=real)),
-    stencil_at: inout(wp.array4d(dtype=int)),
-):
+@kernel
+def weigh(run: Run, geometry: ContactGeometry):
     """Per (world, pair), lanes over hats of the window: weak undeformed gap, area, gradient, and stencil on B.
 
     Area 0 marks a hat that does not exist (beyond an arc's end) or faces nothing.
     """
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or center[w, pair, 2] != 0 or model.pairs.family[pair] != LINE_OF_CENTRES:
+    model = run.models[w]
+    if (
+        run.ctl[w].run == 0
+        or run.ctl[w].moved == 0
+        or geometry.center[w, pair, 2] != 0
+        or model.pairs.family[pair] != LINE_OF_CENTRES
+    ):
         return
     if model.points.count[pair] != 0:
         return
@@ -153,36 +133,27 @@ def weigh(
     rows = model.surfaces.rows[A]
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     H = model.window.half
-    m = (window[w, pair, 0] + H) * rows + lane
-    end = (window[w, pair, 1] + H + 1) * rows
+    m = (geometry.window[w, pair, 0] + H) * rows + lane
+    end = (geometry.window[w, pair, 1] + H + 1) * rows
     while m < end:
         beyond = sum_hat(
-            model, w, pair, m, rows, rows_b, center[w, pair, 1] - model.window.second_half, model.surfaces.pitch[A],
-            station, station_wrench, point_gap, point_place, weak_gap, area, wrench, stencil, stencil_at,
+            model, w, pair, m, rows, rows_b, geometry.center[w, pair, 1] - model.window.second_half,
+            model.surfaces.pitch[A], geometry.station, geometry.station_wrench, geometry.point_gap,
+            geometry.point_place, geometry.weak_gap, geometry.area, geometry.wrench, geometry.stencil,
+            geometry.stencil_at,
         )  # fmt: skip
-        keep_hat(model, w, pair, m, rows, beyond, center, stencil_at, weak_gap, ctl, area)
+        keep_hat(model, w, pair, m, rows, beyond, geometry, run)
         m += wp.block_dim()
 
 
-@wp.kernel
-def shift(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    station: wp.array4d(dtype=real),
-    station_wrench: wp.array4d(dtype=real),
-    area: wp.array3d(dtype=real),
-    weak_gap: wp.array3d(dtype=real),
-    wrench: changed(wp.array4d(dtype=real)),
-    shifted_gap: out(wp.array3d(dtype=real)),
-):
+@kernel
+def shift(run: Run, geometry: ContactGeometry):
     """Per (world, pair), lanes over hats: the sampled weak gaps at the present distance of the axes, and their
     gradient.
     """
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     if model.pairs.family[pair] == LINE_OF_CENTRES and model.points.count[pair] != 0:
         return
@@ -190,24 +161,28 @@ def shift(
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
-    frozen = center[w, pair, 2]
-    m = (window[w, pair, 0] + model.window.half) * rows + lane
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
-        value = weak_gap[w, pair, m]
-        if frozen != 0 and area[w, pair, m] > real(0.0):
+    frozen = geometry.center[w, pair, 2]
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
+        value = geometry.weak_gap[w, pair, m]
+        if frozen != 0 and geometry.area[w, pair, m] > real(0.0):
             row = m % rows
             for i in range(6):
-                wrench[w, pair, m, i] = real(0.0)
+                geometry.wrench[w, pair, m, i] = real(0.0)
             s = wp.max(row - 1, 0) * model.quadrature.z_points
             while s < wp.min(row + 1, rows - 1) * model.quadrature.z_points:
                 zc = s / model.quadrature.z_points
                 psi = model.quadrature.z_abscissa[s - zc * model.quadrature.z_points]
                 if zc == row:
                     psi = real(1.0) - psi
-                q = psi * station[w, pair, s, 6] * model.surfaces.pitch[A]  # a hat's integral around is the pitch
-                value += q * (station[w, pair, s, 0] - station[w, pair, s, 8])
+                q = (
+                    psi * geometry.station[w, pair, s, 6] * model.surfaces.pitch[A]
+                )  # a hat's integral around is the pitch
+                value += q * (geometry.station[w, pair, s, 0] - geometry.station[w, pair, s, 8])
                 for i in range(6):
-                    wrench[w, pair, m, i] = wrench[w, pair, m, i] + q * station_wrench[w, pair, s, i]
+                    geometry.wrench[w, pair, m, i] = (
+                        geometry.wrench[w, pair, m, i] + q * geometry.station_wrench[w, pair, s, i]
+                    )
                 s += 1
-        shifted_gap[w, pair, m] = value
+        geometry.shifted_gap[w, pair, m] = value
         m += wp.block_dim()

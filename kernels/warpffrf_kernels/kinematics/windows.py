@@ -6,10 +6,12 @@ is looked at are the active columns and MARGIN more on each side, at most the wi
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import AT_POINTS, PATCH, Model
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.model import AT_POINTS, PATCH
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.closest_point import NOWHERE
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -17,20 +19,8 @@ wp.set_module_options(MODULE_OPTIONS)
 MARGIN = wp.constant(3)  # columns looked at beyond the active ones
 
 
-@wp.kernel
-def open_window(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    phase: wp.array3d(dtype=real),
-    nearest: wp.array3d(dtype=real),
-    touched: wp.array3d(dtype=int),
-    center: inout(wp.array3d(dtype=int)),
-    station: inout(wp.array4d(dtype=real)),
-    active: inout(wp.array3d(dtype=int)),
-    pressure: inout(wp.array3d(dtype=real)),
-    patch_offset: inout(wp.array2d(dtype=real)),
-    window: out(wp.array3d(dtype=int)),
-):
+@kernel
+def open_window(run: Run, geometry: ContactGeometry, contact: ContactState):
     """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
     active ones, those where the surfaces are nearest (on the line of centres at both ends of the width, at points
     `nearest` and `touched`) and MARGIN more on each side, relative to the centre column.
@@ -39,20 +29,20 @@ def open_window(
     windows laid anew: its own may have grown.
     """
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].recenter == 0 or model.pairs.family[pair] == PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].recenter == 0 or model.pairs.family[pair] == PATCH:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     H = model.window.half
-    if center[w, pair, 2] != 0:
-        center[w, pair, 2] = 0
+    if geometry.center[w, pair, 2] != 0:
+        geometry.center[w, pair, 2] = 0
         s = int(0)
         while s < (rows - 1) * model.quadrature.z_points:
-            station[w, pair, s, 8] = station[w, pair, s, 0]
+            geometry.station[w, pair, s, 8] = geometry.station[w, pair, s, 0]
             s += 1
-    offset = real(0.5) * (phase[w, pair, 4] + phase[w, pair, 6]) - real(center[w, pair, 0])
-    shift = int(wp.floor(offset - patch_offset[w, pair] + real(0.5))) * rows
-    patch_offset[w, pair] = offset
+    offset = real(0.5) * (geometry.phase[w, pair, 4] + geometry.phase[w, pair, 6]) - real(geometry.center[w, pair, 0])
+    shift = int(wp.floor(offset - contact.patch_offset[w, pair] + real(0.5))) * rows
+    contact.patch_offset[w, pair] = offset
     size = model.window.columns * rows
     n = int(0)
     while shift != 0 and n < size:
@@ -60,43 +50,45 @@ def open_window(
         if shift > 0:
             to = size - 1 - n
         source = to - shift
-        active[w, pair, to] = 0
-        pressure[w, pair, to] = real(0.0)
+        contact.active[w, pair, to] = 0
+        contact.pressure[w, pair, to] = real(0.0)
         if source >= 0 and source < size:
-            active[w, pair, to] = active[w, pair, source]
-            pressure[w, pair, to] = pressure[w, pair, source]
+            contact.active[w, pair, to] = contact.active[w, pair, source]
+            contact.pressure[w, pair, to] = contact.pressure[w, pair, source]
         n += 1
     low = int(0)
     high = int(0)
     found = int(0)
     m = int(0)
     while m < model.window.columns * rows:
-        if active[w, pair, m] != 0 and not wp.isfinite(pressure[w, pair, m]):  # left by a rejected attempt
-            active[w, pair, m] = 0
-            pressure[w, pair, m] = real(0.0)
-        if active[w, pair, m] != 0:
+        if contact.active[w, pair, m] != 0 and not wp.isfinite(
+            contact.pressure[w, pair, m]
+        ):  # left by a rejected attempt
+            contact.active[w, pair, m] = 0
+            contact.pressure[w, pair, m] = real(0.0)
+        if contact.active[w, pair, m] != 0:
             o = m / rows - H
             if found == 0:
                 low = o
             high = o
             found = int(1)
         m += 1
-    one = phase[w, pair, 4]
-    other = phase[w, pair, 6]
+    one = geometry.phase[w, pair, 4]
+    other = geometry.phase[w, pair, 6]
     if model.pairs.family[pair] == AT_POINTS:
-        one = nearest[w, pair, 0]
+        one = geometry.nearest[w, pair, 0]
         other = one
     first = int(wp.floor(wp.min(one, other) + real(0.5)))
     last = int(wp.floor(wp.max(one, other) + real(0.5)))
-    if model.pairs.family[pair] == AT_POINTS and touched[w, pair, 0] != NOWHERE:
-        first = wp.min(first, touched[w, pair, 0])
-        last = wp.max(last, touched[w, pair, 1])
-    first = wp.clamp(first - center[w, pair, 0], -H, H)
-    last = wp.clamp(last - center[w, pair, 0], -H, H)
+    if model.pairs.family[pair] == AT_POINTS and geometry.touched[w, pair, 0] != NOWHERE:
+        first = wp.min(first, geometry.touched[w, pair, 0])
+        last = wp.max(last, geometry.touched[w, pair, 1])
+    first = wp.clamp(first - geometry.center[w, pair, 0], -H, H)
+    last = wp.clamp(last - geometry.center[w, pair, 0], -H, H)
     if found == 0:
         low = first
         high = last
     low = wp.min(low, first)
     high = wp.max(high, last)
-    window[w, pair, 0] = wp.max(low - MARGIN, -H)
-    window[w, pair, 1] = wp.min(high + MARGIN, H)
+    geometry.window[w, pair, 0] = wp.max(low - MARGIN, -H)
+    geometry.window[w, pair, 1] = wp.min(high + MARGIN, H)

@@ -2,8 +2,11 @@
 
 import warp as wp
 
+from warpffrf_kernels.core.lap_scratch import LapScratch
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import LapState
 from warpffrf_kernels.laps.cells import form_of, put_triple, set_form, triple
 from warpffrf_kernels.laps.forms import OPEN, Form, first_of, forces_of, moved_of, second_of, to_form
 from warpffrf_kernels.laps.loops import add_columns
@@ -23,55 +26,37 @@ wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.func
-def look_at_motion(
-    model: Model,
-    w: int,
-    group: int,
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    q1: wp.array2d(dtype=real),
-    lap_gradient: wp.array4d(dtype=real),
-    lap_z: wp.array2d(dtype=real),
-    lap_step: wp.array2d(dtype=real),
-):
+def look_at_motion(model: Model, w: int, group: int, trial: Trial, q1: wp.array2d(dtype=real), tableau: LapScratch):
     """z of the trial state, its change, and the gradients of its rigid part; by one lane."""
     lap = model.elements[0].laps[0].lap_start[group]
     while lap < model.elements[0].laps[0].lap_start[group + 1]:
         at = model.elements[0].laps[0].rigid_column[lap]
         if at >= 0:
-            seen = relative_motion(model, w, lap, r1, axes)
+            seen = relative_motion(model, w, lap, trial)
             for i in range(3):
-                lap_step[w, at + i] = seen.d[i] - lap_z[w, at + i]
-                lap_step[w, at + 3 + i] = seen.theta[i] - lap_z[w, at + 3 + i]
-                lap_z[w, at + i] = seen.d[i]
-                lap_z[w, at + 3 + i] = seen.theta[i]
+                tableau.lap_step[w, at + i] = seen.d[i] - tableau.lap_z[w, at + i]
+                tableau.lap_step[w, at + 3 + i] = seen.theta[i] - tableau.lap_z[w, at + 3 + i]
+                tableau.lap_z[w, at + i] = seen.d[i]
+                tableau.lap_z[w, at + 3 + i] = seen.theta[i]
             for i in range(WRENCH):
                 d = rigid_gradient(seen, i)
                 theta = turn_gradient(seen, i)
                 for c in range(3):
-                    lap_gradient[w, lap, c, i] = d[c]
-                    lap_gradient[w, lap, 3 + c, i] = theta[c]
+                    tableau.lap_gradient[w, lap, c, i] = d[c]
+                    tableau.lap_gradient[w, lap, 3 + c, i] = theta[c]
         lap += 1
     at = model.elements[0].laps[0].column_start[group]
     while at < model.elements[0].laps[0].column_start[group + 1]:
         mode = model.elements[0].laps[0].column_mode[at]
         if mode >= 0:
-            lap_step[w, at] = q1[w, mode] - lap_z[w, at]
-            lap_z[w, at] = q1[w, mode]
+            tableau.lap_step[w, at] = q1[w, mode] - tableau.lap_z[w, at]
+            tableau.lap_z[w, at] = q1[w, mode]
         at += 1
 
 
 @wp.func
 def displaced(
-    model: Model,
-    w: int,
-    group: int,
-    lane: int,
-    with_forces: int,
-    lap_trial: wp.array(dtype=real),
-    lap_z: wp.array(dtype=real),
-    lap_list: wp.array(dtype=int),
-    lap_strip: wp.array(dtype=real),
+    model: Model, w: int, group: int, lane: int, with_forces: int, tableau: LapScratch, lap_z: wp.array(dtype=real)
 ):
     """J z, and G s with forces, at all lines of cells, into `lap_strip`."""
     n = unknowns_of(model, group)
@@ -80,59 +65,38 @@ def displaced(
     first += model.elements[0].laps[0].column_start[group]
     i = lane
     while i < n:
-        lap_strip[lines + i] = real(0.0)
+        tableau.lap_strip[lines + i] = real(0.0)
         i += wp.block_dim()
     sync()
     add_columns(
-        n, columns_of(model, group), lap_list, -1, lap_z, first, model.elements[0].laps[0].motion,
-        model.elements[0].laps[0].motion_start[group], n, lap_strip, lines,
+        n, columns_of(model, group), tableau.lap_list, -1, lap_z, first, model.elements[0].laps[0].motion,
+        model.elements[0].laps[0].motion_start[group], n, tableau.lap_strip, lines,
     )  # fmt: skip
     if with_forces != 0:
         add_columns(
-            n, n, lap_list, -1, lap_trial, lines, model.elements[0].laps[0].compliance,
-            model.elements[0].laps[0].compliance_start[group], n, lap_strip, lines,
+            n, n, tableau.lap_list, -1, tableau.lap_trial, lines, model.elements[0].laps[0].compliance,
+            model.elements[0].laps[0].compliance_start[group], n, tableau.lap_strip, lines,
         )  # fmt: skip
     sync()
 
 
 @wp.func
-def own_forces(
-    model: Model,
-    w: int,
-    group: int,
-    lane: int,
-    lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
-    lap_u: wp.array(dtype=real),
-    lap_v: wp.array(dtype=real),
-    lap_trial: wp.array(dtype=real),
-):
+def own_forces(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
     """Forces of all cells from their numbers; lanes over cells."""
     components = model.elements[0].laps[0].components[group]
     first = model.elements[0].laps[0].cell_start[group]
     c = lane
     while c < cells_of(model, group):
         at = line_at(model, w, group) + components * c
-        form = form_of(w, first + c, model.elements[0].laps[0].friction[first + c], lap_mode, lap_aim)
-        s = forces_of(form, triple(lap_u, at, components), triple(lap_v, at, components))
-        put_triple(lap_trial, at, components, s)
+        form = form_of(w, first + c, model.elements[0].laps[0].friction[first + c], tableau.lap_mode, tableau.lap_aim)
+        s = forces_of(form, triple(tableau.lap_u, at, components), triple(tableau.lap_v, at, components))
+        put_triple(tableau.lap_trial, at, components, s)
         c += wp.block_dim()
     sync()
 
 
 @wp.func
-def begin_table(
-    model: Model,
-    w: int,
-    group: int,
-    lane: int,
-    lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
-    lap_base: wp.array2d(dtype=int),
-    lap_base_aim: wp.array3d(dtype=real),
-    lap_table: wp.array(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-):
+def begin_table(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
     """T = [[G, J], [J^T, 0]], all cells open; lanes over columns."""
     n = unknowns_of(model, group)
     all = lines_of(model, group)
@@ -150,7 +114,7 @@ def begin_table(
                 value = model.elements[0].laps[0].motion[motion + (j - n) * n + i]
             elif j < n:
                 value = model.elements[0].laps[0].motion[motion + (i - n) * n + j]
-            lap_table[base + j * all + i] = value
+            tableau.lap_table[base + j * all + i] = value
             i += 1
         j += wp.block_dim()
     if lane == 0:
@@ -158,27 +122,16 @@ def begin_table(
         form.state = OPEN
         cell = model.elements[0].laps[0].cell_start[group]
         while cell < model.elements[0].laps[0].cell_start[group + 1]:
-            set_form(w, cell, form, lap_mode, lap_aim)
-            set_form(w, cell, form, lap_base, lap_base_aim)
+            set_form(w, cell, form, tableau.lap_mode, tableau.lap_aim)
+            set_form(w, cell, form, tableau.lap_base, tableau.lap_base_aim)
             cell += 1
-        lap_words[w, group, FACTORED] = 0
-        lap_words[w, group, ROOM] = most_of(model, group)
+        tableau.lap_words[w, group, FACTORED] = 0
+        tableau.lap_words[w, group, ROOM] = most_of(model, group)
     sync()
 
 
 @wp.func
-def put_right(
-    model: Model,
-    w: int,
-    group: int,
-    lap_slip: wp.array3d(dtype=real),
-    lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
-    lap_trial: wp.array(dtype=real),
-    lap_strip: wp.array(dtype=real),
-    lap_u: wp.array(dtype=real),
-    lap_v: wp.array(dtype=real),
-):
+def put_right(model: Model, w: int, group: int, laps: LapState, tableau: LapScratch):
     """u and v of all cells from their forces, and G s + J z in `lap_strip`; by one lane."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
@@ -186,33 +139,17 @@ def put_right(
     c = int(0)
     while c < cells_of(model, group):
         cell = first + c
-        s = triple(lap_trial, lines + components * c, components)
-        y = triple(lap_strip, lines + components * c, components)
-        y += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
-        map = to_form(form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim))
-        put_triple(lap_u, lines + components * c, components, first_of(map, s, y))
-        put_triple(lap_v, lines + components * c, components, second_of(map, s, y))
+        s = triple(tableau.lap_trial, lines + components * c, components)
+        y = triple(tableau.lap_strip, lines + components * c, components)
+        y += vec3(model.elements[0].laps[0].gap[cell], -laps.lap_slip[w, cell, 0], -laps.lap_slip[w, cell, 1])
+        map = to_form(form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_aim))
+        put_triple(tableau.lap_u, lines + components * c, components, first_of(map, s, y))
+        put_triple(tableau.lap_v, lines + components * c, components, second_of(map, s, y))
         c += 1
 
 
 @wp.func
-def book(
-    model: Model,
-    w: int,
-    group: int,
-    lap_force: wp.array3d(dtype=real),
-    lap_slip: wp.array3d(dtype=real),
-    lap_gap: wp.array2d(dtype=real),
-    lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
-    lap_u: wp.array(dtype=real),
-    lap_v: wp.array(dtype=real),
-    lap_trial: wp.array(dtype=real),
-    lap_strip: wp.array(dtype=real),
-    lap_moved: wp.array(dtype=real),
-    lap_stored: wp.array2d(dtype=real),
-    lap_taken: wp.array3d(dtype=real),
-):
+def book(model: Model, w: int, group: int, laps: LapState, tableau: LapScratch):
     """Gaps and slips of the step, the energy of what yields, the work of friction and the rest of the trapezoidal work;
     J z stands in `lap_strip`. By one lane."""
     components = model.elements[0].laps[0].components[group]
@@ -225,19 +162,19 @@ def book(
     while c < cells_of(model, group):
         cell = first + c
         at = lines + components * c
-        form = form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim)
-        s = triple(lap_trial, at, components)
-        y = moved_of(form, triple(lap_u, at, components), triple(lap_v, at, components))
-        put_triple(lap_moved, at, components, y)
-        old = vec3(lap_force[w, cell, 0], lap_force[w, cell, 1], lap_force[w, cell, 2])
-        given = triple(lap_strip, at, components)
-        given += vec3(model.elements[0].laps[0].gap[cell], -lap_slip[w, cell, 0], -lap_slip[w, cell, 1])
+        form = form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_aim)
+        s = triple(tableau.lap_trial, at, components)
+        y = moved_of(form, triple(tableau.lap_u, at, components), triple(tableau.lap_v, at, components))
+        put_triple(tableau.lap_moved, at, components, y)
+        old = vec3(laps.lap_force[w, cell, 0], laps.lap_force[w, cell, 1], laps.lap_force[w, cell, 2])
+        given = triple(tableau.lap_strip, at, components)
+        given += vec3(model.elements[0].laps[0].gap[cell], -laps.lap_slip[w, cell, 0], -laps.lap_slip[w, cell, 1])
         stored += real(0.5) * wp.dot(s, y - given)
         rubs = -(s[1] * y[1] + s[2] * y[2])
         rubbed += rubs
-        gone = vec3(y[0] - lap_gap[w, cell], y[1], y[2])
+        gone = vec3(y[0] - laps.lap_gap[w, cell], y[1], y[2])
         rest -= real(0.5) * wp.dot(s + old, gone) + rubs
         c += 1
-    lap_stored[w, group] = stored
-    lap_taken[w, group, 0] = rubbed
-    lap_taken[w, group, 1] = rest
+    tableau.lap_stored[w, group] = stored
+    tableau.lap_taken[w, group, 0] = rubbed
+    tableau.lap_taken[w, group, 1] = rest

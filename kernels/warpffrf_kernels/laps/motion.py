@@ -21,6 +21,7 @@ import warp as wp
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import rotation_vector, tangent_inverse
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -43,9 +44,7 @@ class Relative:
 
 
 @wp.func
-def relative_motion(
-    model: Model, w: int, lap: int, r1: wp.array2d(dtype=vec3), axes: wp.array2d(dtype=mat33)
-) -> Relative:
+def relative_motion(model: Model, w: int, lap: int, trial: Trial) -> Relative:
     out = Relative()
     a = model.elements[0].laps[0].first[lap]
     b = model.elements[0].laps[0].second[lap]
@@ -54,11 +53,11 @@ def relative_motion(
     out.first_axes = wp.identity(n=3, dtype=real)
     out.second_axes = wp.identity(n=3, dtype=real)
     if a >= 0:
-        r_a = r1[w, a]
-        out.first_axes = axes[w, a]
+        r_a = trial.r1[w, a]
+        out.first_axes = trial.axes[w, a]
     if b >= 0:
-        r_b = r1[w, b]
-        out.second_axes = axes[w, b]
+        r_b = trial.r1[w, b]
+        out.second_axes = trial.axes[w, b]
     out.second_arm = out.second_axes * model.elements[0].laps[0].second_point[lap]
     out.x = r_b + out.second_arm
     out.first_arm = out.x - r_a

@@ -7,10 +7,12 @@ so the tangent of the residual is -B^T T_zz B, and what turning forces and arms 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.lap_scratch import LapScratch
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
 from warpffrf_kernels.laps.loops import add_columns, take
 from warpffrf_kernels.laps.motion import RIGID, WRENCH, axis_of, relative_motion, unit
 from warpffrf_kernels.laps.tableau import columns_of, lines_of, respond, slots_at, table_at, unknowns_of
@@ -27,19 +29,12 @@ def body_of(model: Model, lap: int, i: int) -> int:
     return model.elements[0].laps[0].second[lap]
 
 
-@wp.kernel
-def push_laps(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    lap_gradient: wp.array4d(dtype=real),
-    lap_push: wp.array2d(dtype=real),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def push_laps(run: Run, tableau: LapScratch, residuals: Residuals):
     """Per world: subtract the forces of all laps from the residuals of their bodies and of the modes."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     lap = int(0)
     while lap < model.elements[0].laps[0].laps:
@@ -50,14 +45,14 @@ def push_laps(
                 if b >= 0:
                     force = real(0.0)
                     for c in range(RIGID):
-                        force += lap_gradient[w, lap, c, i] * lap_push[w, at + c]
-                    residual[w, 6 * b + i % 6] = residual[w, 6 * b + i % 6] - force
+                        force += tableau.lap_gradient[w, lap, c, i] * tableau.lap_push[w, at + c]
+                    residuals.residual[w, 6 * b + i % 6] = residuals.residual[w, 6 * b + i % 6] - force
         lap += 1
     at = int(0)
     while at < model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]:
         mode = model.elements[0].laps[0].column_mode[at]
         if mode >= 0:
-            modal_residual[w, mode] = modal_residual[w, mode] - lap_push[w, at]
+            residuals.modal_residual[w, mode] = residuals.modal_residual[w, mode] - tableau.lap_push[w, at]
         at += 1
 
 
@@ -74,30 +69,12 @@ def gradient_of(
     return sum
 
 
-@wp.kernel
-def stiffen_by_laps(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    lap_words: wp.array3d(dtype=int),
-    lap_gradient: wp.array4d(dtype=real),
-    lap_table: wp.array(dtype=real),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-    lap_factor: wp.array(dtype=real),
-    lap_pivot: wp.array(dtype=int),
-    lap_weight: inout(wp.array(dtype=real)),
-    lap_stiffness: inout(wp.array(dtype=real)),
-    lap_followed: inout(wp.array(dtype=real)),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def stiffen_by_laps(run: Run, tableau: LapScratch, system: OuterSystem):
     """Per world, lanes over the outer columns of each group: -B^T T_zz B."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
     group = int(0)
     while group < model.elements[0].laps[0].count:
@@ -111,15 +88,12 @@ def stiffen_by_laps(
         c = int(0)
         while c < columns:
             if lane == 0:
-                respond(
-                    model, w, group, n + c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
-                    lap_maps, lap_factor, lap_pivot, lap_weight,
-                )  # fmt: skip
-            take(columns, lap_table, base + (n + c) * all, lap_stiffness, square + c * columns)
+                respond(model, w, group, n + c, tableau)
+            take(columns, tableau.lap_table, base + (n + c) * all, tableau.lap_stiffness, square + c * columns)
             sync()
             add_columns(
-                columns, lap_words[w, group, RANK], lap_active, slots, lap_weight, slots, lap_table, base, all,
-                lap_stiffness, square + c * columns,
+                columns, tableau.lap_words[w, group, RANK], tableau.lap_active, slots, tableau.lap_weight, slots,
+                tableau.lap_table, base, all, tableau.lap_stiffness, square + c * columns,
             )  # fmt: skip
             sync()
             c += 1
@@ -137,12 +111,12 @@ def stiffen_by_laps(
             own = model.elements[0].laps[0].outer_column[start + j]
             a = int(0)
             while a < columns:
-                lap_followed[at + a] = real(0.0)
+                tableau.lap_followed[at + a] = real(0.0)
                 a += 1
             if own >= 0:
                 a = int(0)
                 while a < columns:
-                    lap_followed[at + a] = lap_stiffness[square + own * columns + a]
+                    tableau.lap_followed[at + a] = tableau.lap_stiffness[square + own * columns + a]
                     a += 1
             else:
                 lap = first_lap
@@ -150,12 +124,12 @@ def stiffen_by_laps(
                     rigid = model.elements[0].laps[0].rigid_column[lap] - first_column
                     if rigid >= 0:
                         for c in range(RIGID):
-                            g = gradient_of(model, w, lap, c, column / 6, column % 6, lap_gradient)
+                            g = gradient_of(model, w, lap, c, column / 6, column % 6, tableau.lap_gradient)
                             if g != real(0.0):
                                 a = int(0)
                                 while a < columns:
-                                    more = g * lap_stiffness[square + (rigid + c) * columns + a]
-                                    lap_followed[at + a] = lap_followed[at + a] + more
+                                    more = g * tableau.lap_stiffness[square + (rigid + c) * columns + a]
+                                    tableau.lap_followed[at + a] = tableau.lap_followed[at + a] + more
                                     a += 1
                     lap += 1
             i = int(0)
@@ -164,44 +138,39 @@ def stiffen_by_laps(
                 other = model.elements[0].laps[0].outer_column[start + i]
                 sum = real(0.0)
                 if other >= 0:
-                    sum = lap_followed[at + other]
+                    sum = tableau.lap_followed[at + other]
                 else:
                     lap = first_lap
                     while lap < last_lap:
                         rigid = model.elements[0].laps[0].rigid_column[lap] - first_column
                         if rigid >= 0:
                             for c in range(RIGID):
-                                g = gradient_of(model, w, lap, c, line / 6, line % 6, lap_gradient)
-                                sum += g * lap_followed[at + rigid + c]
+                                g = gradient_of(model, w, lap, c, line / 6, line % 6, tableau.lap_gradient)
+                                sum += g * tableau.lap_followed[at + rigid + c]
                         lap += 1
-                tangent[w, line, column] = tangent[w, line, column] - sum
+                system.tangent[w, line, column] = system.tangent[w, line, column] - sum
                 i += 1
             j += wp.block_dim()
         sync()
         group += 1
 
 
-@wp.kernel
-def turn_laps(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    lap_push: wp.array2d(dtype=real),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def turn_laps(run: Run, trial: Trial, tableau: LapScratch, system: OuterSystem):
     """Per world: forces of laps turn with their first body, and their arms move."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
     lap = int(0)
     while lap < model.elements[0].laps[0].laps:
         at = model.elements[0].laps[0].rigid_column[lap]
         if at >= 0:
-            seen = relative_motion(model, w, lap, r1, axes)
-            F = seen.first_axes * vec3(lap_push[w, at], lap_push[w, at + 1], lap_push[w, at + 2])
-            M = vec3(lap_push[w, at + 3], lap_push[w, at + 4], lap_push[w, at + 5])
+            seen = relative_motion(model, w, lap, trial)
+            F = seen.first_axes * vec3(
+                tableau.lap_push[w, at], tableau.lap_push[w, at + 1], tableau.lap_push[w, at + 2]
+            )
+            M = vec3(tableau.lap_push[w, at + 3], tableau.lap_push[w, at + 4], tableau.lap_push[w, at + 5])
             M = seen.first_axes * (wp.transpose(seen.by_turn) * M)
             a = model.elements[0].laps[0].first[lap]
             b = model.elements[0].laps[0].second[lap]
@@ -231,9 +200,13 @@ def turn_laps(
                     column = 6 * moves + i % 6
                     for c in range(3):
                         if a >= 0:
-                            tangent[w, 6 * a + c, column] = tangent[w, 6 * a + c, column] + dF[c]
-                            tangent[w, 6 * a + 3 + c, column] = tangent[w, 6 * a + 3 + c, column] + first[c]
+                            system.tangent[w, 6 * a + c, column] = system.tangent[w, 6 * a + c, column] + dF[c]
+                            system.tangent[w, 6 * a + 3 + c, column] = (
+                                system.tangent[w, 6 * a + 3 + c, column] + first[c]
+                            )
                         if b >= 0:
-                            tangent[w, 6 * b + c, column] = tangent[w, 6 * b + c, column] - dF[c]
-                            tangent[w, 6 * b + 3 + c, column] = tangent[w, 6 * b + 3 + c, column] - second[c]
+                            system.tangent[w, 6 * b + c, column] = system.tangent[w, 6 * b + c, column] - dF[c]
+                            system.tangent[w, 6 * b + 3 + c, column] = (
+                                system.tangent[w, 6 * b + 3 + c, column] - second[c]
+                            )
         lap += 1

@@ -2,8 +2,9 @@
 
 import warp as wp
 
+from warpffrf_kernels.core.lap_scratch import LapScratch
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 from warpffrf_kernels.laps.cells import NO_PRESSURE, aim_of, form_of, put_triple, triple
 from warpffrf_kernels.laps.forms import OPEN, SLIP, SMOOTH, STICK, Form
 from warpffrf_kernels.laps.tableau import cells_of, line_at, own_block, unknowns_of
@@ -27,17 +28,15 @@ RIDGE = wp.constant(wp.float64(1.0e-14))  # of their squares
 
 
 @wp.func
-def largest_force(
-    model: Model, w: int, group: int, lines: int, lap_mode: wp.array2d(dtype=int), lap_v: wp.array(dtype=real)
-) -> real:
+def largest_force(model: Model, w: int, group: int, lines: int, tableau: LapScratch) -> real:
     """Of the cells that are not open [N]."""
     components = model.elements[0].laps[0].components[group]
     first = model.elements[0].laps[0].cell_start[group]
     largest = real(0.0)
     c = int(0)
     while c < cells_of(model, group):
-        if lap_mode[w, first + c] != OPEN:
-            largest = wp.max(largest, wp.abs(lap_v[lines + components * c]))
+        if tableau.lap_mode[w, first + c] != OPEN:
+            largest = wp.max(largest, wp.abs(tableau.lap_v[lines + components * c]))
         c += 1
     return largest
 
@@ -69,18 +68,7 @@ def product(many: int, n: int, start: int, r: int, c: int, scale: real, lap_rest
 
 
 @wp.func
-def mix(
-    slipping: int,
-    n: int,
-    lines: int,
-    known: int,
-    scale: real,
-    lap_list: wp.array(dtype=int),
-    lap_u: wp.array(dtype=real),
-    lap_target: wp.array(dtype=real),
-    lap_guess: wp.array(dtype=real),
-    lap_rest: wp.array(dtype=real),
-) -> int:
+def mix(slipping: int, n: int, lines: int, known: int, scale: real, tableau: LapScratch) -> int:
     """Anderson's rule: the step target - u less what the last differences of steps and of u say of it.
 
     Kept are `known` earlier u and steps, n apart, the newest first; returns how many there are then. They are of the
@@ -92,15 +80,15 @@ def mix(
     while slot > 0:
         i = int(0)
         while i < many:
-            lap_guess[start + slot * n + i] = lap_guess[start + (slot - 1) * n + i]
-            lap_rest[start + slot * n + i] = lap_rest[start + (slot - 1) * n + i]
+            tableau.lap_guess[start + slot * n + i] = tableau.lap_guess[start + (slot - 1) * n + i]
+            tableau.lap_rest[start + slot * n + i] = tableau.lap_rest[start + (slot - 1) * n + i]
             i += 1
         slot -= 1
     i = int(0)
     while i < many:
-        line = lines + lap_list[lines + i / 2] + 1 + i % 2
-        lap_guess[start + i] = lap_u[line]
-        lap_rest[start + i] = lap_target[line] - lap_u[line]
+        line = lines + tableau.lap_list[lines + i / 2] + 1 + i % 2
+        tableau.lap_guess[start + i] = tableau.lap_u[line]
+        tableau.lap_rest[start + i] = tableau.lap_target[line] - tableau.lap_u[line]
         i += 1
     used = wp.min(known, MIXED)
     A = wp.identity(n=3, dtype=real)
@@ -109,8 +97,8 @@ def mix(
         if r < used:
             for c in range(MIXED):
                 if c < used:
-                    A[r, c] = product(many, n, start, r, c, scale, lap_rest)
-            b[r] = product(many, n, start, r, -1, scale, lap_rest)
+                    A[r, c] = product(many, n, start, r, c, scale, tableau.lap_rest)
+            b[r] = product(many, n, start, r, -1, scale, tableau.lap_rest)
     ridge = RIDGE * wp.trace(A)
     for r in range(MIXED):
         A[r, r] = A[r, r] + ridge
@@ -119,39 +107,23 @@ def mix(
         if r < used and wp.isfinite(x[r]):
             i = int(0)
             while i < many:
-                line = lines + lap_list[lines + i / 2] + 1 + i % 2
-                step = lap_guess[start + r * n + i] - lap_guess[start + (r + 1) * n + i]
-                step += lap_rest[start + r * n + i] - lap_rest[start + (r + 1) * n + i]
-                lap_target[line] = lap_target[line] - x[r] * step
+                line = lines + tableau.lap_list[lines + i / 2] + 1 + i % 2
+                step = tableau.lap_guess[start + r * n + i] - tableau.lap_guess[start + (r + 1) * n + i]
+                step += tableau.lap_rest[start + r * n + i] - tableau.lap_rest[start + (r + 1) * n + i]
+                tableau.lap_target[line] = tableau.lap_target[line] - x[r] * step
                 i += 1
     return wp.min(known + 1, MIXED)
 
 
 @wp.func
-def aim_cells(
-    model: Model,
-    w: int,
-    group: int,
-    lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-    lap_wish: wp.array2d(dtype=int),
-    lap_next: wp.array3d(dtype=real),
-    lap_target: wp.array(dtype=real),
-    lap_guess: wp.array(dtype=real),
-    lap_rest: wp.array(dtype=real),
-    lap_u: wp.array(dtype=real),
-    lap_v: wp.array(dtype=real),
-    lap_list: wp.array(dtype=int),
-    lap_given: wp.array(dtype=real),
-) -> real:
+def aim_cells(model: Model, w: int, group: int, tableau: LapScratch) -> real:
     """Lists the changes of independent numbers of a pass, and takes them; returns the largest, of the largest force."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     n = unknowns_of(model, group)
     first = model.elements[0].laps[0].cell_start[group]
     yields = model.elements[0].laps[0].yields[group]
-    largest = largest_force(model, w, group, lines, lap_mode, lap_v)
+    largest = largest_force(model, w, group, lines, tableau)
     turning = int(0)
     slipping = int(0)
     worst = real(0.0)
@@ -159,79 +131,56 @@ def aim_cells(
     while c < cells_of(model, group):
         cell = first + c
         at = lines + components * c
-        lap_wish[w, cell] = STAYS
+        tableau.lap_wish[w, cell] = STAYS
         target = vec3(real(0.0))
-        if lap_mode[w, cell] == SLIP:
-            form = form_of(w, cell, model.elements[0].laps[0].friction[cell], lap_mode, lap_aim)
+        if tableau.lap_mode[w, cell] == SLIP:
+            form = form_of(w, cell, model.elements[0].laps[0].friction[cell], tableau.lap_mode, tableau.lap_aim)
             aim = aim_of(
-                form, triple(lap_u, at, components), triple(lap_v, at, components), largest,
+                form, triple(tableau.lap_u, at, components), triple(tableau.lap_v, at, components), largest,
                 model.elements[0].laps[0].own[cell],
             )  # fmt: skip
             target = aim.target
-            lap_list[lines + slipping] = components * c
+            tableau.lap_list[lines + slipping] = components * c
             slipping += 1
             if aim.far != 0:
                 turning += 1
-                lap_wish[w, cell] = TURNS
-                lap_next[w, cell, 0] = aim.d[0]
-                lap_next[w, cell, 1] = aim.d[1]
-                lap_next[w, cell, 2] = aim.kappa
-            worst = wp.max(worst, wp.abs(target[1] - lap_u[at + 1]))
-            worst = wp.max(worst, wp.abs(target[2] - lap_u[at + 2]) / yields)
-        put_triple(lap_target, at, components, target)
+                tableau.lap_wish[w, cell] = TURNS
+                tableau.lap_next[w, cell, 0] = aim.d[0]
+                tableau.lap_next[w, cell, 1] = aim.d[1]
+                tableau.lap_next[w, cell, 2] = aim.kappa
+            worst = wp.max(worst, wp.abs(target[1] - tableau.lap_u[at + 1]))
+            worst = wp.max(worst, wp.abs(target[2] - tableau.lap_u[at + 2]) / yields)
+        put_triple(tableau.lap_target, at, components, target)
         c += 1
-    lap_words[w, group, TURNING] = turning
-    if lap_words[w, group, KNOWN] >= 0 and components == 3 and worst > real(0.0):
-        lap_words[w, group, KNOWN] = mix(
-            slipping, n, lines, lap_words[w, group, KNOWN], real(1.0) / yields, lap_list, lap_u, lap_target, lap_guess,
-            lap_rest,
-        )  # fmt: skip
+    tableau.lap_words[w, group, TURNING] = turning
+    if tableau.lap_words[w, group, KNOWN] >= 0 and components == 3 and worst > real(0.0):
+        tableau.lap_words[w, group, KNOWN] = mix(
+            slipping, n, lines, tableau.lap_words[w, group, KNOWN], real(1.0) / yields, tableau
+        )
     count = int(0)
     i = int(0)
     while i < n:
-        change = lap_target[lines + i] - lap_u[lines + i]
+        change = tableau.lap_target[lines + i] - tableau.lap_u[lines + i]
         if change != real(0.0):
-            lap_list[lines + count] = i
-            lap_given[lines + count] = change
-            lap_u[lines + i] = lap_target[lines + i]
+            tableau.lap_list[lines + count] = i
+            tableau.lap_given[lines + count] = change
+            tableau.lap_u[lines + i] = tableau.lap_target[lines + i]
             count += 1
         i += 1
-    lap_words[w, group, COUNT] = count
+    tableau.lap_words[w, group, COUNT] = count
     if largest == real(0.0):
         return worst
     return worst / largest
 
 
 @wp.func
-def judge_cells(
-    model: Model,
-    w: int,
-    group: int,
-    lap_mode: wp.array2d(dtype=int),
-    lap_words: wp.array3d(dtype=int),
-    lap_wish: wp.array2d(dtype=int),
-    lap_next: wp.array3d(dtype=real),
-    lap_flips: wp.array2d(dtype=int),
-    lap_u: wp.array(dtype=real),
-    lap_v: wp.array(dtype=real),
-    least: real,
-    lap_table: wp.array(dtype=real),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-    lap_factor: wp.array(dtype=real),
-    lap_pivot: wp.array(dtype=int),
-    lap_weight: wp.array(dtype=real),
-):
+def judge_cells(model: Model, w: int, group: int, tableau: LapScratch, least: real):
     """Which cells are to change their state, and to which; by one lane. Forces below `least` [N] are none."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     first = model.elements[0].laps[0].cell_start[group]
     yields = model.elements[0].laps[0].yields[group]
-    none = wp.max(NO_PRESSURE * largest_force(model, w, group, lines, lap_mode, lap_v), least)
+    none = wp.max(NO_PRESSURE * largest_force(model, w, group, lines, tableau), least)
     normal = int(0)
     tangential = int(0)
     c = int(0)
@@ -239,60 +188,55 @@ def judge_cells(
         cell = first + c
         at = lines + components * c
         mu = model.elements[0].laps[0].friction[cell]
-        v = triple(lap_v, at, components)
-        state = lap_mode[w, cell]
+        v = triple(tableau.lap_v, at, components)
+        state = tableau.lap_mode[w, cell]
         if state == OPEN:
             if v[0] < -none * yields:
                 normal += 1
-                lap_wish[w, cell] = CLOSES
-                lap_next[w, cell, 0] = real(0.0)
-                lap_next[w, cell, 1] = real(0.0)
+                tableau.lap_wish[w, cell] = CLOSES
+                tableau.lap_next[w, cell, 0] = real(0.0)
+                tableau.lap_next[w, cell, 1] = real(0.0)
                 if components == 3 and mu > real(0.0):
-                    own = own_block(
-                        model, w, group, c, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
-                        lap_maps, lap_factor, lap_pivot, lap_weight,
-                    )  # fmt: skip
+                    own = own_block(model, w, group, c, tableau)
                     f = -(wp.inverse(own) * v)  # brings it to rest, all others as they are
                     size = wp.sqrt(f[1] * f[1] + f[2] * f[2])
-                    lap_flips[w, cell] = lap_flips[w, cell] + 1
+                    tableau.lap_flips[w, cell] = tableau.lap_flips[w, cell] + 1
                     rubs = size > mu * wp.max(f[0], real(0.0))
-                    if lap_flips[w, cell] % 4 == 3:
+                    if tableau.lap_flips[w, cell] % 4 == 3:
                         rubs = not rubs
                     if rubs and size > real(0.0):
-                        lap_next[w, cell, 0] = f[1] / size
-                        lap_next[w, cell, 1] = f[2] / size
+                        tableau.lap_next[w, cell, 0] = f[1] / size
+                        tableau.lap_next[w, cell, 1] = f[2] / size
         elif v[0] < -none:
             normal += 1
-            lap_wish[w, cell] = OPENS
+            tableau.lap_wish[w, cell] = OPENS
         elif state == STICK and components == 3:
             size = wp.sqrt(v[1] * v[1] + v[2] * v[2])
             if size > mu * v[0] + none and size > real(0.0):
                 tangential += 1
-                lap_wish[w, cell] = RUBS
-                lap_next[w, cell, 0] = v[1] / size
-                lap_next[w, cell, 1] = v[2] / size
+                tableau.lap_wish[w, cell] = RUBS
+                tableau.lap_next[w, cell, 0] = v[1] / size
+                tableau.lap_next[w, cell, 1] = v[2] / size
         elif state == SLIP and v[1] > none * yields:
             tangential += 1
-            lap_wish[w, cell] = RUBS
-            lap_next[w, cell, 0] = real(0.0)
-            lap_next[w, cell, 1] = real(0.0)
+            tableau.lap_wish[w, cell] = RUBS
+            tableau.lap_next[w, cell, 0] = real(0.0)
+            tableau.lap_next[w, cell, 1] = real(0.0)
         c += 1
-    lap_words[w, group, NORMAL] = normal
-    lap_words[w, group, TANGENTIAL] = tangential
+    tableau.lap_words[w, group, NORMAL] = normal
+    tableau.lap_words[w, group, TANGENTIAL] = tangential
 
 
 @wp.func
-def wished(
-    w: int, cell: int, mu: real, components: int, lap_wish: wp.array2d(dtype=int), lap_next: wp.array3d(dtype=real)
-) -> Form:
+def wished(w: int, cell: int, mu: real, components: int, tableau: LapScratch) -> Form:
     """The state that a cell is to change to."""
     form = Form()
     form.mu = mu
-    form.d = wp.vec2d(lap_next[w, cell, 0], lap_next[w, cell, 1])
-    if lap_wish[w, cell] == TURNS:
+    form.d = wp.vec2d(tableau.lap_next[w, cell, 0], tableau.lap_next[w, cell, 1])
+    if tableau.lap_wish[w, cell] == TURNS:
         form.state = SLIP
-        form.kappa = lap_next[w, cell, 2]
-    elif lap_wish[w, cell] == OPENS:
+        form.kappa = tableau.lap_next[w, cell, 2]
+    elif tableau.lap_wish[w, cell] == OPENS:
         form.state = OPEN
         form.d = wp.vec2d(real(0.0), real(0.0))
     elif form.d[0] != real(0.0) or form.d[1] != real(0.0):

@@ -22,6 +22,7 @@ at the speed of a product of matrices. The table is kept by columns.
 
 import warp as wp
 
+from warpffrf_kernels.core.lap_scratch import LapScratch
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, sync, vec3
 from warpffrf_kernels.laps.cells import form_of, put_triple, triple
@@ -116,23 +117,7 @@ def differs(b: mat33, a: mat33, i: int) -> bool:
 
 
 @wp.func
-def gather_differing(
-    model: Model,
-    w: int,
-    group: int,
-    lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
-    lap_base: wp.array2d(dtype=int),
-    lap_base_aim: wp.array3d(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_owner: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-):
+def gather_differing(model: Model, w: int, group: int, tableau: LapScratch):
     """Numbers the cells that differ (`lap_slot`, -1 of others) and their lines (`lap_place`), keeps their maps; by one
     lane."""
     components = model.elements[0].laps[0].components[group]
@@ -146,66 +131,46 @@ def gather_differing(
     while c < cells_of(model, group):
         cell = first + c
         mu = model.elements[0].laps[0].friction[cell]
-        before = form_of(w, cell, mu, lap_base, lap_base_aim)
-        now = form_of(w, cell, mu, lap_mode, lap_aim)
-        lap_slot[w, cell] = -1
+        before = form_of(w, cell, mu, tableau.lap_base, tableau.lap_base_aim)
+        now = form_of(w, cell, mu, tableau.lap_mode, tableau.lap_aim)
+        tableau.lap_slot[w, cell] = -1
         for i in range(3):
             if i < components:
-                lap_place[lines + components * c + i] = -1
+                tableau.lap_place[lines + components * c + i] = -1
         if not is_same(before, now):
             map = after(to_form(now), from_form(before))
             a = map.a
-            lap_slot[w, cell] = x
+            tableau.lap_slot[w, cell] = x
             at = 3 * (slots + x)
-            lap_maps[at + 1] = map.c
-            lap_maps[at + 2] = map.d
-            lap_owner[slots + x] = components * c
+            tableau.lap_maps[at + 1] = map.c
+            tableau.lap_maps[at + 2] = map.d
+            tableau.lap_owner[slots + x] = components * c
             x += 1
             for i in range(3):
                 if i < components and differs(map.b, map.a, i):
-                    lap_place[lines + components * c + i] = r
-                    lap_active[slots + r] = components * c + i
+                    tableau.lap_place[lines + components * c + i] = r
+                    tableau.lap_active[slots + r] = components * c + i
                     unit = unit_of(now, i, yields)
-                    lap_units[2 * (slots + r)] = unit
-                    lap_units[2 * (slots + r) + 1] = unit_of(before, i, yields)
+                    tableau.lap_units[2 * (slots + r)] = unit
+                    tableau.lap_units[2 * (slots + r) + 1] = unit_of(before, i, yields)
                     for j in range(3):
                         a[i, j] = a[i, j] / unit
-                        lap_rows[3 * (slots + r) + j] = map.b[i, j] / unit
+                        tableau.lap_rows[3 * (slots + r) + j] = map.b[i, j] / unit
                     r += 1
-            lap_maps[at] = a
+            tableau.lap_maps[at] = a
         c += 1
     c = int(0)
     while c < columns_of(model, group):
-        lap_place[lines + unknowns_of(model, group) + c] = -1
+        tableau.lap_place[lines + unknowns_of(model, group) + c] = -1
         c += 1
-    lap_words[w, group, DIFFERING] = x
-    lap_words[w, group, RANK] = r
+    tableau.lap_words[w, group, DIFFERING] = x
+    tableau.lap_words[w, group, RANK] = r
 
 
 @wp.func
-def factorise(
-    model: Model,
-    w: int,
-    group: int,
-    lane: int,
-    lap_mode: wp.array2d(dtype=int),
-    lap_aim: wp.array3d(dtype=real),
-    lap_base: wp.array2d(dtype=int),
-    lap_base_aim: wp.array3d(dtype=real),
-    lap_table: wp.array(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_owner: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-    lap_factor: wp.array(dtype=real),
-    lap_pivot: wp.array(dtype=int),
-):
+def factorise(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
     """Factors of M for the states of now, unless they stand."""
-    stands = lap_words[w, group, FACTORED]
+    stands = tableau.lap_words[w, group, FACTORED]
     sync()
     if stands != 0:
         return
@@ -215,41 +180,40 @@ def factorise(
     factor = factor_at(model, w, group)
     most = most_of(model, group)
     if lane == 0:
-        gather_differing(
-            model, w, group, lap_mode, lap_aim, lap_base, lap_base_aim, lap_words, lap_slot, lap_place, lap_owner,
-            lap_active, lap_rows, lap_units, lap_maps,
-        )  # fmt: skip
-        lap_words[w, group, FACTORED] = 1
-        lap_words[w, group, ROOM] = most - lap_words[w, group, RANK]
+        gather_differing(model, w, group, tableau)
+        tableau.lap_words[w, group, FACTORED] = 1
+        tableau.lap_words[w, group, ROOM] = most - tableau.lap_words[w, group, RANK]
     sync()
-    rank = lap_words[w, group, RANK]
+    rank = tableau.lap_words[w, group, RANK]
     mapped_lines(
-        components, rank, rank, lap_active, slots, lap_table, table_at(model, w, group), all, lap_active, slots,
-        lap_rows, lap_factor, factor, 1, most,
+        components, rank, rank, tableau.lap_active, slots, tableau.lap_table, table_at(model, w, group), all,
+        tableau.lap_active, slots, tableau.lap_rows, tableau.lap_factor, factor, 1, most,
     )  # fmt: skip
     sync()
     if lane == 0:
         x = int(0)
-        while x < lap_words[w, group, DIFFERING]:
-            a = lap_maps[3 * (slots + x)]
-            own = line_at(model, w, group) + lap_owner[slots + x]
+        while x < tableau.lap_words[w, group, DIFFERING]:
+            a = tableau.lap_maps[3 * (slots + x)]
+            own = line_at(model, w, group) + tableau.lap_owner[slots + x]
             for i in range(3):
                 for j in range(3):
                     if i < components and j < components:
-                        r = lap_place[own + i]
-                        s = lap_place[own + j]
+                        r = tableau.lap_place[own + i]
+                        s = tableau.lap_place[own + j]
                         if r >= 0 and s >= 0:
-                            lap_factor[factor + s * most + r] = lap_factor[factor + s * most + r] + a[i, j]
+                            tableau.lap_factor[factor + s * most + r] = (
+                                tableau.lap_factor[factor + s * most + r] + a[i, j]
+                            )
             x += 1
     sync()
-    scale_columns(rank, most, lap_units, slots, lap_factor, factor)
+    scale_columns(rank, most, tableau.lap_units, slots, tableau.lap_factor, factor)
     sync()
     k = int(0)
     while k < rank:
         if lane == 0:
-            choose_pivot(rank, k, most, lap_factor, factor, lap_pivot, slots)
+            choose_pivot(rank, k, most, tableau.lap_factor, factor, tableau.lap_pivot, slots)
         sync()
-        eliminate(rank, k, most, lap_factor, factor)
+        eliminate(rank, k, most, tableau.lap_factor, factor)
         sync()
         k += 1
 
@@ -264,82 +228,46 @@ def slot_of(model: Model, w: int, group: int, line: int, lap_slot: wp.array2d(dt
 
 
 @wp.func
-def ask(
-    model: Model,
-    w: int,
-    group: int,
-    line: int,
-    by: real,
-    lap_table: wp.array(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-    lap_weight: wp.array(dtype=real),
-):
+def ask(model: Model, w: int, group: int, line: int, by: real, tableau: LapScratch):
     """M u_A (`lap_weight`) for u' of `line` more by `by`; by one lane."""
     components = model.elements[0].laps[0].components[group]
     all = lines_of(model, group)
     lines = line_at(model, w, group)
     slots = slots_at(model, w, group)
-    place = lap_place[lines + line]
+    place = tableau.lap_place[lines + line]
     if place >= 0:
-        lap_weight[slots + place] = lap_weight[slots + place] + by / lap_units[2 * (slots + place)]
+        tableau.lap_weight[slots + place] = (
+            tableau.lap_weight[slots + place] + by / tableau.lap_units[2 * (slots + place)]
+        )
     else:
         take_followed(
-            components, lap_words[w, group, RANK], by, lap_table, table_at(model, w, group) + line * all, lap_active,
-            slots, lap_rows, lap_weight,
+            components, tableau.lap_words[w, group, RANK], by, tableau.lap_table,
+            table_at(model, w, group) + line * all, tableau.lap_active, slots, tableau.lap_rows, tableau.lap_weight,
         )  # fmt: skip
-        slot = slot_of(model, w, group, line, lap_slot)
+        slot = slot_of(model, w, group, line, tableau.lap_slot)
         if slot >= 0:
-            a = lap_maps[3 * (slots + slot)]
+            a = tableau.lap_maps[3 * (slots + slot)]
             for i in range(3):
                 if i < components:
-                    own = lap_place[lines + line - line % components + i]
+                    own = tableau.lap_place[lines + line - line % components + i]
                     if own >= 0:
-                        lap_weight[slots + own] = lap_weight[slots + own] - a[i, line % components] * by
+                        tableau.lap_weight[slots + own] = tableau.lap_weight[slots + own] - a[i, line % components] * by
 
 
 @wp.func
-def part_of(
-    components: int, own: int, lines: int, slots: int, lap_place: wp.array(dtype=int), lap_weight: wp.array(dtype=real)
-) -> vec3:
+def part_of(components: int, own: int, lines: int, slots: int, tableau: LapScratch) -> vec3:
     """u_A of a cell whose lines begin at `own`, 0 in its other lines."""
     u = vec3(real(0.0))
     for i in range(3):
         if i < components:
-            place = lap_place[lines + own + i]
+            place = tableau.lap_place[lines + own + i]
             if place >= 0:
-                u[i] = lap_weight[slots + place]
+                u[i] = tableau.lap_weight[slots + place]
     return u
 
 
 @wp.func
-def go_ahead(
-    model: Model,
-    w: int,
-    group: int,
-    lane: int,
-    lap_list: wp.array(dtype=int),
-    lap_given: wp.array(dtype=real),
-    lap_table: wp.array(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_owner: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-    lap_factor: wp.array(dtype=real),
-    lap_pivot: wp.array(dtype=int),
-    lap_weight: wp.array(dtype=real),
-    lap_before: wp.array(dtype=real),
-    lap_v: wp.array(dtype=real),
-):
+def go_ahead(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
     """v' += T' du', du' those COUNT changes of independent numbers that are listed; M has its factors."""
     components = model.elements[0].laps[0].components[group]
     n = unknowns_of(model, group)
@@ -347,123 +275,92 @@ def go_ahead(
     lines = line_at(model, w, group)
     base = table_at(model, w, group)
     slots = slots_at(model, w, group)
-    rank = lap_words[w, group, RANK]
-    differing = lap_words[w, group, DIFFERING]
-    count = lap_words[w, group, COUNT]
+    rank = tableau.lap_words[w, group, RANK]
+    differing = tableau.lap_words[w, group, DIFFERING]
+    count = tableau.lap_words[w, group, COUNT]
     sync()
     if count == 0:
         return
     if lane == 0:
         r = int(0)
         while r < rank:
-            lap_weight[slots + r] = real(0.0)
+            tableau.lap_weight[slots + r] = real(0.0)
             r += 1
         others = int(0)
         k = int(0)
         while k < count:
-            line = lap_list[lines + k]
-            by = lap_given[lines + k]
-            ask(
-                model, w, group, line, by, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
-                lap_maps, lap_weight,
-            )  # fmt: skip
-            if lap_place[lines + line] < 0:
-                lap_list[lines + others] = line
-                lap_given[lines + others] = by
+            line = tableau.lap_list[lines + k]
+            by = tableau.lap_given[lines + k]
+            ask(model, w, group, line, by, tableau)
+            if tableau.lap_place[lines + line] < 0:
+                tableau.lap_list[lines + others] = line
+                tableau.lap_given[lines + others] = by
                 others += 1
             k += 1
-        lap_words[w, group, COUNT] = others
+        tableau.lap_words[w, group, COUNT] = others
         substitute(
-                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_units, lap_weight,
-                slots
-            )  # fmt: skip
+            rank, most_of(model, group), tableau.lap_factor, factor_at(model, w, group), tableau.lap_pivot,
+            tableau.lap_units, tableau.lap_weight, slots,
+        )  # fmt: skip
         x = int(0)
         while x < differing:  # what these cells have so far stands aside while their lines have v
-            own = lines + lap_owner[slots + x]
-            put_triple(lap_before, 3 * (slots + x), 3, triple(lap_v, own, components))
-            put_triple(lap_v, own, components, vec3(real(0.0)))
+            own = lines + tableau.lap_owner[slots + x]
+            put_triple(tableau.lap_before, 3 * (slots + x), 3, triple(tableau.lap_v, own, components))
+            put_triple(tableau.lap_v, own, components, vec3(real(0.0)))
             x += 1
     sync()
-    others = lap_words[w, group, COUNT]
-    add_columns(n, others, lap_list, lines, lap_given, lines, lap_table, base, all, lap_v, lines)
-    add_columns(n, rank, lap_active, slots, lap_weight, slots, lap_table, base, all, lap_v, lines)
+    others = tableau.lap_words[w, group, COUNT]
+    add_columns(
+        n, others, tableau.lap_list, lines, tableau.lap_given, lines, tableau.lap_table, base, all, tableau.lap_v, lines
+    )
+    add_columns(
+        n, rank, tableau.lap_active, slots, tableau.lap_weight, slots, tableau.lap_table, base, all, tableau.lap_v,
+        lines,
+    )  # fmt: skip
     sync()
     if lane == 0:
         x = int(0)
         while x < differing:
-            own = lap_owner[slots + x]
-            u = part_of(components, own, lines, slots, lap_place, lap_weight)
-            v = triple(lap_v, lines + own, components)
-            v = lap_maps[3 * (slots + x) + 1] * u + lap_maps[3 * (slots + x) + 2] * v
-            put_triple(lap_v, lines + own, components, v + triple(lap_before, 3 * (slots + x), 3))
+            own = tableau.lap_owner[slots + x]
+            u = part_of(components, own, lines, slots, tableau)
+            v = triple(tableau.lap_v, lines + own, components)
+            v = tableau.lap_maps[3 * (slots + x) + 1] * u + tableau.lap_maps[3 * (slots + x) + 2] * v
+            put_triple(tableau.lap_v, lines + own, components, v + triple(tableau.lap_before, 3 * (slots + x), 3))
             x += 1
         k = int(0)
         while k < others:  # u' that is u, of cells that differ in other lines
-            line = lap_list[lines + k]
-            slot = slot_of(model, w, group, line, lap_slot)
+            line = tableau.lap_list[lines + k]
+            slot = slot_of(model, w, group, line, tableau.lap_slot)
             if slot >= 0:
-                c = lap_maps[3 * (slots + slot) + 1]
+                c = tableau.lap_maps[3 * (slots + slot) + 1]
                 own = lines + line - line % components
                 for i in range(3):
                     if i < components:
-                        lap_v[own + i] = lap_v[own + i] + c[i, line % components] * lap_given[lines + k]
+                        tableau.lap_v[own + i] = (
+                            tableau.lap_v[own + i] + c[i, line % components] * tableau.lap_given[lines + k]
+                        )
             k += 1
     sync()
 
 
 @wp.func
-def respond(
-    model: Model,
-    w: int,
-    group: int,
-    line: int,
-    lap_table: wp.array(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-    lap_factor: wp.array(dtype=real),
-    lap_pivot: wp.array(dtype=int),
-    lap_weight: wp.array(dtype=real),
-):
+def respond(model: Model, w: int, group: int, line: int, tableau: LapScratch):
     """u_A (`lap_weight`) for one of u' of `line`; by one lane."""
     slots = slots_at(model, w, group)
-    rank = lap_words[w, group, RANK]
+    rank = tableau.lap_words[w, group, RANK]
     r = int(0)
     while r < rank:
-        lap_weight[slots + r] = real(0.0)
+        tableau.lap_weight[slots + r] = real(0.0)
         r += 1
-    ask(
-        model, w, group, line, real(1.0), lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
-        lap_maps, lap_weight,
-    )  # fmt: skip
+    ask(model, w, group, line, real(1.0), tableau)
     substitute(
-                rank, most_of(model, group), lap_factor, factor_at(model, w, group), lap_pivot, lap_units, lap_weight,
-                slots
-            )  # fmt: skip
+        rank, most_of(model, group), tableau.lap_factor, factor_at(model, w, group), tableau.lap_pivot,
+        tableau.lap_units, tableau.lap_weight, slots,
+    )  # fmt: skip
 
 
 @wp.func
-def own_block(
-    model: Model,
-    w: int,
-    group: int,
-    c: int,
-    lap_table: wp.array(dtype=real),
-    lap_words: wp.array3d(dtype=int),
-    lap_slot: wp.array2d(dtype=int),
-    lap_place: wp.array(dtype=int),
-    lap_active: wp.array(dtype=int),
-    lap_rows: wp.array(dtype=real),
-    lap_units: wp.array(dtype=real),
-    lap_maps: wp.array(dtype=mat33),
-    lap_factor: wp.array(dtype=real),
-    lap_pivot: wp.array(dtype=int),
-    lap_weight: wp.array(dtype=real),
-) -> mat33:
+def own_block(model: Model, w: int, group: int, c: int, tableau: LapScratch) -> mat33:
     """T'_cc of cell c of a group; of cells without friction its one number, the rest of them alone. By one lane."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
@@ -471,25 +368,24 @@ def own_block(
     all = lines_of(model, group)
     own = components * c
     base = table_at(model, w, group) + own
-    slot = slot_of(model, w, group, own, lap_slot)
+    slot = slot_of(model, w, group, own, tableau.lap_slot)
     block = wp.identity(n=3, dtype=real)
     for j in range(3):
         if j < components:
-            respond(
-                model, w, group, own + j, lap_table, lap_words, lap_slot, lap_place, lap_active, lap_rows, lap_units,
-                lap_maps, lap_factor, lap_pivot, lap_weight,
-            )  # fmt: skip
-            u = part_of(components, own, lines, slots, lap_place, lap_weight)
+            respond(model, w, group, own + j, tableau)
+            u = part_of(components, own, lines, slots, tableau)
             v = vec3(real(0.0))
-            if lap_place[lines + own + j] < 0:
+            if tableau.lap_place[lines + own + j] < 0:
                 u[j] = real(1.0)
-                v = triple(lap_table, base + (own + j) * all, components)
+                v = triple(tableau.lap_table, base + (own + j) * all, components)
             r = int(0)
-            while r < lap_words[w, group, RANK]:
-                v += lap_weight[slots + r] * triple(lap_table, base + lap_active[slots + r] * all, components)
+            while r < tableau.lap_words[w, group, RANK]:
+                v += tableau.lap_weight[slots + r] * triple(
+                    tableau.lap_table, base + tableau.lap_active[slots + r] * all, components
+                )
                 r += 1
             if slot >= 0:
-                v = lap_maps[3 * (slots + slot) + 1] * u + lap_maps[3 * (slots + slot) + 2] * v
+                v = tableau.lap_maps[3 * (slots + slot) + 1] * u + tableau.lap_maps[3 * (slots + slot) + 2] * v
             for i in range(3):
                 if i < components:
                     block[i, j] = v[i]

@@ -29,4 +29,3 @@ AHEAD = wp.constant(10)  # 1 before the first evaluation of an attempt, which ke
 DIFFERING = wp.constant(11)  # such cells
 FACTORED = wp.constant(12)  # 1 while the factors of M are those of the states of now
 ROOM = wp.constant(13)  # lines that may come to differ before the table must be made anew
-WORDS = 14

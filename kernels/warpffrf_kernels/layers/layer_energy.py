@@ -18,10 +18,12 @@ the contact grid's line of the ledger.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, LayerScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import ImpulsiveContact
+from warpffrf_kernels.core.state import ContactState, LayerState
 from warpffrf_kernels.impulsive.impulsive_means import has_converged
 from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_energy, layer_pressure
 from warpffrf_kernels.layers.weak_layer import cell_exists, corner_of, hat_value, linear_yield, point_area, rate_of
@@ -32,33 +34,16 @@ wp.set_module_options(MODULE_OPTIONS)
 FAR = wp.constant(wp.float64(1.0e300))  # m: opening where nothing is opposite
 
 
-@wp.kernel
+@kernel
 def add_layer_energy(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    opened: wp.array3d(dtype=real),
-    offset: wp.array3d(dtype=real),
-    tangent: wp.array4d(dtype=real),
-    past: wp.array3d(dtype=real),
-    past_drag: wp.array3d(dtype=real),
-    impulsive: wp.array2d(dtype=int),
-    theta: wp.array2d(dtype=real),
-    depth_now: out(wp.array3d(dtype=real)),
-    drag_now: out(wp.array3d(dtype=real)),
-    pair_loss: out(wp.array2d(dtype=real)),
-    pair_energy: inout(wp.array3d(dtype=real)),
-):
+    run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields, layers: LayerScratch,
+    impulses: ImpulsiveContact,
+):  # fmt: skip
     """Per world, one lane, where the iteration has converged: the energy of the layers in place of what `sum_contact`
     counted for them, depths and drags of damped ones, and what these lose in the step [J]."""
     w = wp.tid()
-    model = models[w]
-    if not has_converged(ctl, w):
+    model = run.models[w]
+    if not has_converged(run.ctl, w):
         return
     pair = int(0)
     while pair < model.pairs.count:
@@ -66,28 +51,28 @@ def add_layer_energy(
             energy = real(0.0)
             lost = real(0.0)
             part = real(0.5)
-            if impulsive[w, pair] != 0:
-                part = theta[w, pair]
+            if contact.impulsive[w, pair] != 0:
+                part = impulses.theta[w, pair]
             A = model.pairs.first[pair]
             rows = model.surfaces.rows[A]
             start = model.elements[0].layers.point_start[pair]
             per_column = model.elements[0].layers.point_count[pair]
-            low = window[w, pair, 0] + model.window.half
-            high = window[w, pair, 1] + model.window.half
+            low = geometry.window[w, pair, 0] + model.window.half
+            high = geometry.window[w, pair, 1] + model.window.half
             m = low * rows
             while m < (high + 1) * rows:
-                if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
-                    value = linear_yield(model, w, pair, m, rows, active, pressure, offset, tangent)
-                    energy -= real(0.5) * pressure[w, pair, m] * value
+                if contact.active[w, pair, m] != 0 and geometry.area[w, pair, m] > real(0.0):
+                    value = linear_yield(model, w, pair, m, rows, contact, layers)
+                    energy -= real(0.5) * contact.pressure[w, pair, m] * value
                 m += 1
             damped = model.elements[0].layers.number[pair, CHI] > real(0.0)
-            rate = rate_of(model, ctl, clk, w, pair)
-            origin = center[w, pair, 0] - 1 - model.window.half
+            rate = rate_of(model, run, w, pair)
+            origin = geometry.center[w, pair, 0] - 1 - model.window.half
             if damped:
                 q = int(0)
-                while q < depth_now.shape[2]:
-                    depth_now[w, pair, q] = real(0.0)
-                    drag_now[w, pair, q] = real(0.0)
+                while q < layers.layer_now.shape[2]:
+                    layers.layer_now[w, pair, q] = real(0.0)
+                    layers.layer_drag_now[w, pair, q] = real(0.0)
                     q += 1
             q = low * per_column
             while q < (high + 2) * per_column:
@@ -103,53 +88,46 @@ def add_layer_energy(
                         value = hat_value(model, node, point)
                         if value > real(0.5):
                             own = m
-                        if active[w, pair, m] != 0:
-                            p += value * wp.max(pressure[w, pair, m], real(0.0))
-                        elif area[w, pair, m] > real(0.0):
-                            slack += value * wp.max(opened[w, pair, m], real(0.0)) / area[w, pair, m]
+                        if contact.active[w, pair, m] != 0:
+                            p += value * wp.max(contact.pressure[w, pair, m], real(0.0))
+                        elif geometry.area[w, pair, m] > real(0.0):
+                            slack += value * wp.max(fields.opened[w, pair, m], real(0.0)) / geometry.area[w, pair, m]
                         else:
                             slack = FAR
                 if (p > real(0.0) or damped) and cell_exists(model, A, origin + cell):
-                    d = layer_depth(model, pair, p, past[w, pair, q], rate)
+                    d = layer_depth(model, pair, p, layers.layer_past[w, pair, q], rate)
                     if damped:
                         if p <= real(0.0):
                             d = wp.max(d - slack, real(0.0))
-                        depth_now[w, pair, q] = d
-                    dA = point_area(model, w, pair, point, own, area)
+                        layers.layer_now[w, pair, q] = d
+                    dA = point_area(model, w, pair, point, own, geometry.area)
                     energy += dA * layer_energy(model, pair, d)
                     if rate > real(0.0):
                         elastic = layer_pressure(model, pair, d, real(0.0), real(0.0))
-                        drag_now[w, pair, q] = p - elastic[0]
-                        mean = mean_of(part, past_drag[w, pair, q], p - elastic[0])
-                        lost += dA * wp.max(mean * (d - past[w, pair, q]), real(0.0))  # below where the rate turns
+                        layers.layer_drag_now[w, pair, q] = p - elastic[0]
+                        mean = mean_of(part, layers.layer_past_drag[w, pair, q], p - elastic[0])
+                        lost += dA * wp.max(
+                            mean * (d - layers.layer_past[w, pair, q]), real(0.0)
+                        )  # below where the rate turns
                 q += 1
-            pair_energy[w, pair, 1] = pair_energy[w, pair, 1] + energy
-            pair_loss[w, pair] = lost
+            contact.pair_energy[w, pair, 1] = contact.pair_energy[w, pair, 1] + energy
+            impulses.pair_loss[w, pair] = lost
         pair += 1
 
 
-@wp.kernel
-def keep_layer(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    depth_now: wp.array3d(dtype=real),
-    drag_now: wp.array3d(dtype=real),
-    depth_before: out(wp.array3d(dtype=real)),
-    drag_before: out(wp.array3d(dtype=real)),
-    column_before: out(wp.array2d(dtype=int)),
-):
+@kernel
+def keep_layer(run: Run, geometry: ContactGeometry, layers: LayerScratch, layer: LayerState):
     """Per (world, pair), lanes over points: an accepted step leaves depths and drags, with the columns they belong
     to."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+    model = run.models[w]
+    if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
         return
     if model.elements[0].layers.kind[pair] != CONSTANT and model.elements[0].layers.number[pair, CHI] > real(0.0):
         q = lane
-        while q < depth_before.shape[2]:
-            depth_before[w, pair, q] = depth_now[w, pair, q]
-            drag_before[w, pair, q] = drag_now[w, pair, q]
+        while q < layer.layer_depth.shape[2]:
+            layer.layer_depth[w, pair, q] = layers.layer_now[w, pair, q]
+            layer.layer_drag[w, pair, q] = layers.layer_drag_now[w, pair, q]
             q += wp.block_dim()
     if lane == 0:
-        column_before[w, pair] = center[w, pair, 0]
+        layer.layer_column[w, pair] = geometry.center[w, pair, 0]

@@ -39,10 +39,13 @@ Rates. A damped layer needs the depth of every point at the last accepted state:
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, ContactSolve, LayerScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scratch import OuterSystem
+from warpffrf_kernels.core.state import ContactState, LayerState
 from warpffrf_kernels.layers.layer_laws import CHI, CONSTANT, layer_depth, layer_pressure, least_depth
 from warpffrf_kernels.linear.outer_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
@@ -62,11 +65,11 @@ def cell_exists(model: Model, surface: int, column: int) -> bool:
 
 
 @wp.func
-def rate_of(model: Model, ctl: wp.array(dtype=Control), clk: wp.array(dtype=Clock), w: int, pair: int) -> real:
+def rate_of(model: Model, run: Run, w: int, pair: int) -> real:
     """chi/h [1/m] of a pair's law in a step in time, else 0."""
-    if ctl[w].mode != k.DYNAMIC or clk[w].h < NO_TIME:
+    if run.ctl[w].mode != k.DYNAMIC or run.clk[w].h < NO_TIME:
         return real(0.0)
-    return model.elements[0].layers.number[pair, CHI] / clk[w].h
+    return model.elements[0].layers.number[pair, CHI] / run.clk[w].h
 
 
 @wp.func
@@ -100,24 +103,9 @@ def corner_of(model: Model, cell: int, row: int, rows: int, node: int) -> int:
     return column * rows + row + node % 2
 
 
-@wp.kernel
+@kernel
 def linearise_layer(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    depth_before: wp.array3d(dtype=real),
-    drag_before: wp.array3d(dtype=real),
-    column_before: wp.array2d(dtype=int),
-    support: inout(wp.array3d(dtype=real)),
-    past: inout(wp.array3d(dtype=real)),
-    past_drag: out(wp.array3d(dtype=real)),
-    depth: inout(wp.array3d(dtype=real)),
-    flexibility: inout(wp.array3d(dtype=real)),
-    beginning: inout(wp.array3d(dtype=real)),
+    run: Run, geometry: ContactGeometry, contact: ContactState, layer: LayerState, layers: LayerScratch
 ):
     """Per (world, pair), lanes over points: the tangent of the law at the points of the window, from the pressures of
     the last solve; where the windows were laid anew, at the present pressures and all columns it may grow to.
@@ -126,30 +114,30 @@ def linearise_layer(
     accepted state.
     """
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     start = model.elements[0].layers.point_start[pair]
     per_column = model.elements[0].layers.point_count[pair]
-    rate = rate_of(model, ctl, clk, w, pair)
-    fresh = ctl[w].iteration == 0 or ctl[w].recenter != 0
-    moved = center[w, pair, 0] - column_before[w, pair]
+    rate = rate_of(model, run, w, pair)
+    fresh = run.ctl[w].iteration == 0 or run.ctl[w].recenter != 0
+    moved = geometry.center[w, pair, 0] - layer.layer_column[w, pair]
     if model.pairs.family[pair] == PATCH:  # cells travel with the patch, and what they remember with them
         moved = int(0)
     turn = model.surfaces.turn[A]
     if turn > 0:
         moved = moved - turn * int(wp.floor(real(moved) / real(turn) + real(0.5)))
     last = (model.window.columns + 1) * per_column
-    q = (window[w, pair, 0] + model.window.half) * per_column + lane
-    end = (window[w, pair, 1] + model.window.half + 2) * per_column
+    q = (geometry.window[w, pair, 0] + model.window.half) * per_column + lane
+    end = (geometry.window[w, pair, 1] + model.window.half + 2) * per_column
     if fresh:
         q = lane
         end = last
         m = lane
         while m < model.window.hats:
-            support[w, pair, m] = real(0.0)
+            layers.layer_support[w, pair, m] = real(0.0)
             m += wp.block_dim()
         sync()
     least = least_depth(model, pair, real(0.0), real(0.0))  # of a point at rest
@@ -165,36 +153,36 @@ def linearise_layer(
             m = corner_of(model, cell, row, rows, node)
             if m >= 0:
                 value = hat_value(model, node, point)
-                if active[w, pair, m] != 0:
-                    p += value * wp.max(pressure[w, pair, m], real(0.0))
-                if support[w, pair, m] > real(0.0):
-                    held += value * support[w, pair, m]
+                if contact.active[w, pair, m] != 0:
+                    p += value * wp.max(contact.pressure[w, pair, m], real(0.0))
+                if layers.layer_support[w, pair, m] > real(0.0):
+                    held += value * layers.layer_support[w, pair, m]
                     share += value
         if fresh:
             old = real(0.0)
             drag = real(0.0)
             source = q + moved * per_column
             if rate > real(0.0) and source >= 0 and source < last:
-                old = depth_before[w, pair, source]
-                drag = drag_before[w, pair, source]
-            past[w, pair, q] = old
-            past_drag[w, pair, q] = drag
-            depth[w, pair, q] = least
-            flexibility[w, pair, q] = real(1.0) / at_least[1]
-            beginning[w, pair, q] = least - at_least[0] / at_least[1]
+                old = layer.layer_depth[w, pair, source]
+                drag = layer.layer_drag[w, pair, source]
+            layers.layer_past[w, pair, q] = old
+            layers.layer_past_drag[w, pair, q] = drag
+            layers.layer_at[w, pair, q] = least
+            layers.layer_flexibility[w, pair, q] = real(1.0) / at_least[1]
+            layers.layer_beginning[w, pair, q] = least - at_least[0] / at_least[1]
             if p > real(0.0) or old > real(0.0):
-                depth[w, pair, q] = layer_depth(model, pair, p, old, rate)
+                layers.layer_at[w, pair, q] = layer_depth(model, pair, p, old, rate)
         elif p > real(0.0) or share > real(0.0):
             if share > real(0.0):
                 held = held / share
-            on_tangent = beginning[w, pair, q] + flexibility[w, pair, q] * p
-            depth[w, pair, q] = next_depth(
-                model, pair, p, depth[w, pair, q], on_tangent, held, past[w, pair, q], rate
-            )  # fmt: skip
-        if p > real(0.0) or past[w, pair, q] > real(0.0) or depth[w, pair, q] != least:
-            at = layer_pressure(model, pair, depth[w, pair, q], past[w, pair, q], rate)
-            flexibility[w, pair, q] = real(1.0) / at[1]
-            beginning[w, pair, q] = depth[w, pair, q] - at[0] / at[1]
+            on_tangent = layers.layer_beginning[w, pair, q] + layers.layer_flexibility[w, pair, q] * p
+            layers.layer_at[w, pair, q] = next_depth(
+                model, pair, p, layers.layer_at[w, pair, q], on_tangent, held, layers.layer_past[w, pair, q], rate
+            )
+        if p > real(0.0) or layers.layer_past[w, pair, q] > real(0.0) or layers.layer_at[w, pair, q] != least:
+            at = layer_pressure(model, pair, layers.layer_at[w, pair, q], layers.layer_past[w, pair, q], rate)
+            layers.layer_flexibility[w, pair, q] = real(1.0) / at[1]
+            layers.layer_beginning[w, pair, q] = layers.layer_at[w, pair, q] - at[0] / at[1]
         q += wp.block_dim()
 
 
@@ -228,72 +216,54 @@ def next_depth(
     return wp.clamp(x, wp.min(low, asked), wp.max(low, asked))
 
 
-@wp.kernel
-def weigh_layer(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    flexibility: wp.array3d(dtype=real),
-    beginning: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    offset: out(wp.array3d(dtype=real)),
-    tangent: inout(wp.array4d(dtype=real)),
-):
+@kernel
+def weigh_layer(run: Run, geometry: ContactGeometry, layers: LayerScratch):
     """Per (world, pair), lanes over hats of the window: int psi_i a dA, and the line of E, neighbour (column + c - 1,
     row + r - 1) at 3 c + r."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     start = model.elements[0].layers.point_start[pair]
     per_column = model.elements[0].layers.point_count[pair]
     row_at = model.elements[0].layers.row_start[pair]
-    m = (window[w, pair, 0] + model.window.half) * rows + lane
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
         column = m / rows
         own_row = m - column * rows
         for n in range(9):
-            tangent[w, pair, m, n] = real(0.0)
+            layers.layer_tangent[w, pair, m, n] = real(0.0)
         total = real(0.0)
         for corner in range(4):  # which corner of the cell the hat is
             cell = column + 1 - corner / 2
             row = own_row - corner % 2
-            absolute = center[w, pair, 0] + cell - 1 - model.window.half
+            absolute = geometry.center[w, pair, 0] + cell - 1 - model.window.half
             if row >= 0 and row < rows - 1 and cell_exists(model, A, absolute):
                 point = start + model.elements[0].layers.row_at[row_at + row]
                 end = start + model.elements[0].layers.row_at[row_at + row + 1]
                 q = cell * per_column + point - start
                 while point < end:
-                    weight = hat_value(model, corner, point) * point_area(model, w, pair, point, m, area)
-                    total += weight * beginning[w, pair, q]
-                    weight = weight * flexibility[w, pair, q]
+                    weight = hat_value(model, corner, point) * point_area(model, w, pair, point, m, geometry.area)
+                    total += weight * layers.layer_beginning[w, pair, q]
+                    weight = weight * layers.layer_flexibility[w, pair, q]
                     for node in range(4):
                         n = 3 * (1 + node / 2 - corner / 2) + 1 + node % 2 - corner % 2
                         value = weight * hat_value(model, node, point)
-                        tangent[w, pair, m, n] = tangent[w, pair, m, n] + value
+                        layers.layer_tangent[w, pair, m, n] = layers.layer_tangent[w, pair, m, n] + value
                     point += 1
                     q += 1
-        offset[w, pair, m] = total
+        layers.layer_offset[w, pair, m] = total
         m += wp.block_dim()
 
 
 @wp.func
 def linear_yield(
-    model: Model,
-    w: int,
-    pair: int,
-    m: int,
-    rows: int,
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    offset: wp.array3d(dtype=real),
-    tangent: wp.array4d(dtype=real),
+    model: Model, w: int, pair: int, m: int, rows: int, contact: ContactState, layers: LayerScratch
 ) -> real:
     """int psi_m (a + b p) dA under the present pressures of the active hats."""
-    value = offset[w, pair, m]
+    value = layers.layer_offset[w, pair, m]
     column = m / rows
     row = m - column * rows
     for c in range(3):
@@ -301,69 +271,40 @@ def linear_yield(
             other = (column + c - 1) * rows + row + r - 1
             inside = column + c >= 1 and column + c <= model.window.columns and row + r >= 1 and row + r <= rows
             if inside:
-                if active[w, pair, other] != 0:
-                    value += tangent[w, pair, m, 3 * c + r] * pressure[w, pair, other]
+                if contact.active[w, pair, other] != 0:
+                    value += layers.layer_tangent[w, pair, m, 3 * c + r] * contact.pressure[w, pair, other]
     return value
 
 
-@wp.kernel
-def add_yield(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    window: wp.array3d(dtype=int),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    offset: wp.array3d(dtype=real),
-    tangent: wp.array4d(dtype=real),
-    first_local: changed(wp.array(dtype=real)),
-):
+@kernel
+def add_yield(run: Run, geometry: ContactGeometry, contact: ContactState, layers: LayerScratch, fields: ContactFields):
     """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     base = (w * model.pairs.count + pair) * model.window.hats
-    m = (window[w, pair, 0] + model.window.half) * rows + lane
-    while m < (window[w, pair, 1] + model.window.half + 1) * rows:
-        value = linear_yield(model, w, pair, m, rows, active, pressure, offset, tangent)
-        first_local[base + m] = first_local[base + m] + value
+    m = (geometry.window[w, pair, 0] + model.window.half) * rows + lane
+    while m < (geometry.window[w, pair, 1] + model.window.half + 1) * rows:
+        value = linear_yield(model, w, pair, m, rows, contact, layers)
+        fields.first_local[base + m] = fields.first_local[base + m] + value
         m += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def find_support(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    area: wp.array3d(dtype=real),
-    slot_hat: wp.array3d(dtype=int),
-    G: wp.array3d(dtype=real),
-    L: wp.array3d(dtype=real),
-    tangent: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    hold_count: wp.array(dtype=int),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    factor: inout(wp.array(dtype=real)),
-    vector: inout(wp.array(dtype=real)),
-    lines: inout(wp.array(dtype=real)),
-    fallback: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-    right: inout(wp.array(dtype=real)),
-    moved: inout(wp.array(dtype=real)),
-    support: out(wp.array3d(dtype=real)),
-):
+    run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve, system: OuterSystem,
+    layers: LayerScratch, patterns: wp.array(dtype=Pattern),
+):  # fmt: skip
     """Per world, after an evaluation: S of the module docstring, what a pressure on all active hats of a pair opens
     each by, (G + L A^-1 L^T) 1 over its area."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
-    slots = ctl[w].slots
-    held = held_motions(ctl, w, hold_count)
+    slots = run.ctl[w].slots
+    held = held_motions(run.ctl, w, system.hold_count)
     renew = int(1)
     pair = int(0)
     while pair < model.pairs.count:
@@ -371,71 +312,66 @@ def find_support(
             count = model.pairs.coupled_count[pair]
             i = lane
             while i < model.outer.count:
-                right[w * model.outer.count + i] = real(0.0)
+                layers.layer_rhs[w * model.outer.count + i] = real(0.0)
                 i += wp.block_dim()
             sync()
             i = int(0)
             while lane == 0 and i < slots:
-                if slot_hat[w, i, 0] == pair and active[w, pair, slot_hat[w, i, 1]] != 0:
+                if normal.slot_hat[w, i, 0] == pair and contact.active[w, pair, normal.slot_hat[w, i, 1]] != 0:
                     c = int(0)
                     while c < count:
                         column = w * model.outer.count + model.pairs.coupled[pair, c]
-                        right[column] = right[column] + L[w, i, c]
+                        layers.layer_rhs[column] = layers.layer_rhs[column] + normal.L[w, i, c]
                         c += 1
                 i += 1
             sync()
             solve(
-                model, patterns[0], w, lane, renew, tangent, right, hold, held, scaling, pivots, factor, vector, lines,
-                fallback, work, inverse_transposed, moved,
+                model, patterns[0], w, lane, renew, system.tangent, layers.layer_rhs, system.hold, held, system.scaling,
+                system.pivots, system.sparse_factor, system.sparse_vector, system.sparse_lines, system.fallback,
+                system.elimination, system.inverse_transposed, layers.layer_moved,
             )  # fmt: skip
             renew = int(0)
             sync()
             i = lane
             while i < slots:
-                if slot_hat[w, i, 0] == pair:
-                    m = slot_hat[w, i, 1]
+                if normal.slot_hat[w, i, 0] == pair:
+                    m = normal.slot_hat[w, i, 1]
                     total = real(0.0)
                     j = int(0)
                     while j < slots:
-                        if slot_hat[w, j, 0] == pair and active[w, pair, slot_hat[w, j, 1]] != 0:
-                            total += G[w, i, j]
+                        if normal.slot_hat[w, j, 0] == pair and contact.active[w, pair, normal.slot_hat[w, j, 1]] != 0:
+                            total += normal.G[w, i, j]
                         j += 1
                     c = int(0)
                     while c < count:
-                        total += L[w, i, c] * moved[w * model.outer.count + model.pairs.coupled[pair, c]]
+                        total += (
+                            normal.L[w, i, c] * layers.layer_moved[w * model.outer.count + model.pairs.coupled[pair, c]]
+                        )
                         c += 1
-                    support[w, pair, m] = real(0.0)
-                    if area[w, pair, m] > real(0.0):
-                        support[w, pair, m] = wp.max(total / area[w, pair, m], real(0.0))
+                    layers.layer_support[w, pair, m] = real(0.0)
+                    if geometry.area[w, pair, m] > real(0.0):
+                        layers.layer_support[w, pair, m] = wp.max(total / geometry.area[w, pair, m], real(0.0))
                 i += wp.block_dim()
             sync()
         pair += 1
 
 
-@wp.kernel
-def add_flexibility(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    slot_of: wp.array3d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    tangent: wp.array4d(dtype=real),
-    G: wp.array3d(dtype=real),
-    soft: out(wp.array3d(dtype=real)),
-):
+@kernel
+def add_flexibility(run: Run, normal: ContactSolve, layers: LayerScratch):
     """Per world, lanes over slots: G + E."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
-    slots = ctl[w].slots
+    slots = run.ctl[w].slots
     i = lane
     while i < slots:
-        pair = slot_hat[w, i, 0]
-        m = slot_hat[w, i, 1]
+        pair = normal.slot_hat[w, i, 0]
+        m = normal.slot_hat[w, i, 1]
         j = int(0)
         while j < slots:
-            if slot_hat[w, j, 0] == pair or model.pairs.beside != 0:
-                soft[w, i, j] = G[w, i, j]
+            if normal.slot_hat[w, j, 0] == pair or model.pairs.beside != 0:
+                normal.soft[w, i, j] = normal.G[w, i, j]
             j += 1
         if model.elements[0].layers.kind[pair] != CONSTANT:
             rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -445,7 +381,7 @@ def add_flexibility(
                 for r in range(3):
                     inside = column + c >= 1 and column + c <= model.window.columns and row + r >= 1
                     if inside and row + r <= rows:
-                        j = slot_of[w, pair, (column + c - 1) * rows + row + r - 1]
+                        j = normal.slot_of[w, pair, (column + c - 1) * rows + row + r - 1]
                         if j >= 0:
-                            soft[w, i, j] = soft[w, i, j] + tangent[w, pair, m, 3 * c + r]
+                            normal.soft[w, i, j] = normal.soft[w, i, j] + layers.layer_tangent[w, pair, m, 3 * c + r]
         i += wp.block_dim()

@@ -12,11 +12,13 @@ which are no part of the pattern. Step times of both: bench/README.md.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout
 from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.integration import is_static
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.core.scratch import OuterSystem
 from warpffrf_kernels.linear.sparse_factor import Pattern, factorise, residual_of, solve_factored
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -197,9 +199,7 @@ def solve(
     bad = int(0)
     if renew != 0:
         if dense != 0:
-            bad = invert(
-                model, p, w, PIVOT_TOLERANCE, matrix, hold, held, scaling, pivots, work, inverse_transposed
-            )  # fmt: skip
+            bad = invert(model, p, w, PIVOT_TOLERANCE, matrix, hold, held, scaling, pivots, work, inverse_transposed)
         if lane == 0:
             fallback[w, DENSE] = dense
             if held == 0:
@@ -209,33 +209,18 @@ def solve(
     return bad
 
 
-@wp.kernel
-def solve_outer(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    tangent: wp.array3d(dtype=real),
-    rhs: wp.array(dtype=real),
-    hold: wp.array3d(dtype=real),
-    hold_count: wp.array(dtype=int),
-    ctl: inout(wp.array(dtype=Control)),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    factor: inout(wp.array(dtype=real)),
-    vector: inout(wp.array(dtype=real)),
-    lines: inout(wp.array(dtype=real)),
-    fallback: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-    z: inout(wp.array(dtype=real)),
-):
+@kernel
+def solve_outer(run: Run, system: OuterSystem, patterns: wp.array(dtype=Pattern), rhs: wp.array(dtype=real)):
     """Per world: a new factor where the matrix is to be renewed, then z; of scenes without contact."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     bad = solve(
-        model, patterns[0], w, lane, ctl[w].refresh, tangent, rhs, hold, held_motions(ctl, w, hold_count), scaling,
-        pivots, factor, vector, lines, fallback, work, inverse_transposed, z,
+        model, patterns[0], w, lane, run.ctl[w].refresh, system.tangent, rhs, system.hold,
+        held_motions(run.ctl, w, system.hold_count), system.scaling, system.pivots, system.sparse_factor,
+        system.sparse_vector, system.sparse_lines, system.fallback, system.elimination, system.inverse_transposed,
+        system.z,
     )  # fmt: skip
     if bad != 0 and lane == 0:
-        ctl[w].failure = ctl[w].failure | k.SINGULAR
+        run.ctl[w].failure = run.ctl[w].failure | k.SINGULAR

@@ -39,12 +39,16 @@ In static steps nothing slips, and f is zero. dF and df with a small motion foll
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import LumpedContacts
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.lookup import piece_at
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.ring import SavedLumped
 from warpffrf_kernels.core.rotation import matrix
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import LumpedState, MotionState
 from warpffrf_kernels.lumped.approach_laws import push_of
 from warpffrf_kernels.lumped.bounces import bounce_of
 from warpffrf_kernels.lumped.places import Side, Touch, nearest_of_lamina, nearest_points, side_in_world
@@ -63,7 +67,6 @@ DAMPED = wp.constant(0)
 RUBBED = wp.constant(1)
 GAINED = wp.constant(2)  # given to the place by the integrator, J, and ...
 AT_HAND = wp.constant(3)  # ... energy of a place that bounces, J, else 0: see `bounces`
-NUMBERS = 14  # of a place that are saved: place, force and friction on the first body, slip velocity; approach, force
 
 
 @wp.struct
@@ -102,37 +105,24 @@ class Motion:
 
 
 @wp.func
-def motion_of(
-    side: Side,
-    w: int,
-    x: vec3,
-    before: vec3,
-    known: int,
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    psi_inverse: wp.array2d(dtype=mat33),
-) -> Motion:
+def motion_of(side: Side, w: int, x: vec3, before: vec3, known: int, state: MotionState, trial: Trial) -> Motion:
     """Of the body of a surface; `before`: the place at the end of the last step, where `known`."""
     out = Motion()
     b = side.body
     if b < 0:
         return out
-    A = matrix(p[w, b])
-    out.v = v1[w, b]
-    out.omega = side.A * omega1[w, b]
-    out.move = dx[w, b]
-    out.turn = A * psi[w, b]
+    A = matrix(state.p[w, b])
+    out.v = trial.v1[w, b]
+    out.omega = side.A * trial.omega1[w, b]
+    out.move = trial.dx[w, b]
+    out.turn = A * trial.psi[w, b]
     out.lever = x - side.r
     out.share = real(1.0)
     if known != 0:
-        out.lever = real(0.5) * (out.lever + before - r[w, b])
+        out.lever = real(0.5) * (out.lever + before - state.r[w, b])
         out.share = real(0.5)
-    out.turn_by_turn = A * psi_inverse[w, b]
-    out.psi_by_turn = side.A * psi_inverse[w, b]
+    out.turn_by_turn = A * trial.psi_inverse[w, b]
+    out.psi_by_turn = side.A * trial.psi_inverse[w, b]
     return out
 
 
@@ -178,50 +168,29 @@ def touch_of(model: Model, place: int, first: Side, second: Side) -> Touch:
     return nearest_points(model, first, second)
 
 
-@wp.kernel
+@kernel
 def find_forces(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    psi_inverse: wp.array2d(dtype=mat33),
-    lumped_force: inout(wp.array3d(dtype=real)),
-    lumped_friction: inout(wp.array3d(dtype=vec3)),
-    lumped_normal: inout(wp.array3d(dtype=vec3)),
-    lumped_at: inout(wp.array3d(dtype=vec3)),
-    lumped_shear: inout(wp.array3d(dtype=real)),
-    lumped_power: inout(wp.array4d(dtype=real)),
-    lumped_approach: inout(wp.array3d(dtype=real)),
-    lumped_gained: inout(wp.array3d(dtype=real)),
-    lumped_energy: out(wp.array3d(dtype=real)),
-    lumped_load: out(wp.array2d(dtype=Load)),
-    lumped_taken: out(wp.array3d(dtype=real)),
-):
+    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, lumps: LumpedContacts,
+    lumped_load: wp.array2d(dtype=Load),
+):  # fmt: skip
     """Per (world, place): the nearest place at the trial state, the force there, and its energies."""
     w, place = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     contact = model.elements[0].lumped.contact[place]
-    first = side_in_world(model, w, model.elements[0].lumped.first[contact], r1, axes)
-    second = side_in_world(model, w, model.elements[0].lumped.second[contact], r1, axes)
+    first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
+    second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
     out = Load()
     out.touch = touch_of(model, place, first, second)
     n = out.touch.n
     x = out.touch.x
     known = int(0)
-    if lumped_force[w, 0, place] > real(0.0):
+    if lumped.lumped_force[w, 0, place] > real(0.0):
         known = int(1)
-    before = lumped_at[w, 0, place]
-    one = motion_of(first, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
-    two = motion_of(second, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+    before = lumped.lumped_at[w, 0, place]
+    one = motion_of(first, w, x, before, known, state, trial)
+    two = motion_of(second, w, x, before, known, state, trial)
     out.velocity = one.v + wp.cross(one.omega, x - first.r) - two.v - wp.cross(two.omega, x - second.r)
     approach = -out.touch.gap
     rate = -wp.dot(n, out.velocity)
@@ -237,16 +206,16 @@ def find_forces(
     rub_power = real(0.0)
     held = real(0.0)
     old_energy = real(0.0)
-    dynamic = ctl[w].mode != k.STATIC
-    bounded = (ctl[w].mode != k.DYNAMIC and ctl[w].mode != k.LOADING) or ctl[w].iteration > 0
+    dynamic = run.ctl[w].mode != k.STATIC
+    bounded = (run.ctl[w].mode != k.DYNAMIC and run.ctl[w].mode != k.LOADING) or run.ctl[w].iteration > 0
     if mu > real(0.0) and creep == real(0.0) and dynamic:
         out.shear = model.elements[0].lumped.shear[contact] * push.slope
         out.shear_bend = model.elements[0].lumped.shear[contact] * push.bend
         out.kept = real(1.0)
-        stiff = lumped_shear[w, 0, place]
+        stiff = lumped.lumped_shear[w, 0, place]
         if known != 0 and stiff > real(0.0):
-            f = lumped_friction[w, 0, place]
-            old = lumped_normal[w, 0, place]
+            f = lumped.lumped_friction[w, 0, place]
+            old = lumped.lumped_normal[w, 0, place]
             old_energy = real(0.5) * wp.dot(f, f) / stiff
             angle = real(0.5) * wp.dot(old, one.turn + two.turn)
             out.spun = wp.cos(angle) * f + wp.sin(angle) * wp.cross(old, f)
@@ -281,48 +250,41 @@ def find_forces(
         out.friction = (-mu * out.force / least) * v
         rub_power = -wp.dot(out.friction, v)
     damp_power = (out.force - push.force) * rate
-    half = real(0.5) * clk[w].h
-    if ctl[w].mode == k.LOADING:  # nothing has a velocity
+    half = real(0.5) * run.clk[w].h
+    if run.ctl[w].mode == k.LOADING:  # nothing has a velocity
         half = real(0.0)
-    lumped_taken[w, place, DAMPED] = half * (lumped_power[w, 0, place, DAMPED] + damp_power)
-    lumped_taken[w, place, RUBBED] = rubbed + half * (lumped_power[w, 0, place, RUBBED] + rub_power)
-    lumped_taken[w, place, GAINED] = real(0.0)
-    lumped_taken[w, place, AT_HAND] = real(0.0)
-    lumped_gained[w, 1, place] = lumped_gained[w, 0, place]
-    was = lumped_approach[w, 0, place]
-    if ctl[w].mode == k.DYNAMIC and wp.max(was, approach) > real(0.0):
+    lumps.lumped_taken[w, place, DAMPED] = half * (lumped.lumped_power[w, 0, place, DAMPED] + damp_power)
+    lumps.lumped_taken[w, place, RUBBED] = rubbed + half * (lumped.lumped_power[w, 0, place, RUBBED] + rub_power)
+    lumps.lumped_taken[w, place, GAINED] = real(0.0)
+    lumps.lumped_taken[w, place, AT_HAND] = real(0.0)
+    lumped.lumped_gained[w, 1, place] = lumped.lumped_gained[w, 0, place]
+    was = lumped.lumped_approach[w, 0, place]
+    if run.ctl[w].mode == k.DYNAMIC and wp.max(was, approach) > real(0.0):
         had = push_of(model, contact, model.elements[0].lumped.share[place], was)
-        b = bounce_of(model, first, second, x, n, had, push, approach - was, rate, clk[w].h)
-        lumped_taken[w, place, GAINED] = b[0]
-        lumped_taken[w, place, AT_HAND] = b[2] * b[1]
-        lumped_gained[w, 1, place] = wp.max(lumped_gained[w, 0, place] + b[0], -b[1])
-    lumped_approach[w, 1, place] = approach
-    lumped_power[w, 1, place, DAMPED] = damp_power
-    lumped_power[w, 1, place, RUBBED] = rub_power
-    lumped_energy[w, 1, place] = push.energy + held
-    lumped_force[w, 1, place] = out.force
-    lumped_friction[w, 1, place] = out.friction
-    lumped_normal[w, 1, place] = n
-    lumped_at[w, 1, place] = x
-    lumped_shear[w, 1, place] = real(0.0)
+        b = bounce_of(model, first, second, x, n, had, push, approach - was, rate, run.clk[w].h)
+        lumps.lumped_taken[w, place, GAINED] = b[0]
+        lumps.lumped_taken[w, place, AT_HAND] = b[2] * b[1]
+        lumped.lumped_gained[w, 1, place] = wp.max(lumped.lumped_gained[w, 0, place] + b[0], -b[1])
+    lumped.lumped_approach[w, 1, place] = approach
+    lumped.lumped_power[w, 1, place, DAMPED] = damp_power
+    lumped.lumped_power[w, 1, place, RUBBED] = rub_power
+    lumped.lumped_energy[w, 1, place] = push.energy + held
+    lumped.lumped_force[w, 1, place] = out.force
+    lumped.lumped_friction[w, 1, place] = out.friction
+    lumped.lumped_normal[w, 1, place] = n
+    lumped.lumped_at[w, 1, place] = x
+    lumped.lumped_shear[w, 1, place] = real(0.0)
     if out.force > real(0.0):
-        lumped_shear[w, 1, place] = out.shear
+        lumped.lumped_shear[w, 1, place] = out.shear
     lumped_load[w, place] = out
 
 
-@wp.kernel
-def push_lumped(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    lumped_load: wp.array2d(dtype=Load),
-    residual: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def push_lumped(run: Run, trial: Trial, residuals: Residuals, lumped_load: wp.array2d(dtype=Load)):
     """Per world: subtract the forces of all places from the residuals of their bodies."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     place = int(0)
     while place < model.elements[0].lumped.places:
@@ -337,10 +299,10 @@ def push_lumped(
                     f = -f
                 b = model.surfaces.body[s]
                 if b >= 0:
-                    moment = wp.transpose(axes[w, b]) * wp.cross(load.touch.x - r1[w, b], f)
+                    moment = wp.transpose(trial.axes[w, b]) * wp.cross(load.touch.x - trial.r1[w, b], f)
                     for c in range(3):
-                        residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
-                        residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - moment[c]
+                        residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] - f[c]
+                        residuals.residual[w, 6 * b + 3 + c] = residuals.residual[w, 6 * b + 3 + c] - moment[c]
         place += 1
 
 
@@ -467,48 +429,33 @@ def add_column(
         tangent[w, row + 3 + i, column] = tangent[w, row + 3 + i, column] - moment[i]
 
 
-@wp.kernel
+@kernel
 def stiffen_lumped(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    psi_inverse: wp.array2d(dtype=mat33),
-    lumped_force: wp.array3d(dtype=real),
-    lumped_normal: wp.array3d(dtype=vec3),
-    lumped_at: wp.array3d(dtype=vec3),
+    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: OuterSystem,
     lumped_load: wp.array2d(dtype=Load),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+):  # fmt: skip
     """Per world: add the tangent of the forces of all places that touch to the outer matrix."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
         return
-    vel = clk[w].outer.vel
+    vel = run.clk[w].outer.vel
     place = int(0)
     while place < model.elements[0].lumped.places:
         load = lumped_load[w, place]
         if load.force > real(0.0):
             contact = model.elements[0].lumped.contact[place]
-            first = side_in_world(model, w, model.elements[0].lumped.first[contact], r1, axes)
-            second = side_in_world(model, w, model.elements[0].lumped.second[contact], r1, axes)
+            first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
+            second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
             known = int(0)
-            if lumped_force[w, 0, place] > real(0.0):
+            if lumped.lumped_force[w, 0, place] > real(0.0):
                 known = int(1)
             x = load.touch.x
-            before = lumped_at[w, 0, place]
-            one = motion_of(first, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
-            two = motion_of(second, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
+            before = lumped.lumped_at[w, 0, place]
+            one = motion_of(first, w, x, before, known, state, trial)
+            two = motion_of(second, w, x, before, known, state, trial)
             f = load.force * load.touch.n + load.friction
-            old_normal = lumped_normal[w, 0, place]
+            old_normal = lumped.lumped_normal[w, 0, place]
             moved = int(0)
             while moved < 12:
                 coordinate = moved % 6
@@ -517,9 +464,7 @@ def stiffen_lumped(
                 if moves == 1:
                     side = second
                 if side.body >= 0:
-                    by = answer_to(
-                        model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel
-                    )  # fmt: skip
+                    by = answer_to(model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel)
                     dr = vec3(real(0.0))
                     phi = vec3(real(0.0))
                     if coordinate < 3:
@@ -542,59 +487,44 @@ def stiffen_lumped(
                         if body.body >= 0:
                             add_column(
                                 w, body.body, column, body.A, own_dr, own_phi, x - body.r, by.x, sign * f, sign * by.f,
-                                tangent,
+                                system.tangent,
                             )  # fmt: skip
                 moved += 1
         place += 1
 
 
-@wp.kernel
-def keep_lumped(
-    ctl: wp.array(dtype=Control),
-    lumped_force: inout(wp.array3d(dtype=real)),
-    lumped_friction: inout(wp.array3d(dtype=vec3)),
-    lumped_normal: inout(wp.array3d(dtype=vec3)),
-    lumped_at: inout(wp.array3d(dtype=vec3)),
-    lumped_shear: inout(wp.array3d(dtype=real)),
-    lumped_power: inout(wp.array4d(dtype=real)),
-    lumped_approach: inout(wp.array3d(dtype=real)),
-    lumped_gained: inout(wp.array3d(dtype=real)),
-    lumped_energy: inout(wp.array3d(dtype=real)),
-):
+@kernel
+def keep_lumped(run: Run, lumped: LumpedState):
     """Per (world, place): the trial state becomes the accepted one; the tiny step of PROJECT leaves nothing."""
     w, place = wp.tid()
-    if ctl[w].accept == 0 or ctl[w].mode == k.PROJECT:
+    if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
         return
-    lumped_force[w, 0, place] = lumped_force[w, 1, place]
-    lumped_friction[w, 0, place] = lumped_friction[w, 1, place]
-    lumped_normal[w, 0, place] = lumped_normal[w, 1, place]
-    lumped_at[w, 0, place] = lumped_at[w, 1, place]
-    lumped_shear[w, 0, place] = lumped_shear[w, 1, place]
-    lumped_energy[w, 0, place] = lumped_energy[w, 1, place]
-    lumped_approach[w, 0, place] = lumped_approach[w, 1, place]
-    lumped_gained[w, 0, place] = lumped_gained[w, 1, place]
+    lumped.lumped_force[w, 0, place] = lumped.lumped_force[w, 1, place]
+    lumped.lumped_friction[w, 0, place] = lumped.lumped_friction[w, 1, place]
+    lumped.lumped_normal[w, 0, place] = lumped.lumped_normal[w, 1, place]
+    lumped.lumped_at[w, 0, place] = lumped.lumped_at[w, 1, place]
+    lumped.lumped_shear[w, 0, place] = lumped.lumped_shear[w, 1, place]
+    lumped.lumped_energy[w, 0, place] = lumped.lumped_energy[w, 1, place]
+    lumped.lumped_approach[w, 0, place] = lumped.lumped_approach[w, 1, place]
+    lumped.lumped_gained[w, 0, place] = lumped.lumped_gained[w, 1, place]
     for i in range(2):
-        lumped_power[w, 0, place, i] = lumped_power[w, 1, place, i]
+        lumped.lumped_power[w, 0, place, i] = lumped.lumped_power[w, 1, place, i]
 
 
-@wp.kernel
-def record_lumped(
-    ctl: wp.array(dtype=Control),
-    lumped_load: wp.array2d(dtype=Load),
-    saved_lumped: out(wp.array4d(dtype=real)),
-):
+@kernel
+def record_lumped(run: Run, saved: SavedLumped, lumped_load: wp.array2d(dtype=Load)):
     """Per (world, place): NUMBERS of the accepted state."""
     w, place = wp.tid()
-    if ctl[w].record == 0:
+    if run.ctl[w].record == 0:
         return
-    at = ctl[w].saved % saved_lumped.shape[1]
+    at = run.ctl[w].saved % saved.saved_lumped.shape[1]
     load = lumped_load[w, place]
     f = load.force * load.touch.n + load.friction
     v = tangential(load.touch.n, load.velocity)
     for i in range(3):
-        saved_lumped[w, at, place, i] = load.touch.x[i]
-        saved_lumped[w, at, place, 3 + i] = f[i]
-        saved_lumped[w, at, place, 6 + i] = load.friction[i]
-        saved_lumped[w, at, place, 9 + i] = v[i]
-    saved_lumped[w, at, place, 12] = -load.touch.gap
-    saved_lumped[w, at, place, 13] = load.force
+        saved.saved_lumped[w, at, place, i] = load.touch.x[i]
+        saved.saved_lumped[w, at, place, 3 + i] = f[i]
+        saved.saved_lumped[w, at, place, 6 + i] = load.friction[i]
+        saved.saved_lumped[w, at, place, 9 + i] = v[i]
+    saved.saved_lumped[w, at, place, 12] = -load.touch.gap
+    saved.saved_lumped[w, at, place, 13] = load.force

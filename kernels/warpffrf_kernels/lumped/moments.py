@@ -31,10 +31,14 @@ dM = -c (p F^(p-1) dF e + F^p/w (1 - e e^T) d(omega_x)).
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import LumpedContacts
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.core.ring import SavedLumped
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import LumpedState, MotionState
 from warpffrf_kernels.lumped.forces import RUBBED, Load, answer_to, motion_of, tangential
 from warpffrf_kernels.lumped.places import side_in_world
 
@@ -76,22 +80,15 @@ def slope_of(model: Model, i: int, kind: int, force: real) -> real:
     return model.elements[0].moments.slope[i, kind] * wp.pow(force, power)
 
 
-@wp.kernel
+@kernel
 def find_moments(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    axes: wp.array2d(dtype=mat33),
-    omega1: wp.array2d(dtype=vec3),
-    lumped_load: wp.array2d(dtype=Load),
-    lumped_power: changed(wp.array4d(dtype=real)),
-    lumped_taken: changed(wp.array3d(dtype=real)),
-    lumped_moment: inout(wp.array2d(dtype=Moment)),
-):
+    run: Run, trial: Trial, lumped: LumpedState, lumps: LumpedContacts, lumped_load: wp.array2d(dtype=Load),
+    lumped_moment: wp.array2d(dtype=Moment),
+):  # fmt: skip
     """Per (world, place with moments): these at the trial state, and what they take."""
     w, i = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     place = model.elements[0].moments.place[i]
     contact = model.elements[0].lumped.contact[place]
@@ -101,10 +98,10 @@ def find_moments(
     one = model.surfaces.body[model.elements[0].lumped.first[contact]]
     two = model.surfaces.body[model.elements[0].lumped.second[contact]]
     if one >= 0:
-        out.turning = axes[w, one] * omega1[w, one]
+        out.turning = trial.axes[w, one] * trial.omega1[w, one]
     if two >= 0:
-        out.turning = out.turning - axes[w, two] * omega1[w, two]
-    if load.force > real(0.0) and ctl[w].mode != k.STATIC:
+        out.turning = out.turning - trial.axes[w, two] * trial.omega1[w, two]
+    if load.force > real(0.0) and run.ctl[w].mode != k.STATIC:
         for kind in range(2):
             part = part_of(out.turning, load.touch.n, kind)
             speed = wp.length(part)
@@ -113,7 +110,7 @@ def find_moments(
             beyond = before.rolls_on
             if kind == PIVOTING:
                 beyond = before.pivots_on
-            past = ctl[w].iteration > 0 and beyond != 0
+            past = run.ctl[w].iteration > 0 and beyond != 0
             past = past and wp.dot(part, part_of(before.turning, load.touch.n, kind)) < real(0.0)
             if slope * speed > bound and not past:
                 slope = bound / speed
@@ -123,24 +120,18 @@ def find_moments(
                     out.pivots_on = 1
             out.total = out.total - slope * part
     power = -wp.dot(out.total, out.turning)
-    lumped_power[w, 1, place, RUBBED] = lumped_power[w, 1, place, RUBBED] + power
-    if ctl[w].mode != k.LOADING:  # nothing has a velocity there
-        lumped_taken[w, place, RUBBED] = lumped_taken[w, place, RUBBED] + real(0.5) * clk[w].h * power
+    lumped.lumped_power[w, 1, place, RUBBED] = lumped.lumped_power[w, 1, place, RUBBED] + power
+    if run.ctl[w].mode != k.LOADING:  # nothing has a velocity there
+        lumps.lumped_taken[w, place, RUBBED] = lumps.lumped_taken[w, place, RUBBED] + real(0.5) * run.clk[w].h * power
     lumped_moment[w, i] = out
 
 
-@wp.kernel
-def push_moments(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    axes: wp.array2d(dtype=mat33),
-    lumped_moment: wp.array2d(dtype=Moment),
-    residual: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def push_moments(run: Run, trial: Trial, residuals: Residuals, lumped_moment: wp.array2d(dtype=Moment)):
     """Per world: subtract the moments of all places from the residuals of their bodies."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     i = int(0)
     while i < model.elements[0].moments.count:
@@ -153,9 +144,9 @@ def push_moments(
                 moment = -moment
             b = model.surfaces.body[s]
             if b >= 0:
-                own = wp.transpose(axes[w, b]) * moment
+                own = wp.transpose(trial.axes[w, b]) * moment
                 for c in range(3):
-                    residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - own[c]
+                    residuals.residual[w, 6 * b + 3 + c] = residuals.residual[w, 6 * b + 3 + c] - own[c]
         i += 1
 
 
@@ -185,33 +176,17 @@ def change_of(model: Model, i: int, load: Load, moment: Moment, force: real, n: 
     return total
 
 
-@wp.kernel
+@kernel
 def stiffen_moments(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    psi_inverse: wp.array2d(dtype=mat33),
-    lumped_force: wp.array3d(dtype=real),
-    lumped_normal: wp.array3d(dtype=vec3),
-    lumped_at: wp.array3d(dtype=vec3),
-    lumped_load: wp.array2d(dtype=Load),
-    lumped_moment: wp.array2d(dtype=Moment),
-    tangent: changed(wp.array3d(dtype=real)),
-):
+    run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: OuterSystem,
+    lumped_load: wp.array2d(dtype=Load), lumped_moment: wp.array2d(dtype=Moment),
+):  # fmt: skip
     """Per world: add the tangent of the moments of all places that touch to the outer matrix."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].refresh == 0 or ctl[w].mode == k.STATIC:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or run.ctl[w].mode == k.STATIC:
         return
-    vel = clk[w].outer.vel
+    vel = run.clk[w].outer.vel
     i = int(0)
     while i < model.elements[0].moments.count:
         place = model.elements[0].moments.place[i]
@@ -219,16 +194,16 @@ def stiffen_moments(
         moment = lumped_moment[w, i]
         if load.force > real(0.0):
             contact = model.elements[0].lumped.contact[place]
-            first = side_in_world(model, w, model.elements[0].lumped.first[contact], r1, axes)
-            second = side_in_world(model, w, model.elements[0].lumped.second[contact], r1, axes)
+            first = side_in_world(model, w, model.elements[0].lumped.first[contact], trial)
+            second = side_in_world(model, w, model.elements[0].lumped.second[contact], trial)
             known = int(0)
-            if lumped_force[w, 0, place] > real(0.0):
+            if lumped.lumped_force[w, 0, place] > real(0.0):
                 known = int(1)
             x = load.touch.x
-            before = lumped_at[w, 0, place]
-            one = motion_of(first, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
-            two = motion_of(second, w, x, before, known, r, p, v1, omega1, dx, psi, psi_inverse)
-            old_normal = lumped_normal[w, 0, place]
+            before = lumped.lumped_at[w, 0, place]
+            one = motion_of(first, w, x, before, known, state, trial)
+            two = motion_of(second, w, x, before, known, state, trial)
+            old_normal = lumped.lumped_normal[w, 0, place]
             moved = int(0)
             while moved < 12:
                 coordinate = moved % 6
@@ -237,9 +212,7 @@ def stiffen_moments(
                 if moves == 1:
                     side = second
                 if side.body >= 0:
-                    by = answer_to(
-                        model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel
-                    )  # fmt: skip
+                    by = answer_to(model, contact, old_normal, load, first, second, one, two, moves, coordinate, vel)
                     dM = change_of(model, i, load, moment, by.force, by.n, by.turning)
                     column = 6 * side.body + coordinate
                     for other in range(2):
@@ -252,25 +225,24 @@ def stiffen_moments(
                         if body.body >= 0:
                             turn = dM
                             if other == moves and coordinate >= 3:  # in the body's axes, which turn
-                                turn += wp.cross(M, vec3(
-                                    side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3]
-                                ))  # fmt: skip
+                                turn += wp.cross(
+                                    M,
+                                    vec3(
+                                        side.A[0, coordinate - 3], side.A[1, coordinate - 3], side.A[2, coordinate - 3]
+                                    ),
+                                )
                             own = wp.transpose(body.A) * turn
                             row = 6 * body.body + 3
                             for c in range(3):
-                                tangent[w, row + c, column] = tangent[w, row + c, column] - own[c]
+                                system.tangent[w, row + c, column] = system.tangent[w, row + c, column] - own[c]
                 moved += 1
         i += 1
 
 
-@wp.kernel
-def record_moments(
-    ctl: wp.array(dtype=Control),
-    lumped_moment: wp.array2d(dtype=Moment),
-    saved_lumped_moment: out(wp.array3d(dtype=vec3)),
-):
+@kernel
+def record_moments(run: Run, saved: SavedLumped, lumped_moment: wp.array2d(dtype=Moment)):
     """Per (world, place with moments): the moment on the first body of the accepted state."""
     w, i = wp.tid()
-    if ctl[w].record == 0:
+    if run.ctl[w].record == 0:
         return
-    saved_lumped_moment[w, ctl[w].saved % saved_lumped_moment.shape[1], i] = lumped_moment[w, i].total
+    saved.saved_lumped_moment[w, run.ctl[w].saved % saved.saved_lumped_moment.shape[1], i] = lumped_moment[w, i].total

@@ -34,6 +34,7 @@ import warp as wp
 
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.lumped.form import depth_at, form_bend, formed_normal
 from warpffrf_kernels.surfaces.surface import (
     axes_of,
@@ -85,12 +86,12 @@ class Touch:
 
 
 @wp.func
-def side_in_world(model: Model, w: int, s: int, r1: wp.array2d(dtype=vec3), axes: wp.array2d(dtype=mat33)) -> Side:
+def side_in_world(model: Model, w: int, s: int, trial: Trial) -> Side:
     out = Side()
     out.surface = s
     out.body = model.surfaces.body[s]
-    out.A = axes_of(axes, w, out.body)
-    out.r = origin_of(r1, w, out.body)
+    out.A = axes_of(trial.axes, w, out.body)
+    out.r = origin_of(trial.r1, w, out.body)
     out.Q = out.A * model.surfaces.frame[s]
     out.o = out.r + out.A * model.surfaces.origin[s]
     return out

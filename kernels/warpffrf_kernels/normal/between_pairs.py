@@ -6,10 +6,13 @@ from the solution without F, with M as preconditioner. Each step costs a solve w
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactSolve
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_elimination import LEFT_START, eliminated, put_pressures
@@ -75,44 +78,17 @@ def inner(n: int, x: wp.array(dtype=real), a: int, b: int) -> real:
     return total
 
 
-@wp.kernel
+@kernel
 def solve_between(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    ctl: wp.array(dtype=Control),
-    base: wp.array3d(dtype=real),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    row_scale: wp.array2d(dtype=real),
-    G: wp.array3d(dtype=real),
-    U: wp.array(dtype=real),
-    W: wp.array(dtype=real),
-    bordered: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    factor: inout(wp.array(dtype=real)),
-    vector: inout(wp.array(dtype=real)),
-    lines: inout(wp.array(dtype=real)),
-    fallback: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-    krylov: inout(wp.array(dtype=real)),
-    krylov_rhs: inout(wp.array(dtype=real)),
-    krylov_z: inout(wp.array(dtype=real)),
-    krylov_path: inout(wp.array(dtype=real)),
-    solution: changed(wp.array(dtype=real)),
-    z: changed(wp.array(dtype=real)),
-    pressure: out(wp.array3d(dtype=real)),
-):
+    run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: OuterSystem,
+    contact: ContactState, patterns: wp.array(dtype=Pattern),
+):  # fmt: skip
     """Per world: outer increments and pressures with what pairs do to each other by local modes, by conjugate gradients
     from the solution without."""
     w, lane = wp.tid()
-    model = models[w]
-    count = block[w, 0, LEFT_START]
-    if ctl[w].run == 0 or count == 0 or lags(model, ctl, w):
+    model = run.models[w]
+    count = normal.block[w, 0, LEFT_START]
+    if run.ctl[w].run == 0 or count == 0 or lags(model, run.ctl, w):
         return
     cap = model.capacity.slots
     N = model.outer.count
@@ -123,33 +99,32 @@ def solve_between(
     image = residual + 3 * cap
     i = lane
     while i < count:
-        krylov[residual + i] = real(0.0)
-        krylov[path + i] = -solution[at + i]
-        krylov[image + i] = real(0.0)
+        normal.krylov[residual + i] = real(0.0)
+        normal.krylov[path + i] = -normal.solution[at + i]
+        normal.krylov[image + i] = real(0.0)
         i += wp.block_dim()
     i = lane
     while i < N:
-        krylov_path[w * N + i] = real(0.0)
+        normal.krylov_path[w * N + i] = real(0.0)
         i += wp.block_dim()
-    add_between(model, w, count, G, order, block, krylov, path, residual)  # r = -F x
+    add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, path, residual)  # r = -F x
     reference = real(0.0)
     before = real(0.0)
     step = int(0)
     while step < GRADIENTS:
         i = lane
         while i < count:
-            krylov[answer + i] = krylov[residual + i]
+            normal.krylov[answer + i] = normal.krylov[residual + i]
             i += wp.block_dim()
         i = lane
         while i < N:
-            krylov_rhs[w * N + i] = real(0.0)
+            normal.krylov_rhs[w * N + i] = real(0.0)
             i += wp.block_dim()
         sync()
         eliminated(
-            model, patterns[0], w, lane, 0, 0, block, U, W, bordered, hold, scaling, pivots, factor, vector, lines,
-            fallback, work, inverse_transposed, krylov, answer, krylov_rhs, krylov_z,
-        )  # fmt: skip
-        product = inner(count, krylov, residual, answer)
+            model, patterns[0], w, lane, 0, 0, normal, system, normal.krylov, answer, normal.krylov_rhs, normal.krylov_z
+        )
+        product = inner(count, normal.krylov, residual, answer)
         if step == 0:
             reference = product
         if not (product > EXACT * reference):
@@ -161,32 +136,32 @@ def solve_between(
         i = lane
         while i < count:
             if step == 0:
-                krylov[path + i] = real(0.0)
-            krylov[path + i] = krylov[answer + i] + share * krylov[path + i]
-            krylov[image + i] = krylov[residual + i] + share * krylov[image + i]
+                normal.krylov[path + i] = real(0.0)
+            normal.krylov[path + i] = normal.krylov[answer + i] + share * normal.krylov[path + i]
+            normal.krylov[image + i] = normal.krylov[residual + i] + share * normal.krylov[image + i]
             i += wp.block_dim()
         i = lane
         while i < N:
-            krylov_path[w * N + i] = krylov_z[w * N + i] + share * krylov_path[w * N + i]
+            normal.krylov_path[w * N + i] = normal.krylov_z[w * N + i] + share * normal.krylov_path[w * N + i]
             i += wp.block_dim()
         sync()
         # the image by M is carried along, that by F is added for the step and taken off again
         i = lane
         while i < count:
-            krylov[answer + i] = krylov[image + i]
+            normal.krylov[answer + i] = normal.krylov[image + i]
             i += wp.block_dim()
         sync()
-        add_between(model, w, count, G, order, block, krylov, path, answer)
-        length = product / inner(count, krylov, path, answer)
+        add_between(model, w, count, normal.soft, normal.order, normal.block, normal.krylov, path, answer)
+        length = product / inner(count, normal.krylov, path, answer)
         i = lane
         while i < count:
-            solution[at + i] = solution[at + i] + length * krylov[path + i]
-            krylov[residual + i] = krylov[residual + i] - length * krylov[answer + i]
+            normal.solution[at + i] = normal.solution[at + i] + length * normal.krylov[path + i]
+            normal.krylov[residual + i] = normal.krylov[residual + i] - length * normal.krylov[answer + i]
             i += wp.block_dim()
         i = lane
         while i < N:
-            z[w * N + i] = z[w * N + i] + length * krylov_path[w * N + i]
+            system.z[w * N + i] = system.z[w * N + i] + length * normal.krylov_path[w * N + i]
             i += wp.block_dim()
         sync()
         step += 1
-    put_pressures(model, w, lane, count, base, slot_hat, order, weight, row_scale, solution, pressure)
+    put_pressures(model, w, lane, count, fields, normal, impulses, contact)

@@ -13,10 +13,12 @@ pair and read by all hats of that pair.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
+from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_forces import surface_of
 from warpffrf_kernels.surfaces.responses import first_column, load_of, place_of_load
@@ -131,32 +133,20 @@ def couple_others(
 ): ...
 
 
-@wp.kernel
-def assemble(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    T: wp.array(dtype=real),
-    J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    scratch: inout(wp.array(dtype=real)),
-    G: out(wp.array3d(dtype=real)),
-):
+@kernel
+def assemble(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses: ImpulsiveContact):
     """Per world: rows of G of the fresh slots, within their pairs."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
-    slot = ctl[w].fresh
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
+    slot = run.ctl[w].fresh
+    while slot < run.ctl[w].slots:
+        pair = normal.slot_hat[w, slot, 0]
         if model.pairs.family[pair] != PATCH:  # cells of a patch: `patch.system`
             couple(
-                model, w, slot, center[w, pair, 0] - model.window.half, slot_hat, stencil, stencil_at,
-                T, J, receptance, scratch, G,
+                model, w, slot, geometry.center[w, pair, 0] - model.window.half, normal.slot_hat, geometry.stencil,
+                geometry.stencil_at, normal.T, normal.J, impulses.contact_receptance, normal.scaled_modes, normal.G,
             )  # fmt: skip
         slot += 1
 
@@ -181,75 +171,50 @@ def mirror_between(
 
 @wp.func
 def lay_out(
-    model: Model,
-    w: int,
-    m: int,
-    loads: int,
-    reads: int,
-    low: int,
-    columns: int,
-    center: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    start: int,
-    field: wp.array(dtype=real),
-):
+    model: Model, w: int, m: int, loads: int, reads: int, low: int, columns: int, geometry: ContactGeometry, start: int,
+    normal: ContactSolve,
+):  # fmt: skip
     """Adds to `field`, `columns` of the window of side `reads` from `low` on, what hat m displaces there by its load on
     side `loads`."""
     pair = loads / 2
     table = model.responses.normal[load_of(model, reads, loads)]
     count = columns * model.responses.target_lines[table]
-    target = first_column(model, w, reads, center) + low
+    target = first_column(model, w, reads, geometry.center) + low
     middle = target + columns / 2
-    origin = first_column(model, w, loads, center)
+    origin = first_column(model, w, loads, geometry.center)
     if loads % 2 == 0:
         rows = model.responses.source_lines[table]
         at = place_of_load(model, table, origin + m / rows, m % rows, target, middle)
         if at >= 0:
-            axpy(count, real(1.0), model.responses.number, at, field, start)
+            axpy(count, real(1.0), model.responses.number, at, normal.field_beside, start)
     else:
         along = model.responses.width[table] * model.responses.target_lines[table]  # from a line to the next
         c = int(0)
         while c < model.window.stencil_columns:
-            at = place_of_load(model, table, origin + stencil_at[w, pair, m, 0] + c, 0, target, middle)
+            at = place_of_load(model, table, origin + geometry.stencil_at[w, pair, m, 0] + c, 0, target, middle)
             r = int(0)
             while at >= 0 and r < model.window.stencil_rows:
-                weight = stencil[w, pair, m, c * model.window.stencil_rows + r]
+                weight = geometry.stencil[w, pair, m, c * model.window.stencil_rows + r]
                 if weight != real(0.0):
-                    line = at + (stencil_at[w, pair, m, 1] + r) * along
-                    axpy(count, weight, model.responses.number, line, field, start)
+                    line = at + (geometry.stencil_at[w, pair, m, 1] + r) * along
+                    axpy(count, weight, model.responses.number, line, normal.field_beside, start)
                 r += 1
             c += 1
 
 
-@wp.kernel
-def assemble_between(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    slot_hat: wp.array3d(dtype=int),
-    slot_of: wp.array3d(dtype=int),
-    stencil: wp.array4d(dtype=real),
-    stencil_at: wp.array4d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    J: wp.array(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    field: inout(wp.array(dtype=real)),
-    G: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses: ImpulsiveContact):
     """Per world: rows of G of the fresh slots, between pairs, by condensed modes and by local modes."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or lags(model, ctl, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or lags(model, run.ctl, w):
         return
     start = w * wp.max(model.window.hats, model.window.nodes)
-    slot = ctl[w].fresh
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
-        m = slot_hat[w, slot, 1]
-        couple_others(model, w, slot, slot_hat, J, receptance, G)
+    slot = run.ctl[w].fresh
+    while slot < run.ctl[w].slots:
+        pair = normal.slot_hat[w, slot, 0]
+        m = normal.slot_hat[w, slot, 1]
+        couple_others(model, w, slot, normal.slot_hat, normal.J, impulses.contact_receptance, normal.G)
         sync()
         for side in range(2):
             loads = 2 * pair + side
@@ -260,45 +225,47 @@ def assemble_between(
                 if other == pair:
                     n += 1
                     continue
-                ratio = wp.min(weight[w, pair], weight[w, other]) / wp.max(weight[w, pair], weight[w, other])
+                ratio = wp.min(impulses.weight[w, pair], impulses.weight[w, other]) / wp.max(
+                    impulses.weight[w, pair], impulses.weight[w, other]
+                )
                 rows = model.surfaces.rows[surface_of(model, other, reads % 2)]
                 rows_a = model.surfaces.rows[model.pairs.first[other]]
-                first = window[w, other, 0] + model.window.half
-                last = window[w, other, 1] + model.window.half
+                first = geometry.window[w, other, 0] + model.window.half
+                last = geometry.window[w, other, 1] + model.window.half
                 low = first
                 columns = last - first + 1
                 if reads % 2 != 0:
-                    low = second_window[w, other, 0]
-                    columns = second_window[w, other, 1] - low + 1
+                    low = geometry.second_window[w, other, 0]
+                    columns = geometry.second_window[w, other, 1] - low + 1
                 i = lane
                 while i < columns * rows:
-                    field[start + i] = real(0.0)
+                    normal.field_beside[start + i] = real(0.0)
                     i += wp.block_dim()
                 sync()
-                lay_out(model, w, m, loads, reads, low, columns, center, stencil, stencil_at, start, field)
+                lay_out(model, w, m, loads, reads, low, columns, geometry, start, normal)
                 sync()
                 hat = first * rows_a + lane
                 while hat < (last + 1) * rows_a:
-                    j = slot_of[w, other, hat]
+                    j = normal.slot_of[w, other, hat]
                     if j >= 0 and j < slot:
                         g = real(0.0)
                         if reads % 2 == 0:
-                            g = field[start + hat - low * rows]
+                            g = normal.field_beside[start + hat - low * rows]
                         else:
                             e = int(0)
                             while e < model.window.stencil_columns * model.window.stencil_rows:
-                                part = stencil[w, other, hat, e]
+                                part = geometry.stencil[w, other, hat, e]
                                 if part != real(0.0):
-                                    column = stencil_at[w, other, hat, 0] + e / model.window.stencil_rows - low
-                                    row = stencil_at[w, other, hat, 1] + e % model.window.stencil_rows
+                                    column = geometry.stencil_at[w, other, hat, 0] + e / model.window.stencil_rows - low
+                                    row = geometry.stencil_at[w, other, hat, 1] + e % model.window.stencil_rows
                                     if column >= 0 and column < columns:
-                                        g += part * field[start + column * rows + row]
+                                        g += part * normal.field_beside[start + column * rows + row]
                                 e += 1
                         g = g * ratio
-                        G[w, slot, j] = G[w, slot, j] + g
+                        normal.G[w, slot, j] = normal.G[w, slot, j] + g
                     hat += wp.block_dim()
                 sync()
                 n += 1
         slot += 1
     sync()
-    mirror_between(model, w, ctl[w].fresh, ctl[w].slots, slot_hat, G)
+    mirror_between(model, w, run.ctl[w].fresh, run.ctl[w].slots, normal.slot_hat, normal.G)

@@ -28,10 +28,12 @@ Only in scenes all of whose pairs are patches that answer to their own pressures
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.contact_scratch import ContactSolve, PatchScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import ImpulsiveContact
+from warpffrf_kernels.core.state import ContactState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -50,63 +52,52 @@ TANGENT = wp.constant(1)
 WEIGHT = wp.constant(2)
 
 
-@wp.kernel
-def begin_rows(
-    models: wp.array(dtype=Model),
-    ctl: inout(wp.array(dtype=Control)),
-    lasting: inout(wp.array2d(dtype=int)),
-):
+@kernel
+def begin_rows(run: Run, normal: ContactSolve):
     """Per world: an attempt begins, with the rows of G of the one before where it may."""
     w = wp.tid()
-    if ctl[w].run == 0:
+    if run.ctl[w].run == 0:
         return
-    lasting[w, BEGUN] = 1
-    lasting[w, OLDER] = 0
-    if ctl[w].mode != k.DYNAMIC or models[w].elements[0].patches.lasting == 0:
-        lasting[w, ROWS] = 0
-    if lasting[w, RESTS] > 0:
-        lasting[w, RESTS] = lasting[w, RESTS] - 1
-        lasting[w, ROWS] = 0
-    if lasting[w, ROWS] != 0:
-        lasting[w, OLDER] = 1
-        lasting[w, AGE] = lasting[w, AGE] + 1
-        ctl[w].slots = lasting[w, COUNT]
-        ctl[w].fresh = lasting[w, COUNT]
-        ctl[w].reassemble = 0
+    normal.lasting[w, BEGUN] = 1
+    normal.lasting[w, OLDER] = 0
+    if run.ctl[w].mode != k.DYNAMIC or run.models[w].elements[0].patches.lasting == 0:
+        normal.lasting[w, ROWS] = 0
+    if normal.lasting[w, RESTS] > 0:
+        normal.lasting[w, RESTS] = normal.lasting[w, RESTS] - 1
+        normal.lasting[w, ROWS] = 0
+    if normal.lasting[w, ROWS] != 0:
+        normal.lasting[w, OLDER] = 1
+        normal.lasting[w, AGE] = normal.lasting[w, AGE] + 1
+        run.ctl[w].slots = normal.lasting[w, COUNT]
+        run.ctl[w].fresh = normal.lasting[w, COUNT]
+        run.ctl[w].reassemble = 0
 
 
 @wp.func
-def are_near(
-    clk: wp.array(dtype=Clock), w: int, pair: int, width: real, weight: wp.array2d(dtype=real),
-    patch_made: wp.array3d(dtype=real),
-) -> bool:  # fmt: skip
+def are_near(run: Run, w: int, pair: int, width: real, impulses: ImpulsiveContact, patch: PatchScratch) -> bool:
     """Whether rows of a pair that were made at `patch_made` serve where W is `width`."""
-    made = patch_made[w, pair, WIDTH]
-    same = patch_made[w, pair, TANGENT] == clk[w].outer.acc and patch_made[w, pair, WEIGHT] == weight[w, pair]
+    made = patch.patch_made[w, pair, WIDTH]
+    same = (
+        patch.patch_made[w, pair, TANGENT] == run.clk[w].outer.acc
+        and patch.patch_made[w, pair, WEIGHT] == impulses.weight[w, pair]
+    )
     return same and wp.abs(width - made) <= NEAR * made
 
 
-@wp.kernel
-def note_rows(
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    lasting: wp.array2d(dtype=int),
-    patch_width: wp.array2d(dtype=real),
-    weight: wp.array2d(dtype=real),
-    patch_made: out(wp.array3d(dtype=real)),
-):
+@kernel
+def note_rows(run: Run, normal: ContactSolve, contact: ContactState, impulses: ImpulsiveContact, patch: PatchScratch):
     """Per (world, pair): for which W, step and weight rows are being made."""
     w, pair = wp.tid()
-    if ctl[w].run == 0 or lasting[w, OLDER] != 0:
+    if run.ctl[w].run == 0 or normal.lasting[w, OLDER] != 0:
         return
-    patch_made[w, pair, WIDTH] = patch_width[w, pair]
-    patch_made[w, pair, TANGENT] = clk[w].outer.acc
-    patch_made[w, pair, WEIGHT] = weight[w, pair]
+    patch.patch_made[w, pair, WIDTH] = contact.patch_width[w, pair]
+    patch.patch_made[w, pair, TANGENT] = run.clk[w].outer.acc
+    patch.patch_made[w, pair, WEIGHT] = impulses.weight[w, pair]
 
 
-@wp.kernel
-def keep_rows(ctl: wp.array(dtype=Control), lasting: out(wp.array2d(dtype=int))):
+@kernel
+def keep_rows(run: Run, normal: ContactSolve):
     """Per world: of an attempt that was not accepted no rows stand."""
     w = wp.tid()
-    if ctl[w].attempt != 0 and ctl[w].accept == 0:
-        lasting[w, ROWS] = 0
+    if run.ctl[w].attempt != 0 and run.ctl[w].accept == 0:
+        normal.lasting[w, ROWS] = 0

@@ -11,10 +11,13 @@ so that lines and right-hand sides are multiplied by `row_scale` = 1/s, and what
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactSolve, PatchScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, weighted
+from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Residuals
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.linear import block_elimination
 from warpffrf_kernels.linear.outer_solve import held_motions, solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
@@ -34,80 +37,68 @@ FACTOR = wp.constant(1)
 LINES = wp.constant(2)
 
 
-@wp.kernel
-def order_slots(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    base: wp.array3d(dtype=real),
-    slot_hat: wp.array3d(dtype=int),
-    patch_width: wp.array2d(dtype=real),
-    patch_made: wp.array3d(dtype=real),
-    order: inout(wp.array2d(dtype=int)),
-    block: inout(wp.array3d(dtype=int)),
-    kept: out(wp.array(dtype=int)),
-    row_scale: out(wp.array2d(dtype=real)),
-):
+@kernel
+def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: ContactSolve, patch: PatchScratch):
     """Per world: the active slots, pair by pair, then those that have left the set; and what of the elimination is that
     of the solve before, of the same rows of G: U (FACTOR), with L and the outer matrix also W, W^T W and its factor
     (LINES)."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
     same = int(NOTHING)
-    if ctl[w].fresh == ctl[w].slots and model.elements[0].layers.count == 0:
+    if run.ctl[w].fresh == run.ctl[w].slots and model.elements[0].layers.count == 0:
         same = int(FACTOR)
-        if ctl[w].refresh == 0 or ctl[w].moved == 0:
+        if run.ctl[w].refresh == 0 or run.ctl[w].moved == 0:
             same = int(LINES)
     count = int(0)
     if same != NOTHING:
-        count = block[w, 0, LEFT_START]
+        count = normal.block[w, 0, LEFT_START]
     pair = int(0)
     while pair < model.pairs.count:
-        block[w, pair, COUNT] = 0
-        block[w, pair, LEFT_COUNT] = 0
-        row_scale[w, pair] = real(1.0)
+        normal.block[w, pair, COUNT] = 0
+        normal.block[w, pair, LEFT_COUNT] = 0
+        normal.row_scale[w, pair] = real(1.0)
         if model.pairs.family[pair] == PATCH:
-            row_scale[w, pair] = patch_made[w, pair, WIDTH] / patch_width[w, pair]
+            normal.row_scale[w, pair] = patch.patch_made[w, pair, WIDTH] / contact.patch_width[w, pair]
         pair += 1
     slot = int(0)
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
-        m = slot_hat[w, slot, 1]
-        if active[w, pair, m] != 0:
-            block[w, pair, COUNT] = block[w, pair, COUNT] + 1
-        elif base[w, pair, m] != real(0.0):
-            block[w, pair, LEFT_COUNT] = block[w, pair, LEFT_COUNT] + 1
+    while slot < run.ctl[w].slots:
+        pair = normal.slot_hat[w, slot, 0]
+        m = normal.slot_hat[w, slot, 1]
+        if contact.active[w, pair, m] != 0:
+            normal.block[w, pair, COUNT] = normal.block[w, pair, COUNT] + 1
+        elif fields.base[w, pair, m] != real(0.0):
+            normal.block[w, pair, LEFT_COUNT] = normal.block[w, pair, LEFT_COUNT] + 1
         slot += 1
     at = int(0)
     for kind in range(2):
         pair = int(0)
         while pair < model.pairs.count:
-            block[w, pair, 2 * kind + START] = at
-            at += block[w, pair, 2 * kind + COUNT]
-            block[w, pair, 2 * kind + COUNT] = 0
+            normal.block[w, pair, 2 * kind + START] = at
+            at += normal.block[w, pair, 2 * kind + COUNT]
+            normal.block[w, pair, 2 * kind + COUNT] = 0
             pair += 1
         if kind == 0 and at != count:
             same = int(NOTHING)
     slot = int(0)
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
-        m = slot_hat[w, slot, 1]
+    while slot < run.ctl[w].slots:
+        pair = normal.slot_hat[w, slot, 0]
+        m = normal.slot_hat[w, slot, 1]
         kind = int(-1)
-        if active[w, pair, m] != 0:
+        if contact.active[w, pair, m] != 0:
             kind = int(0)
-        elif base[w, pair, m] != real(0.0):
+        elif fields.base[w, pair, m] != real(0.0):
             kind = int(1)
         if kind >= 0:
-            n = block[w, pair, 2 * kind + COUNT]
-            place = block[w, pair, 2 * kind + START] + n
-            if kind == 0 and same != NOTHING and order[w, place] != slot:
+            n = normal.block[w, pair, 2 * kind + COUNT]
+            place = normal.block[w, pair, 2 * kind + START] + n
+            if kind == 0 and same != NOTHING and normal.order[w, place] != slot:
                 same = int(NOTHING)
-            order[w, place] = slot
-            block[w, pair, 2 * kind + COUNT] = n + 1
+            normal.order[w, place] = slot
+            normal.block[w, pair, 2 * kind + COUNT] = n + 1
         slot += 1
-    kept[w] = same
+    normal.kept[w] = same
 
 
 # Gathers the block of G of n slots from place `start` of `order` on, in the lines and columns of these places.
@@ -169,39 +160,29 @@ def lines_at(model: Model, w: int, start: int) -> int:
     return (w * model.capacity.slots + start) * model.pairs.coupled_capacity
 
 
-@wp.kernel
-def eliminate_pairs(
-    models: wp.array(dtype=Model),
-    G: wp.array3d(dtype=real),
-    L: wp.array3d(dtype=real),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    kept: wp.array(dtype=int),
-    row_scale: wp.array2d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    factor: inout(wp.array(dtype=real)),
-    W: inout(wp.array(dtype=real)),
-    square: inout(wp.array(dtype=real)),
-):
+@kernel
+def eliminate_pairs(run: Run, normal: ContactSolve):
     """Per (world, pair): U, W and W^T W of the active hats, as far as they are not `kept`."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    n = block[w, pair, COUNT]
-    if ctl[w].run == 0 or n == 0 or kept[w] == LINES:
+    model = run.models[w]
+    n = normal.block[w, pair, COUNT]
+    if run.ctl[w].run == 0 or n == 0 or normal.kept[w] == LINES:
         return
-    start = block[w, pair, START]
+    start = normal.block[w, pair, START]
     cap = model.capacity.slots
     width = model.pairs.coupled_capacity
     coupled = model.pairs.coupled_count[pair]
     at = block_at(model, w, start)
     line = lines_at(model, w, start)
-    if kept[w] == NOTHING:
-        gather_block(model, w, start, n, G, order, factor)
-        if block_elimination.factor(factor, at, cap, n) != 0 and lane == 0:
-            ctl[w].failure = ctl[w].failure | k.INDEFINITE
-    gather_lines(model, w, pair, start, n, row_scale[w, pair], L, order, W)
-    block_elimination.forward_lines(factor, at, cap, n, W, line, width, coupled)
-    block_elimination.square_of(n, W, line, width, coupled, square, (w * model.pairs.count + pair) * width * width)
+    if normal.kept[w] == NOTHING:
+        gather_block(model, w, start, n, normal.soft, normal.order, normal.factor)
+        if block_elimination.factor(normal.factor, at, cap, n) != 0 and lane == 0:
+            run.ctl[w].failure = run.ctl[w].failure | k.INDEFINITE
+    gather_lines(model, w, pair, start, n, normal.row_scale[w, pair], normal.L, normal.order, normal.W)
+    block_elimination.forward_lines(normal.factor, at, cap, n, normal.W, line, width, coupled)
+    block_elimination.square_of(
+        n, normal.W, line, width, coupled, normal.square, (w * model.pairs.count + pair) * width * width
+    )
 
 
 # A + sum W^T W, entries of the pattern.
@@ -240,209 +221,140 @@ def add_borders(
 ): ...
 
 
-@wp.kernel
+@kernel
 def pose_pressures(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    ctl: wp.array(dtype=Control),
-    tangent: wp.array3d(dtype=real),
-    rhs: wp.array2d(dtype=real),
-    opened: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    kept: wp.array(dtype=int),
-    square: wp.array(dtype=real),
-    row_scale: wp.array2d(dtype=real),
-    G: wp.array3d(dtype=real),
-    weight: wp.array2d(dtype=real),
-    J: wp.array(dtype=real),
-    L: wp.array3d(dtype=real),
-    receptance: wp.array(dtype=real),
-    modal_residual: wp.array(dtype=real),
-    bordered: inout(wp.array3d(dtype=real)),
-    bordered_rhs: out(wp.array2d(dtype=real)),
-    right: out(wp.array2d(dtype=real)),
-):
+    run: Run, system: OuterSystem, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact,
+    residuals: Residuals, patterns: wp.array(dtype=Pattern), modal_residual: wp.array(dtype=real),
+):  # fmt: skip
     """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with what leaves the active set."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
-    if kept[w] != LINES:
-        add_borders(model, patterns[0], w, tangent, block, square, bordered)
+    if normal.kept[w] != LINES:
+        add_borders(model, patterns[0], w, system.tangent, normal.block, normal.square, normal.bordered)
     i = lane
     while i < model.outer.count:
-        bordered_rhs[w, i] = rhs[w, i]
+        normal.bordered_rhs[w, i] = system.rhs[w, i]
         i += wp.block_dim()
     sync()
     last = model.pairs.count - 1
-    first_left = block[w, 0, LEFT_START]
-    lefts = block[w, last, LEFT_START] + block[w, last, LEFT_COUNT] - first_left
+    first_left = normal.block[w, 0, LEFT_START]
+    lefts = normal.block[w, last, LEFT_START] + normal.block[w, last, LEFT_COUNT] - first_left
     i = lane
     while i < first_left:  # the places before are those of active slots
-        a = order[w, i]
-        pair = slot_hat[w, a, 0]
-        total = -weight[w, pair] * opened[w, pair, slot_hat[w, a, 1]]
+        a = normal.order[w, i]
+        pair = normal.slot_hat[w, a, 0]
+        total = -impulses.weight[w, pair] * fields.opened[w, pair, normal.slot_hat[w, a, 1]]
         e = int(0)
         while e < lefts:
-            slot = order[w, first_left + e]
-            other = slot_hat[w, slot, 0]
-            if other == pair or (model.pairs.beside != 0 and not lags(model, ctl, w)):
-                s = real(1.0) / (row_scale[w, pair] * row_scale[w, other])
-                total += s * G[w, a, slot] * weight[w, other] * base[w, other, slot_hat[w, slot, 1]]
+            slot = normal.order[w, first_left + e]
+            other = normal.slot_hat[w, slot, 0]
+            if other == pair or (model.pairs.beside != 0 and not lags(model, run.ctl, w)):
+                s = real(1.0) / (normal.row_scale[w, pair] * normal.row_scale[w, other])
+                total += (
+                    s
+                    * normal.soft[w, a, slot]
+                    * impulses.weight[w, other]
+                    * fields.base[w, other, normal.slot_hat[w, slot, 1]]
+                )
             e += 1
         line = (w * model.capacity.slots + a) * model.pairs.most_modes
         for side in range(2):
             surface = surface_of(model, pair, side)
             modes = w * model.modes.count + model.surfaces.modal_start[surface]
             n = model.surfaces.modal_count[surface]
-            total += weighted(n, J, line, receptance, modes, modal_residual, modes)
+            total += weighted(n, normal.J, line, residuals.receptance, modes, modal_residual, modes)
             line += n
-        right[w, i] = row_scale[w, pair] * total
+        normal.right[w, i] = normal.row_scale[w, pair] * total
         i += wp.block_dim()
     if lane != 0:
         return
     e = int(0)
     while e < lefts:
-        slot = order[w, first_left + e]
-        pair = slot_hat[w, slot, 0]
-        change = -weight[w, pair] * base[w, pair, slot_hat[w, slot, 1]]
+        slot = normal.order[w, first_left + e]
+        pair = normal.slot_hat[w, slot, 0]
+        change = -impulses.weight[w, pair] * fields.base[w, pair, normal.slot_hat[w, slot, 1]]
         c = int(0)
         while c < model.pairs.coupled_count[pair]:
             column = model.pairs.coupled[pair, c]
-            bordered_rhs[w, column] = bordered_rhs[w, column] + change * L[w, slot, c]
+            normal.bordered_rhs[w, column] = normal.bordered_rhs[w, column] + change * normal.L[w, slot, c]
             c += 1
         e += 1
 
 
 @wp.func
 def eliminated(
-    model: Model,
-    p: Pattern,
-    w: int,
-    lane: int,
-    renew: int,
-    held: int,
-    block: wp.array3d(dtype=int),
-    U: wp.array(dtype=real),
-    W: wp.array(dtype=real),
-    bordered: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    scaling: wp.array2d(dtype=real),
-    pivots: wp.array2d(dtype=int),
-    factor: wp.array(dtype=real),
-    vector: wp.array(dtype=real),
-    lines: wp.array(dtype=real),
-    fallback: wp.array2d(dtype=int),
-    work: wp.array3d(dtype=real),
-    inverse_transposed: wp.array(dtype=real),
-    x: wp.array(dtype=real),
-    at: int,
-    right: wp.array(dtype=real),
-    z: wp.array(dtype=real),
-) -> int:
+    model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, normal: ContactSolve, system: OuterSystem,
+    x: wp.array(dtype=real), at: int, right: wp.array(dtype=real), z: wp.array(dtype=real),
+) -> int:  # fmt: skip
     """Solution of the system by its blocks: x from `at` on, the right-hand side of the places at first, becomes their
     changes of pressure, z the outer increments of `right`; 1 where the outer matrix is singular."""
     cap = model.capacity.slots
     pair = int(0)
     while pair < model.pairs.count:
-        start = block[w, pair, START]
-        n = block[w, pair, COUNT]
-        block_elimination.forward(U, block_at(model, w, start), cap, n, x, at + start)
-        block_elimination.push_columns(model, w, pair, n, W, lines_at(model, w, start), x, at + start, right)
+        start = normal.block[w, pair, START]
+        n = normal.block[w, pair, COUNT]
+        block_elimination.forward(normal.factor, block_at(model, w, start), cap, n, x, at + start)
+        block_elimination.push_columns(model, w, pair, n, normal.W, lines_at(model, w, start), x, at + start, right)
         pair += 1
     bad = solve(
-        model, p, w, lane, renew, bordered, right, hold, held, scaling, pivots, factor, vector, lines, fallback, work,
-        inverse_transposed, z,
+        model, p, w, lane, renew, normal.bordered, right, system.hold, held, system.scaling, system.pivots,
+        system.sparse_factor, system.sparse_vector, system.sparse_lines, system.fallback, system.elimination,
+        system.inverse_transposed, z,
     )  # fmt: skip
     sync()
     pair = int(0)
     while pair < model.pairs.count:
-        start = block[w, pair, START]
-        n = block[w, pair, COUNT]
+        start = normal.block[w, pair, START]
+        n = normal.block[w, pair, COUNT]
         block_elimination.follow_columns(
-            model, w, pair, n, real(-1.0), W, lines_at(model, w, start), z, x, at + start
-        )  # fmt: skip
-        block_elimination.backward(U, block_at(model, w, start), cap, n, x, at + start)
+            model, w, pair, n, real(-1.0), normal.W, lines_at(model, w, start), z, x, at + start
+        )
+        block_elimination.backward(normal.factor, block_at(model, w, start), cap, n, x, at + start)
         pair += 1
     return bad
 
 
 @wp.func
 def put_pressures(
-    model: Model,
-    w: int,
-    lane: int,
-    count: int,
-    base: wp.array3d(dtype=real),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    row_scale: wp.array2d(dtype=real),
-    solution: wp.array(dtype=real),
-    pressure: wp.array3d(dtype=real),
-):
+    model: Model, w: int, lane: int, count: int, fields: ContactFields, normal: ContactSolve,
+    impulses: ImpulsiveContact, contact: ContactState,
+):  # fmt: skip
     """Pressures of the active slots from their changes."""
     i = lane
     while i < count:
-        pair = slot_hat[w, order[w, i], 0]
-        m = slot_hat[w, order[w, i], 1]
-        pressure[w, pair, m] = (
-            base[w, pair, m] + row_scale[w, pair] * solution[w * model.capacity.slots + i] / weight[w, pair]
+        pair = normal.slot_hat[w, normal.order[w, i], 0]
+        m = normal.slot_hat[w, normal.order[w, i], 1]
+        contact.pressure[w, pair, m] = (
+            fields.base[w, pair, m]
+            + normal.row_scale[w, pair] * normal.solution[w * model.capacity.slots + i] / impulses.weight[w, pair]
         )
         i += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def solve_pressures(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    base: wp.array3d(dtype=real),
-    slot_hat: wp.array3d(dtype=int),
-    order: wp.array2d(dtype=int),
-    block: wp.array3d(dtype=int),
-    kept: wp.array(dtype=int),
-    weight: wp.array2d(dtype=real),
-    row_scale: wp.array2d(dtype=real),
-    U: wp.array(dtype=real),
-    W: wp.array(dtype=real),
-    bordered: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    hold_count: wp.array(dtype=int),
-    right: wp.array2d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    bordered_rhs: changed(wp.array(dtype=real)),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    factor: inout(wp.array(dtype=real)),
-    vector: inout(wp.array(dtype=real)),
-    lines: inout(wp.array(dtype=real)),
-    fallback: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-    solution: inout(wp.array(dtype=real)),
-    z: inout(wp.array(dtype=real)),
-    pressure: out(wp.array3d(dtype=real)),
-):
+    run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: OuterSystem,
+    contact: ContactState, patterns: wp.array(dtype=Pattern), bordered_rhs: wp.array(dtype=real),
+):  # fmt: skip
     """Per world: the outer increments, and pressures of the active set, without what pairs do to each other by local
     modes. The factor of the outer matrix is that of the solve before where this is `kept`."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
     at = w * model.capacity.slots
-    count = block[w, 0, LEFT_START]
+    count = normal.block[w, 0, LEFT_START]
     i = lane
     while i < count:
-        solution[at + i] = right[w, i]
+        normal.solution[at + i] = normal.right[w, i]
         i += wp.block_dim()
     sync()
     bad = eliminated(
-        model, patterns[0], w, lane, int(kept[w] != LINES), held_motions(ctl, w, hold_count), block, U, W, bordered,
-        hold, scaling, pivots, factor, vector, lines, fallback, work, inverse_transposed, solution, at, bordered_rhs, z,
+        model, patterns[0], w, lane, int(normal.kept[w] != LINES), held_motions(run.ctl, w, system.hold_count), normal,
+        system, normal.solution, at, bordered_rhs, system.z,
     )  # fmt: skip
     if bad != 0 and lane == 0:
-        ctl[w].failure = ctl[w].failure | k.SINGULAR
-    put_pressures(model, w, lane, count, base, slot_hat, order, weight, row_scale, solution, pressure)
+        run.ctl[w].failure = run.ctl[w].failure | k.SINGULAR
+    put_pressures(model, w, lane, count, fields, normal, impulses, contact)

@@ -6,6 +6,7 @@ import warp as wp
 
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -85,18 +86,13 @@ def mean_of(theta: real, before: real, after: real) -> real:
 
 @wp.func
 def pair_work(
-    model: Model,
-    w: int,
-    pair: int,
-    side: int,
-    force: wp.array4d(dtype=real),
-    modal: wp.array4d(dtype=real),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    dq: wp.array2d(dtype=real),
-) -> real:
+    model: Model, w: int, pair: int, side: int, force: wp.array4d(dtype=real), modal: wp.array4d(dtype=real),
+    trial: Trial,
+) -> real:  # fmt: skip
     """f.d of a pair: work [J] on increments, or power on rates."""
-    return body_work(model, w, pair, side, force, dx, psi) + modal_work(model, w, pair, side, modal, dq)
+    return body_work(model, w, pair, side, force, trial.dx, trial.psi) + modal_work(
+        model, w, pair, side, modal, trial.dq
+    )
 
 
 @wp.func

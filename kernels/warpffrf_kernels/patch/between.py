@@ -11,9 +11,10 @@ w, w' the widths of strips of both. u stands in a table of the surface, over ln 
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, PatchScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.normal.lagged import PATCHES_ALONE, lags
@@ -84,17 +85,12 @@ def way_between(
     return wp.abs(columns) * model.surfaces.pitch[s] * radius_of(model, s, z)
 
 
-@wp.kernel
-def lay_between(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_place: wp.array3d(dtype=real),
-    patch_between: out(wp.array3d(dtype=real)),
-):
+@kernel
+def lay_between(run: Run, patch: PatchScratch):
     """Per (world, pair of family 2), lanes over entries: K of its rows under those of all patches beside it."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -108,32 +104,24 @@ def lay_between(
                 lines = model.surfaces.rows[model.pairs.first[other]]
                 s = real_side(elements, pair, side)
                 middle = real(0.5) * (elements.patches.between_low[table] + elements.patches.between_high[table])
-                d = way_between(model, w, s, middle, pair, side, other, there, patch_place)
+                d = way_between(model, w, s, middle, pair, side, other, there, patch.patch_place)
                 n = lane
                 while n < rows * lines:
-                    target = row_place(elements, pair, n / lines, patch_place, w)
-                    source = row_place(elements, other, n % lines, patch_place, w)
+                    target = row_place(elements, pair, n / lines, patch.patch_place, w)
+                    source = row_place(elements, other, n % lines, patch.patch_place, w)
                     z = elements.patches.row_sign[2 * pair + side] * target[0]
                     z += elements.patches.row_offset[2 * pair + side]
                     at = elements.patches.row_sign[2 * other + there] * source[0]
                     at += elements.patches.row_offset[2 * other + there]
                     u = force_displacement(elements, table, d, z, at)
-                    patch_between[w, e, n] = target[1] * source[1] * u
+                    patch.patch_between[w, e, n] = target[1] * source[1] * u
                     n += wp.block_dim()
             e += 1
 
 
 @wp.func
 def add_half_space(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    lane: int,
-    patch_place: wp.array3d(dtype=real),
-    patch_between: wp.array3d(dtype=real),
-    patch_pressure: wp.array3d(dtype=real),
-    value: wp.array(dtype=real),
+    model: Model, elements: Elements, w: int, pair: int, lane: int, patch: PatchScratch, value: wp.array(dtype=real)
 ):
     """Adds the weak displacement of the cells by the half-space under the patches beside them. Lanes over rows."""
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -145,18 +133,18 @@ def add_half_space(
             if elements.patches.beside_between[e] >= 0:
                 other = elements.patches.beside_side[e] / 2
                 lines = model.surfaces.rows[model.pairs.first[other]]
-                strip = strip_width(elements, w, other, patch_place)
+                strip = strip_width(elements, w, other, patch.patch_place)
                 line = int(0)
                 while line < lines:
                     load = real(0.0)
                     column = int(0)
                     while column < elements.patches.columns[other]:
-                        load += patch_pressure[w, other, column * line_of(lines) + line]
+                        load += patch.patch_pressure[w, other, column * line_of(lines) + line]
                         column += 1
-                    total += patch_between[w, e, row * lines + line] * strip * load
+                    total += patch.patch_between[w, e, row * lines + line] * strip * load
                     line += 1
             e += 1
-        total *= strip_width(elements, w, pair, patch_place)
+        total *= strip_width(elements, w, pair, patch.patch_place)
         column = int(0)
         while column < elements.patches.columns[pair]:
             m = (w * model.pairs.count + pair) * model.window.hats + column * rows + row
@@ -165,49 +153,26 @@ def add_half_space(
         row += wp.block_dim()
 
 
-@wp.kernel
-def add_between(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_place: wp.array3d(dtype=real),
-    patch_between: wp.array3d(dtype=real),
-    patch_pressure: wp.array3d(dtype=real),
-    first_local: changed(wp.array(dtype=real)),
-):
+@kernel
+def add_between(run: Run, patch: PatchScratch, fields: ContactFields):
     """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space under the pressures of the
     patches beside it."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH or lags(model, ctl, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH or lags(model, run.ctl, w):
         return
-    add_half_space(
-        model, model.elements[0], w, pair, lane, patch_place, patch_between, patch_pressure, first_local
-    )  # fmt: skip
+    add_half_space(model, model.elements[0], w, pair, lane, patch, fields.first_local)
 
 
-@wp.kernel
-def keep_beside(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    far_load: wp.array(dtype=real),
-    patch_place: wp.array3d(dtype=real),
-    patch_between: wp.array3d(dtype=real),
-    patch_pressure: wp.array3d(dtype=real),
-    far_others: inout(wp.array(dtype=real)),
-    beside_local: inout(wp.array(dtype=real)),
-    far_field: changed(wp.array(dtype=real)),
-    first_local: changed(wp.array(dtype=real)),
-):
+@kernel
+def keep_beside(run: Run, patch: PatchScratch, fields: ContactFields):
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement under the pressures of the
     patches beside it, of the evaluation, kept for the correction of the set (`normal.lagged`)."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
-    if model.pairs.beside != PATCHES_ALONE or ctl[w].mode != k.DYNAMIC:
+    if model.pairs.beside != PATCHES_ALONE or run.ctl[w].mode != k.DYNAMIC:
         return
     elements = model.elements[0]
     for side in range(2):
@@ -216,36 +181,31 @@ def keep_beside(
             rows = model.surfaces.rows[s]
             start = half_of(model, elements, w, pair, side)
             n = lane
-            while n < far_window[w, pair, side, 1] * rows:
-                far_others[start + n] = beside_field(model, elements, w, pair, side, rows, n, far_window, far_load)
-                if lags(model, ctl, w):
-                    far_field[start + n] = far_field[start + n] + far_others[start + n]
+            while n < patch.far_window[w, pair, side, 1] * rows:
+                patch.far_others[start + n] = beside_field(model, elements, w, pair, side, rows, n, patch)
+                if lags(model, run.ctl, w):
+                    patch.far_field[start + n] = patch.far_field[start + n] + patch.far_others[start + n]
                 n += wp.block_dim()
     first = (w * model.pairs.count + pair) * model.window.hats
-    clear_field(lane, model.window.hats, first, beside_local)
+    clear_field(lane, model.window.hats, first, patch.beside_local)
     sync()
     add_splines(
         model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
-        rows_of(model, elements, pair, 1), far_strip, far_share, far_others, beside_local,
+        rows_of(model, elements, pair, 1), patch.far_strip, patch.far_share, patch.far_others, patch.beside_local,
     )  # fmt: skip
     sync()
-    add_half_space(model, elements, w, pair, lane, patch_place, patch_between, patch_pressure, beside_local)
+    add_half_space(model, elements, w, pair, lane, patch, patch.beside_local)
     sync()
-    if lags(model, ctl, w):
-        axpy(model.window.hats, real(1.0), beside_local, first, first_local, first)
+    if lags(model, run.ctl, w):
+        axpy(model.window.hats, real(1.0), patch.beside_local, first, fields.first_local, first)
 
 
-@wp.kernel
-def add_kept(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    beside_local: wp.array(dtype=real),
-    first_local: changed(wp.array(dtype=real)),
-):
+@kernel
+def add_kept(run: Run, patch: PatchScratch, fields: ContactFields):
     """Per (world, pair of family 2): adds what the patches beside it displaced in the evaluation."""
     w, pair, _lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH or not lags(model, ctl, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH or not lags(model, run.ctl, w):
         return
     first = (w * model.pairs.count + pair) * model.window.hats
-    axpy(model.window.hats, real(1.0), beside_local, first, first_local, first)
+    axpy(model.window.hats, real(1.0), patch.beside_local, first, fields.first_local, first)

@@ -11,10 +11,12 @@ the second power of the size of a cell, as constant pressures do.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import PATCH, Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.model import PATCH, Elements
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import Trial
 from warpffrf_kernels.kinematics.closest_point import TWO_PI, view_of
 from warpffrf_kernels.kinematics.contact_wrench import Held, held_section, held_sphere, is_sphere, point_wrench
 from warpffrf_kernels.kinematics.line_of_centres import wrap
@@ -49,33 +51,25 @@ class Row:
     held: Held
 
 
-@wp.kernel
-def hold_rows(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    patch_place: wp.array3d(dtype=real),
-    patch_row: out(wp.array3d(dtype=Row)),
-    patch_ball: out(wp.array2d(dtype=mat33)),
-):
+@kernel
+def hold_rows(run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d(dtype=Row)):
     """Per (world, pair of family 2), lanes over rows: what their cells have in common; and the frame of the contact of
     a sphere."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
-    view = view_of(model, w, pair, r1, axes)
+    view = view_of(model, w, pair, trial)
     ball = is_sphere(model, A)
     if ball and lane == 0:
-        patch_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
+        patch.patch_ball[w, pair] = held_sphere(model, B, view.at, view.turn)
     last = model.surfaces.z_start[A] + model.surfaces.rows[A] - 1
     row = lane
     while row < model.surfaces.rows[model.pairs.first[pair]]:
-        place = row_place(elements, pair, row, patch_place, w)
+        place = row_place(elements, pair, row, patch.patch_place, w)
         found = Row()
         found.z = place[0]
         found.radius = radius_of(model, A, found.z)
@@ -86,7 +80,7 @@ def hold_rows(
         if elements.patches.far_of[A] >= 0:
             found.along = row_taps(model, elements, A, found.z)
         if model.surfaces.planar[A] == 0 and not ball:
-            found.held = held_section(model, A, B, view.at, view.turn, patch_place[w, pair, 0], found.z)
+            found.held = held_section(model, A, B, view.at, view.turn, patch.patch_place[w, pair, 0], found.z)
         patch_row[w, pair, row] = found
         row += wp.block_dim()
 
@@ -109,39 +103,31 @@ def place_splines(
             far_weight[9 * at + 3 * i + j] = part * along.value[j]
 
 
-@wp.kernel
+@kernel
 def sample_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    patch_place: wp.array3d(dtype=real),
-    patch_row: wp.array3d(dtype=Row),
-    patch_ball: wp.array2d(dtype=mat33),
-    weak_gap: out(wp.array(dtype=real)),
-    area: out(wp.array(dtype=real)),
-    wrench: out(wp.array(dtype=real)),
-    more_wrench: out(wp.array(dtype=real)),
-    far_at: out(wp.array(dtype=int)),
-    far_weight: out(wp.array(dtype=real)),
-):
+    run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d(dtype=Row), weak_gap: wp.array(dtype=real),
+    area: wp.array(dtype=real), wrench: wp.array(dtype=real), more_wrench: wp.array(dtype=real),
+    far_at: wp.array(dtype=int), far_weight: wp.array(dtype=real),
+):  # fmt: skip
     """Per (world, pair of family 2), lanes over cells: weak gap, area (0 where nothing is opposite), wrench, loads of
     splines."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
-    view = view_of(model, w, pair, r1, axes)
+    view = view_of(model, w, pair, trial)
     back = wp.transpose(view.turn)
     arm_a = wp.transpose(model.surfaces.frame[A]) * model.surfaces.origin[A]
-    turn = axes_of(axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
+    turn = axes_of(trial.axes, w, model.surfaces.body[A]) * model.surfaces.frame[A]
     columns = elements.patches.columns[pair]
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    radius = radius_of(model, A, patch_place[w, pair, 1])
-    strip = real(2.0) * patch_place[w, pair, 2] / (real(columns) * radius * model.surfaces.pitch[A])  # columns of A
+    radius = radius_of(model, A, patch.patch_place[w, pair, 1])
+    strip = (
+        real(2.0) * patch.patch_place[w, pair, 2] / (real(columns) * radius * model.surfaces.pitch[A])
+    )  # columns of A
     last_b = model.surfaces.z_start[B] + model.surfaces.rows[B] - 1
     first = (w * model.pairs.count + pair) * model.window.hats
     known = int(-1)
@@ -155,7 +141,7 @@ def sample_cells(
         column = m / rows
         if column != known:  # a lane of a CPU meets the cells of a strip one after the other
             known = column
-            x_a = patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
+            x_a = patch.patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
             theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
             cosine = wp.cos(theta)
             sine = wp.sin(theta)
@@ -169,7 +155,7 @@ def sample_cells(
         foot = foot_of(model, B, view.at + view.turn * x)
         x_b = (foot.theta - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         if model.surfaces.planar[B] == 0:
-            x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], patch_place[w, pair, 3])
+            x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], patch.patch_place[w, pair, 3])
         if model.surfaces.periodic[A] == 0 and (x_a < real(0.0) or x_a > real(model.surfaces.columns[A] - 1)):
             size = real(0.0)
         if model.surfaces.rigid[B] == 0:
@@ -177,7 +163,7 @@ def sample_cells(
                 size = real(0.0)
             if model.surfaces.periodic[B] == 0 and (x_b < real(0.0) or x_b > real(model.surfaces.columns[B] - 1)):
                 size = real(0.0)
-        unit = point_wrench(model, A, x, back * foot.normal, row.held, patch_ball[w, pair])
+        unit = point_wrench(model, A, x, back * foot.normal, row.held, patch.patch_ball[w, pair])
         force = turn * unit.force
         moment = turn * (unit.moment + wp.cross(arm_a, unit.force))
         more_force = turn * unit.more_force
@@ -200,18 +186,13 @@ def sample_cells(
         m += wp.block_dim()
 
 
-@wp.kernel
-def open_far_windows(
-    models: wp.array(dtype=Model),
-    ctl: inout(wp.array(dtype=Control)),
-    far_at: inout(wp.array4d(dtype=int)),
-    far_window: out(wp.array4d(dtype=int)),
-):
+@kernel
+def open_far_windows(run: Run, patch: PatchScratch):
     """Per (world, pair of family 2): first column and number of columns of the splines under the cells, by side. A
     patch that lies over more of them than there is room for ends the attempt."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     cells = elements.patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
@@ -222,23 +203,23 @@ def open_far_windows(
         low = int(0)
         high = int(-1)
         if elements.patches.far_of[s] >= 0:
-            low = far_at[w, pair, side * model.window.hats, 0]
+            low = patch.far_at[w, pair, side * model.window.hats, 0]
             high = low
             m = int(0)
             while m < cells:
-                at = far_at[w, pair, side * model.window.hats + m, 0]
+                at = patch.far_at[w, pair, side * model.window.hats + m, 0]
                 low = wp.min(low, at)
                 high = wp.max(high, at)
                 m += 1
             high += TAPS - 1
             most = elements.patches.far_nodes / model.surfaces.rows[s]
             if high - low + 1 > most:
-                ctl[w].failure = ctl[w].failure | k.CAPACITY
+                run.ctl[w].failure = run.ctl[w].failure | k.CAPACITY
                 high = low + most - 1
                 m = int(0)
                 while m < cells:
                     at = side * model.window.hats + m
-                    far_at[w, pair, at, 0] = wp.min(far_at[w, pair, at, 0], high - TAPS + 1)
+                    patch.far_at[w, pair, at, 0] = wp.min(patch.far_at[w, pair, at, 0], high - TAPS + 1)
                     m += 1
-        far_window[w, pair, side, 0] = low
-        far_window[w, pair, side, 1] = high - low + 1
+        patch.far_window[w, pair, side, 0] = low
+        patch.far_window[w, pair, side, 1] = high - low + 1

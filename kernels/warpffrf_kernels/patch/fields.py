@@ -7,10 +7,14 @@ displacement S times the loads, and that of the modes. A cell reads what it load
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry, PatchScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, mat33, real, sync, vec3
+from warpffrf_kernels.core.ring import SavedContact
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scratch import Residuals, Trial
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.closest_point import least_place, view_of
 from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.pair_forces import modal_line
@@ -101,33 +105,25 @@ def sum_lines(
 ): ...
 
 
-@wp.kernel
+@kernel
 def modal_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    far_trace: wp.array(dtype=real),
-    amplitude: wp.array(dtype=real),
-    of_state: int,
-    far_modes: inout(wp.array(dtype=real)),
-    first_field: inout(wp.array(dtype=real)),
-):
+    run: Run, patch: PatchScratch, amplitude: wp.array(dtype=real), of_state: int,
+    first_field: wp.array(dtype=real),
+):  # fmt: skip
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement by the global modes of both
     bodies."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or (of_state != 0 and ctl[w].moved == 0) or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or (of_state != 0 and run.ctl[w].moved == 0) or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
             sum_lines(
-                line_of(far_window[w, pair, side, 1] * model.surfaces.rows[s]), model.surfaces.modal_count[s],
-                amplitude, w * model.modes.count + model.surfaces.modal_start[s], far_trace,
-                trace_at(model, elements, w, pair, side), elements.patches.far_nodes, far_modes,
+                line_of(patch.far_window[w, pair, side, 1] * model.surfaces.rows[s]), model.surfaces.modal_count[s],
+                amplitude, w * model.modes.count + model.surfaces.modal_start[s], patch.far_trace,
+                trace_at(model, elements, w, pair, side), elements.patches.far_nodes, patch.far_modes,
                 half_of(model, elements, w, pair, side),
             )  # fmt: skip
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -136,7 +132,7 @@ def modal_cells(
     )
     add_splines(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-        far_strip, far_share, far_modes, first_field,
+        patch.far_strip, patch.far_share, patch.far_modes, first_field,
     )  # fmt: skip
 
 
@@ -188,28 +184,18 @@ def sum_loads(
 ): ...
 
 
-@wp.kernel
-def load_splines(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    patch_pressure: inout(wp.array3d(dtype=real)),
-    far_load: out(wp.array(dtype=real)),
-):
+@kernel
+def load_splines(run: Run, contact: ContactState, patch: PatchScratch):
     """Per (world, pair of family 2): the present pressures at places, and loads of the splines of both sides [N]."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     sum_loads(
         model, elements, w, pair, model.surfaces.rows[model.pairs.first[pair]], rows_of(model, elements, pair, 0),
-        rows_of(model, elements, pair, 1), active, pressure, far_window, far_strip, far_share, patch_pressure,
-        far_load,
+        rows_of(model, elements, pair, 1), contact.active, contact.pressure, patch.far_window, patch.far_strip,
+        patch.far_share, patch.patch_pressure, patch.far_load,
     )  # fmt: skip
 
 
@@ -254,18 +240,10 @@ def near_field(
 
 @wp.func
 def beside_field(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    side: int,
-    rows: int,
-    n: int,
-    far_window: wp.array4d(dtype=int),
-    far_load: wp.array(dtype=real),
+    model: Model, elements: Elements, w: int, pair: int, side: int, rows: int, n: int, patch: PatchScratch
 ) -> real:
     """Displacement of spline n [m] of a side by the far field of the patches beside it."""
-    target = turned_column(model, real_side(elements, pair, side), far_window[w, pair, side, 0] + n / rows)
+    target = turned_column(model, real_side(elements, pair, side), patch.far_window[w, pair, side, 0] + n / rows)
     value = real(0.0)
     e = elements.patches.beside_start[2 * pair + side]
     while target >= 0 and e < elements.patches.beside_start[2 * pair + side + 1]:
@@ -276,36 +254,23 @@ def beside_field(
         stride = elements.patches.table_source[table] * lines
         loads = half_of(model, elements, w, other, there)
         c = int(0)
-        while c < far_window[w, other, there, 1]:
-            source = turned_column(model, real_side(elements, other, there), far_window[w, other, there, 0] + c)
+        while c < patch.far_window[w, other, there, 1]:
+            source = turned_column(model, real_side(elements, other, there), patch.far_window[w, other, there, 0] + c)
             if source >= 0:
                 at = beside_block(model, elements, table, rows, lines, target, source) + (n % rows) * stride
-                value += dot(lines, elements.patches.beside, at, far_load, loads + c * lines)
+                value += dot(lines, elements.patches.beside, at, patch.far_load, loads + c * lines)
             c += 1
         e += 1
     return value
 
 
-@wp.kernel
-def local_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_pressure: wp.array3d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    far_table: wp.array(dtype=real),
-    far_load: wp.array(dtype=real),
-    patch_near: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    far_field: inout(wp.array(dtype=real)),
-    first_local: inout(wp.array(dtype=real)),
-):
+@kernel
+def local_cells(run: Run, patch: PatchScratch, geometry: ContactGeometry, fields: ContactFields):
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement of both bodies, near field and
     far field, under the present pressures."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     for side in range(2):
@@ -313,38 +278,33 @@ def local_cells(
         if s >= 0:
             rows = model.surfaces.rows[s]
             start = half_of(model, elements, w, pair, side)
-            count = far_window[w, pair, side, 1] * rows
+            count = patch.far_window[w, pair, side, 1] * rows
             sum_lines(
-                line_of(count), count, far_load, start, far_table, table_at(model, elements, w, pair, side),
-                elements.patches.far_nodes, far_field, start,
+                line_of(count), count, patch.far_load, start, patch.far_table, table_at(model, elements, w, pair, side),
+                elements.patches.far_nodes, patch.far_field, start,
             )  # fmt: skip
             n = lane
-            while n < count and elements.patches.touching > 0 and not lags(model, ctl, w):
-                value = beside_field(model, elements, w, pair, side, rows, n, far_window, far_load)
-                far_field[start + n] = far_field[start + n] + value
+            while n < count and elements.patches.touching > 0 and not lags(model, run.ctl, w):
+                value = beside_field(model, elements, w, pair, side, rows, n, patch)
+                patch.far_field[start + n] = patch.far_field[start + n] + value
                 n += wp.block_dim()
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    near_field(model, elements, w, pair, rows, patch_near, patch_pressure, area, first_local)
+    near_field(
+        model, elements, w, pair, rows, patch.patch_near, patch.patch_pressure, geometry.area, fields.first_local
+    )
     sync()
     add_splines(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-        far_strip, far_share, far_field, first_local,
+        patch.far_strip, patch.far_share, patch.far_field, fields.first_local,
     )  # fmt: skip
 
 
-@wp.kernel
-def load_modes(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    far_load: wp.array(dtype=real),
-    far_trace: wp.array(dtype=real),
-    pair_modal: out(wp.array(dtype=real)),
-):
+@kernel
+def load_modes(run: Run, patch: PatchScratch, pair_modal: wp.array(dtype=real)):
     """Per (world, pair of family 2), lanes over modes: load of the contact pressures on the modes of A, then of B."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     trial = modal_line(model, w, pair)
@@ -360,99 +320,72 @@ def load_modes(
         value = real(0.0)
         if s >= 0 and n < model.surfaces.modal_count[s]:
             line = trace_at(model, elements, w, pair, side) + n * elements.patches.far_nodes
-            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
-            value = -dot(count, far_load, half_of(model, elements, w, pair, side), far_trace, line)
+            count = patch.far_window[w, pair, side, 1] * model.surfaces.rows[s]
+            value = -dot(count, patch.far_load, half_of(model, elements, w, pair, side), patch.far_trace, line)
         pair_modal[trial + i] = value
         i += wp.block_dim()
 
 
-@wp.kernel
-def guard_patches(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    patch_place: wp.array3d(dtype=real),
-    gap_defect: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def guard_patches(run: Run, contact: ContactState, patch: PatchScratch, residuals: Residuals):
     """Per world: a patch that has reached the outermost strips is not balanced, as W has to grow."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
         return
     elements = model.elements[0]
     pair = int(0)
     while pair < model.pairs.count:
         if model.pairs.family[pair] == PATCH:
-            width = patch_place[w, pair, 2]
+            width = patch.patch_place[w, pair, 2]
             rows = model.surfaces.rows[model.pairs.first[pair]]
-            found = extent_of(elements, w, pair, rows, width, active, pressure)
+            found = extent_of(elements, w, pair, rows, width, contact)
             if found.reaches != 0 and width < elements.patches.most_width[pair]:
-                gap_defect[w, 0] = wp.max(gap_defect[w, 0], real(1.0))
+                residuals.gap_defect[w, 0] = wp.max(residuals.gap_defect[w, 0], real(1.0))
         pair += 1
 
 
-@wp.kernel
-def measure_patches(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    nearest: wp.array3d(dtype=real),
-    station: out(wp.array4d(dtype=real)),
-):
+@kernel
+def measure_patches(run: Run, trial: Trial, geometry: ContactGeometry):
     """Per (world, pair of family 2), where a state is recorded: smallest undeformed gap and nearest column, where
     `record` looks for them."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
-    view = view_of(model, w, pair, r1, axes)
-    place = least_place(model, A, B, view, nearest[w, pair, 0], nearest[w, pair, 1])
+    view = view_of(model, w, pair, trial)
+    place = least_place(model, A, B, view, geometry.nearest[w, pair, 0], geometry.nearest[w, pair, 1])
     rows = model.surfaces.rows[model.pairs.first[pair]]
     for end in range(2):
         s = end * ((rows - 1) * model.quadrature.z_points - 1)
-        station[w, pair, s, 0] = place[0]
-        station[w, pair, s, 1] = nearest[w, pair, 0]
+        geometry.station[w, pair, s, 0] = place[0]
+        geometry.station[w, pair, s, 1] = geometry.nearest[w, pair, 0]
 
 
-@wp.kernel
-def record_patches(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_place: wp.array3d(dtype=real),
-    saved_patch: out(wp.array4d(dtype=real)),
-):
+@kernel
+def record_patches(run: Run, patch: PatchScratch, saved: SavedContact):
     """Per (world, pair): where the patch of family 2 lies, and its half-width."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0:
+    model = run.models[w]
+    if run.ctl[w].record == 0:
         return
-    at = ctl[w].saved % saved_patch.shape[1]
+    at = run.ctl[w].saved % saved.saved_patch.shape[1]
     for i in range(4):
         value = real(0.0)
         if model.pairs.family[pair] == PATCH:
-            value = patch_place[w, pair, i]
-        saved_patch[w, at, pair, i] = value
+            value = patch.patch_place[w, pair, i]
+        saved.saved_patch[w, at, pair, i] = value
 
 
-@wp.kernel
-def sum_patches_second(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    wrench: wp.array4d(dtype=real),
-    more_wrench: wp.array4d(dtype=real),
-    second_wrench: out(wp.array3d(dtype=real)),
-):
+@kernel
+def sum_patches_second(run: Run, contact: ContactState, geometry: ContactGeometry, fields: ContactFields):
     """Per (world, pair of family 2): force on B and its moment about A's centre of mass."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     cells = elements.patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
@@ -460,7 +393,9 @@ def sum_patches_second(
         total = real(0.0)
         m = int(0)
         while m < cells:
-            if active[w, pair, m] != 0:
-                total -= pressure[w, pair, m] * (wrench[w, pair, m, i] + more_wrench[w, pair, m, i])
+            if contact.active[w, pair, m] != 0:
+                total -= contact.pressure[w, pair, m] * (
+                    geometry.wrench[w, pair, m, i] + geometry.more_wrench[w, pair, m, i]
+                )
             m += 1
-        second_wrench[w, pair, i] = total
+        fields.second_wrench[w, pair, i] = total

@@ -11,9 +11,10 @@ is then a constant, the sum over the ends of strength over distance.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -99,26 +100,20 @@ def sum_levels(
 ): ...
 
 
-@wp.kernel
-def lay_near(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_place: wp.array3d(dtype=real),
-    patch_laid: inout(wp.array3d(dtype=real)),
-    patch_near: out(wp.array3d(dtype=real)),
-):
+@kernel
+def lay_near(run: Run, patch: PatchScratch):
     """Per (world, pair of family 2), lanes over entries: the table at the W of the attempt, where it is not that of
     `patch_laid`."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
-    width = patch_place[w, pair, 2]
+    width = patch.patch_place[w, pair, 2]
     ends = real(0.0)
     if elements.patches.follows[pair] != 0:
-        ends = end_constant(model, elements, pair, patch_place[w, pair, 1], width * elements.patches.aspect[pair])
-    if patch_laid[w, pair, 0] == width and patch_laid[w, pair, 1] == ends:
+        ends = end_constant(model, elements, pair, patch.patch_place[w, pair, 1], width * elements.patches.aspect[pair])
+    if patch.patch_laid[w, pair, 0] == width and patch.patch_laid[w, pair, 1] == ends:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     columns = elements.patches.columns[pair]
@@ -127,9 +122,9 @@ def lay_near(
     strip = real(2.0) * width / real(columns)
     sum_levels(
         model, elements, w, pair, rows, columns, start, wp.min(elements.patches.near_levels[pair], 4),
-        scale * level_shares(elements, pair, width), ends * strip * width * strip * width, patch_near,
+        scale * level_shares(elements, pair, width), ends * strip * width * strip * width, patch.patch_near,
     )  # fmt: skip
     sync()
     if lane == 0:
-        patch_laid[w, pair, 0] = width
-        patch_laid[w, pair, 1] = ends
+        patch.patch_laid[w, pair, 0] = width
+        patch.patch_laid[w, pair, 1] = ends

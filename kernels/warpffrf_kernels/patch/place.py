@@ -19,10 +19,13 @@ starts, not where it ends.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve, PatchScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Trial
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.kinematics.closest_point import (
     TWO_PI,
     View,
@@ -68,34 +71,19 @@ class Extent:
 
 
 @wp.func
-def peak_of(
-    elements: Elements,
-    w: int,
-    pair: int,
-    rows: int,
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-) -> real:
+def peak_of(elements: Elements, w: int, pair: int, rows: int, contact: ContactState) -> real:
     """Largest pressure of the cells of a pair [Pa]."""
     peak = real(0.0)
     m = int(0)
     while m < elements.patches.columns[pair] * rows:
-        if active[w, pair, m] != 0:
-            peak = wp.max(peak, pressure[w, pair, m])
+        if contact.active[w, pair, m] != 0:
+            peak = wp.max(peak, contact.pressure[w, pair, m])
         m += 1
     return peak
 
 
 @wp.func
-def extent_of(
-    elements: Elements,
-    w: int,
-    pair: int,
-    rows: int,
-    width: real,
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-) -> Extent:
+def extent_of(elements: Elements, w: int, pair: int, rows: int, width: real, contact: ContactState) -> Extent:
     """Of the cells of a pair, whose strips are 2 `width`/columns wide."""
     columns = elements.patches.columns[pair]
     strip = real(2.0) * width / real(columns)
@@ -105,17 +93,17 @@ def extent_of(
     bottom = rows
     top = int(-1)
     most = real(0.0)
-    felt = FELT * peak_of(elements, w, pair, rows, active, pressure)
+    felt = FELT * peak_of(elements, w, pair, rows, contact)
     row = int(0)
     while row < rows:
         load = real(0.0)
         column = int(0)
         while column < columns:
             m = column * rows + row
-            if active[w, pair, m] != 0 and pressure[w, pair, m] > real(0.0):
+            if contact.active[w, pair, m] != 0 and contact.pressure[w, pair, m] > real(0.0):
                 found.count += 1
-                load += pressure[w, pair, m]
-                if pressure[w, pair, m] > felt:
+                load += contact.pressure[w, pair, m]
+                if contact.pressure[w, pair, m] > felt:
                     low = wp.min(low, column)
                     high = wp.max(high, column)
                     bottom = wp.min(bottom, row)
@@ -141,8 +129,8 @@ def extent_of(
         column = int(0)
         while column < columns:
             m = column * rows + row
-            if active[w, pair, m] != 0 and pressure[w, pair, m] > real(0.0):
-                p = pressure[w, pair, m]
+            if contact.active[w, pair, m] != 0 and contact.pressure[w, pair, m] > real(0.0):
+                p = contact.pressure[w, pair, m]
                 x = (real(column) - real(0.5) * real(columns - 1)) * strip
                 sum0 += p
                 sum1 += p * x
@@ -193,14 +181,7 @@ def overlap_width(
 
 @wp.func
 def move_pressures(
-    elements: Elements,
-    w: int,
-    pair: int,
-    rows: int,
-    ratio: real,
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    patch_buffer: wp.array3d(dtype=real),
+    elements: Elements, w: int, pair: int, rows: int, ratio: real, contact: ContactState, patch: PatchScratch
 ):
     """Pressures on strips that are `ratio` times as wide as those they were found on; with them rows that follow. A
     cell is active where the old one nearest to it was: what more would be under pressure, next to the old patch, leaves
@@ -216,9 +197,9 @@ def move_pressures(
             stride = int(1)
         m = int(0)
         while m < columns * rows:
-            patch_buffer[w, pair, m] = real(0.0)
-            if active[w, pair, m] != 0:
-                patch_buffer[w, pair, m] = pressure[w, pair, m]
+            patch.patch_buffer[w, pair, m] = real(0.0)
+            if contact.active[w, pair, m] != 0:
+                patch.patch_buffer[w, pair, m] = contact.pressure[w, pair, m]
             m += 1
         m = int(0)
         while m < columns * rows:
@@ -231,131 +212,95 @@ def move_pressures(
             low = real(0.0)
             high = real(0.0)
             if j >= 0 and j < count:
-                low = patch_buffer[w, pair, from_line + j * stride]
+                low = patch.patch_buffer[w, pair, from_line + j * stride]
             if j + 1 >= 0 and j + 1 < count:
-                high = patch_buffer[w, pair, from_line + (j + 1) * stride]
-            active[w, pair, m] = 0
-            pressure[w, pair, m] = real(0.0)
+                high = patch.patch_buffer[w, pair, from_line + (j + 1) * stride]
+            contact.active[w, pair, m] = 0
+            contact.pressure[w, pair, m] = real(0.0)
             if (u < real(0.5) and low > real(0.0)) or (u >= real(0.5) and high > real(0.0)):
-                active[w, pair, m] = 1
-                pressure[w, pair, m] = (real(1.0) - u) * low + u * high
+                contact.active[w, pair, m] = 1
+                contact.pressure[w, pair, m] = (real(1.0) - u) * low + u * high
             m += 1
         turn += 1
 
 
 @wp.func
-def goes_on(
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    lasting: wp.array2d(dtype=int),
-    w: int,
-    old: real,
-    new: real,
-) -> real:
+def goes_on(run: Run, normal: ContactSolve, w: int, old: real, new: real) -> real:
     """How often the change of pressure of the last step is added when an attempt begins; 0 where it says nothing."""
-    if lasting[w, BEGUN] == 0 or ctl[w].again != 0 or ctl[w].mode != k.DYNAMIC or not clk[w].done_step > real(0.0):
+    if (
+        normal.lasting[w, BEGUN] == 0
+        or run.ctl[w].again != 0
+        or run.ctl[w].mode != k.DYNAMIC
+        or not run.clk[w].done_step > real(0.0)
+    ):
         return real(0.0)
     if wp.abs(new - old) > ALIKE * new:
         return real(0.0)
-    return wp.min(clk[w].h / clk[w].done_step, LONGER)
+    return wp.min(run.clk[w].h / run.clk[w].done_step, LONGER)
 
 
 @wp.func
-def extrapolate(
-    w: int,
-    pair: int,
-    cells: int,
-    factor: real,
-    active: wp.array3d(dtype=int),
-    patch_change: wp.array3d(dtype=real),
-    pressure: wp.array3d(dtype=real),
-):
+def extrapolate(w: int, pair: int, cells: int, factor: real, contact: ContactState, patch: PatchScratch):
     """Pressures of active cells with their last change, `factor` times; those that it would end stay as they are."""
     m = int(0)
     while m < cells:
-        if active[w, pair, m] != 0:
-            ahead = pressure[w, pair, m] + factor * patch_change[w, pair, m]
+        if contact.active[w, pair, m] != 0:
+            ahead = contact.pressure[w, pair, m] + factor * patch.patch_change[w, pair, m]
             if ahead > real(0.0):
-                pressure[w, pair, m] = ahead
+                contact.pressure[w, pair, m] = ahead
         m += 1
 
 
-@wp.kernel
+@kernel
 def keep_change(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    patch_width: wp.array2d(dtype=real),
-    active_before: wp.array3d(dtype=int),
-    pressure_before: wp.array3d(dtype=real),
-    patch_width_before: wp.array2d(dtype=real),
-    patch_steady: out(wp.array2d(dtype=int)),
-    patch_change: inout(wp.array3d(dtype=real)),
-):
+    run: Run, contact: ContactState, patch: PatchScratch, active_before: wp.array3d(dtype=int),
+    pressure_before: wp.array3d(dtype=real), patch_width_before: wp.array2d(dtype=real),
+):  # fmt: skip
     """Per (world, pair of family 2), of an accepted attempt: what the pressure of each cell has changed by, and whether
     that does not undo the change before."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].accept == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].accept == 0 or model.pairs.family[pair] != PATCH:
         return
-    width = patch_width[w, pair]
-    alike = ctl[w].mode == k.DYNAMIC and wp.abs(width - patch_width_before[w, pair]) <= ALIKE * width
+    width = contact.patch_width[w, pair]
+    alike = run.ctl[w].mode == k.DYNAMIC and wp.abs(width - patch_width_before[w, pair]) <= ALIKE * width
     both = real(0.0)
     m = int(0)
     while m < model.window.hats:
         change = real(0.0)
-        if alike and active[w, pair, m] != 0 and active_before[w, pair, m] != 0:
-            change = pressure[w, pair, m] - pressure_before[w, pair, m]
-        both += change * patch_change[w, pair, m]
-        patch_change[w, pair, m] = change
+        if alike and contact.active[w, pair, m] != 0 and active_before[w, pair, m] != 0:
+            change = contact.pressure[w, pair, m] - pressure_before[w, pair, m]
+        both += change * patch.patch_change[w, pair, m]
+        patch.patch_change[w, pair, m] = change
         m += 1
-    patch_steady[w, pair] = int(both >= real(0.0))
+    patch.patch_steady[w, pair] = int(both >= real(0.0))
 
 
-@wp.kernel
+@kernel
 def locate_patches(
-    models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    lasting: wp.array2d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    patch_made: wp.array3d(dtype=real),
-    patch_steady: wp.array2d(dtype=int),
-    patch_change: wp.array3d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    phase: inout(wp.array3d(dtype=real)),
-    nearest: inout(wp.array3d(dtype=real)),
-    center: inout(wp.array3d(dtype=int)),
-    active: inout(wp.array3d(dtype=int)),
-    pressure: inout(wp.array3d(dtype=real)),
-    patch_width: inout(wp.array2d(dtype=real)),
-    touched: out(wp.array3d(dtype=int)),
-    patch_buffer: out(wp.array3d(dtype=real)),
-    patch_place: out(wp.array3d(dtype=real)),
-    window: out(wp.array3d(dtype=int)),
-):
+    run: Run, trial: Trial, normal: ContactSolve, impulses: ImpulsiveContact, patch: PatchScratch,
+    geometry: ContactGeometry, contact: ContactState,
+):  # fmt: skip
     """Per (world, pair of family 2): nearest place, phases, W, and the pressures moved with it.
 
     patch_place: column of A in the middle, z there [m], W [m], column of B opposite.
     """
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
     rows = model.surfaces.rows[model.pairs.first[pair]]
-    view = view_of(model, w, pair, r1, axes)
-    if ctl[w].iteration == 0:
-        scan(model, w, pair, A, B, view, nearest, touched)
+    view = view_of(model, w, pair, trial)
+    if run.ctl[w].iteration == 0:
+        scan(model, w, pair, A, B, view, geometry)
     z = elements.patches.middle[pair]
     if elements.patches.follows[pair] != 0:
-        z = nearest[w, pair, 1]
-    x = settle(model, A, B, view, nearest[w, pair, 0], z)
-    nearest[w, pair, 0] = x
+        z = geometry.nearest[w, pair, 1]
+    x = settle(model, A, B, view, geometry.nearest[w, pair, 0], z)
+    geometry.nearest[w, pair, 0] = x
     theta = model.surfaces.theta[A] + x * model.surfaces.pitch[A]
     foot = chart_of(model, B, view.at + view.turn * local_point(model, A, theta, z))
     x_b = real(0.0)
@@ -363,27 +308,27 @@ def locate_patches(
         x_b = (foot[0] - model.surfaces.theta[B]) / model.surfaces.pitch[B]
         if model.surfaces.planar[B] == 0:
             middle = real(0.5) * real(model.surfaces.columns[B] - 1)
-            if ctl[w].iteration > 0:  # stay on the branch of the first iteration
-                middle = real(center[w, pair, 1])
+            if run.ctl[w].iteration > 0:  # stay on the branch of the first iteration
+                middle = real(geometry.center[w, pair, 1])
             x_b = wrap(x_b, TWO_PI / model.surfaces.pitch[B], middle)
     if not (wp.abs(x) < FARTHEST and wp.abs(x_b) < FARTHEST):
-        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
-        ctl[w].run = 0
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
+        run.ctl[w].run = 0
         return
 
-    old = patch_width[w, pair]
+    old = contact.patch_width[w, pair]
     least = elements.patches.least_width[pair]
     most = elements.patches.most_width[pair]
     m = int(0)
     while m < model.window.hats:  # left by a rejected attempt
-        if active[w, pair, m] != 0 and not wp.isfinite(pressure[w, pair, m]):
-            active[w, pair, m] = 0
-            pressure[w, pair, m] = real(0.0)
+        if contact.active[w, pair, m] != 0 and not wp.isfinite(contact.pressure[w, pair, m]):
+            contact.active[w, pair, m] = 0
+            contact.pressure[w, pair, m] = real(0.0)
         m += 1
     new = old
     if not old > real(0.0):
         new = least
-    found = extent_of(elements, w, pair, rows, new, active, pressure)
+    found = extent_of(elements, w, pair, rows, new, contact)
     if found.count == 0:
         overlap = overlap_width(model, elements, pair, A, B, view, x, z)
         if not overlap > real(0.0) and elements.patches.follows[pair] == 0:  # axes that are tilted may press elsewhere
@@ -399,48 +344,48 @@ def locate_patches(
                 row += 1
         if overlap > new or overlap > real(0.0) and overlap < SPARSE * new:
             new = overlap
-    elif ctl[w].iteration == 0:
+    elif run.ctl[w].iteration == 0:
         wanted = wp.clamp(found.wanted, new / FASTEST, new * FASTEST)
-        if ctl[w].downhill == 0 or wp.abs(wanted - new) > LOOSE * new:
+        if run.ctl[w].downhill == 0 or wp.abs(wanted - new) > LOOSE * new:
             new = wanted
     elif found.reaches != 0:
         new = wp.min(GROWTH * new, found.wanted)
-    elif real(found.strips) < SPARSE * real(elements.patches.columns[pair]) and ctl[w].iteration <= SETTLING:
+    elif real(found.strips) < SPARSE * real(elements.patches.columns[pair]) and run.ctl[w].iteration <= SETTLING:
         new = found.wanted
     new = wp.clamp(new, least, most)
-    ahead = goes_on(ctl, clk, lasting, w, old, new)
-    if patch_steady[w, pair] == 0:
+    ahead = goes_on(run, normal, w, old, new)
+    if patch.patch_steady[w, pair] == 0:
         ahead = real(0.0)
     if wp.abs(new - old) > STEADY * new:
         if found.count > 0 and ahead == real(0.0):
-            move_pressures(elements, w, pair, rows, new / old, active, pressure, patch_buffer)
-        patch_width[w, pair] = new
-        if lasting[w, OLDER] == 0:
-            ctl[w].reassemble = 1
+            move_pressures(elements, w, pair, rows, new / old, contact, patch)
+        contact.patch_width[w, pair] = new
+        if normal.lasting[w, OLDER] == 0:
+            run.ctl[w].reassemble = 1
     if ahead > real(0.0):
-        extrapolate(w, pair, elements.patches.columns[pair] * rows, ahead, active, patch_change, pressure)
+        extrapolate(w, pair, elements.patches.columns[pair] * rows, ahead, contact, patch)
 
-    phase[w, pair, 4] = x
-    phase[w, pair, 5] = x_b
-    phase[w, pair, 6] = x
-    phase[w, pair, 7] = x_b
-    phase[w, pair, 10] = z / radius_of(model, A, z)
-    phase[w, pair, 11] = foot[1] / radius_of(model, A, z)
+    geometry.phase[w, pair, 4] = x
+    geometry.phase[w, pair, 5] = x_b
+    geometry.phase[w, pair, 6] = x
+    geometry.phase[w, pair, 7] = x_b
+    geometry.phase[w, pair, 10] = z / radius_of(model, A, z)
+    geometry.phase[w, pair, 11] = foot[1] / radius_of(model, A, z)
     largest = real(0.0)
     for i in range(2):
-        largest = wp.max(largest, wp.abs(phase[w, pair, 4 + i] - phase[w, pair, i]))
-        largest = wp.max(largest, wp.abs(phase[w, pair, 10 + i] - phase[w, pair, 8 + i]))
-    if lasting[w, OLDER] != 0:
-        if not are_near(clk, w, pair, new, weight, patch_made):
-            ctl[w].reassemble = 1
-    elif largest > PHASE_TOLERANCE or ctl[w].iteration == 0:
-        ctl[w].reassemble = 1
-    patch_place[w, pair, 0] = x
-    patch_place[w, pair, 1] = z
-    patch_place[w, pair, 2] = new
-    patch_place[w, pair, 3] = x_b
-    center[w, pair, 0] = int(wp.floor(x + real(0.5)))
-    center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
-    center[w, pair, 2] = 0
-    window[w, pair, 0] = -model.window.half
-    window[w, pair, 1] = elements.patches.columns[pair] - 1 - model.window.half
+        largest = wp.max(largest, wp.abs(geometry.phase[w, pair, 4 + i] - geometry.phase[w, pair, i]))
+        largest = wp.max(largest, wp.abs(geometry.phase[w, pair, 10 + i] - geometry.phase[w, pair, 8 + i]))
+    if normal.lasting[w, OLDER] != 0:
+        if not are_near(run, w, pair, new, impulses, patch):
+            run.ctl[w].reassemble = 1
+    elif largest > PHASE_TOLERANCE or run.ctl[w].iteration == 0:
+        run.ctl[w].reassemble = 1
+    patch.patch_place[w, pair, 0] = x
+    patch.patch_place[w, pair, 1] = z
+    patch.patch_place[w, pair, 2] = new
+    patch.patch_place[w, pair, 3] = x_b
+    geometry.center[w, pair, 0] = int(wp.floor(x + real(0.5)))
+    geometry.center[w, pair, 1] = int(wp.floor(x_b + real(0.5)))
+    geometry.center[w, pair, 2] = 0
+    geometry.window[w, pair, 0] = -model.window.half
+    geometry.window[w, pair, 1] = elements.patches.columns[pair] - 1 - model.window.half

@@ -12,9 +12,10 @@ so that sums over splines run along places or along splines, LINE numbers at a t
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -142,46 +143,37 @@ def trace_at(model: Model, elements: Elements, w: int, pair: int, side: int) -> 
     return line * elements.patches.far_nodes
 
 
-@wp.kernel
-def lay_splines(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_strip: out(wp.array4d(dtype=int)),
-    far_share: out(wp.array(dtype=real)),
-    far_answered: out(wp.array2d(dtype=int)),
-    far_laid: inout(wp.array4d(dtype=int)),
-    far_table: out(wp.array(dtype=real)),
-    far_trace: out(wp.array(dtype=real)),
-):
+@kernel
+def lay_splines(run: Run, patch: PatchScratch):
     """Per (world, pair of family 2): shares of the splines of both sides; S and the modes on them where the window of
     splines is another one."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
         return
     elements = model.elements[0]
     if lane == 0:
-        far_answered[w, pair] = 0
+        patch.far_answered[w, pair] = 0
     lines = model.surfaces.rows[model.pairs.first[pair]]
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
-            share_side(model, elements, w, pair, side, s, lines, far_at, far_weight, far_window, far_strip, far_share)
-            first = far_window[w, pair, side, 0]
-            count = far_window[w, pair, side, 1]
+            share_side(
+                model, elements, w, pair, side, s, lines, patch.far_at, patch.far_weight, patch.far_window,
+                patch.far_strip, patch.far_share,
+            )  # fmt: skip
+            first = patch.far_window[w, pair, side, 0]
+            count = patch.far_window[w, pair, side, 1]
             same = int(0)
-            if far_laid[w, pair, side, 0] == first and far_laid[w, pair, side, 1] == count:
+            if patch.far_laid[w, pair, side, 0] == first and patch.far_laid[w, pair, side, 1] == count:
                 same = int(1)
             sync()
             if same == 0:
                 table_side(
                     model, elements, s, elements.patches.far_of[s], first, count,
-                    table_at(model, elements, w, pair, side), trace_at(model, elements, w, pair, side), far_table,
-                    far_trace,
+                    table_at(model, elements, w, pair, side), trace_at(model, elements, w, pair, side), patch.far_table,
+                    patch.far_trace,
                 )  # fmt: skip
                 if lane == 0:
-                    far_laid[w, pair, side, 0] = first
-                    far_laid[w, pair, side, 1] = count
+                    patch.far_laid[w, pair, side, 0] = first
+                    patch.far_laid[w, pair, side, 1] = count

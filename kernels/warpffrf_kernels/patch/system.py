@@ -11,10 +11,12 @@ every attempt, and when W has changed in one; how the modes open the gaps is fou
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, ContactSolve, PatchScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import PATCH, Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
+from warpffrf_kernels.core.scratch import ImpulsiveContact
 from warpffrf_kernels.normal.lagged import lags
 from warpffrf_kernels.normal.lasting import OLDER
 from warpffrf_kernels.patch.between import strip_width
@@ -100,37 +102,22 @@ def answer_side(
 ): ...
 
 
-@wp.kernel
-def answer_splines(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    far_table: wp.array(dtype=real),
-    far_trace: wp.array(dtype=real),
-    weight: wp.array2d(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    lasting: wp.array2d(dtype=int),
-    far_answered: changed(wp.array2d(dtype=int)),
-    far_soft: inout(wp.array(dtype=real)),
-    far_answer: inout(wp.array(dtype=real)),
-    far_gradient: inout(wp.array(dtype=real)),
-):
+@kernel
+def answer_splines(run: Run, patch: PatchScratch, impulses: ImpulsiveContact, normal: ContactSolve):
     """Per (world, pair of family 2), where the splines have been laid out anew: what unit pressures load of the modes
     and, where slots are fresh, displace of the splines of both sides."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
         return
     wanted = int(WHOLE)
-    if lasting[w, OLDER] != 0:
-        if ctl[w].refresh == 0 or ctl[w].moved == 0:
+    if normal.lasting[w, OLDER] != 0:
+        if run.ctl[w].refresh == 0 or run.ctl[w].moved == 0:
             return
         wanted = int(LOADS)
-    elif ctl[w].fresh == ctl[w].slots:
+    elif run.ctl[w].fresh == run.ctl[w].slots:
         return
-    if far_answered[w, pair] == WHOLE or far_answered[w, pair] == wanted:
+    if patch.far_answered[w, pair] == WHOLE or patch.far_answered[w, pair] == wanted:
         return
     elements = model.elements[0]
     first_mode = int(0)
@@ -139,13 +126,14 @@ def answer_splines(
         if s >= 0:
             answer_side(
                 model, elements, w, pair, side, s, line_of(model.surfaces.rows[model.pairs.first[pair]]),
-                weight[w, pair], trace_at(model, elements, w, pair, side), first_mode, int(wanted == LOADS), far_window,
-                far_strip, far_share, far_table, far_trace, receptance, far_soft, far_answer, far_gradient,
+                impulses.weight[w, pair], trace_at(model, elements, w, pair, side), first_mode, int(wanted == LOADS),
+                patch.far_window, patch.far_strip, patch.far_share, patch.far_table, patch.far_trace,
+                impulses.contact_receptance, patch.far_soft, patch.far_answer, patch.far_gradient,
             )  # fmt: skip
         first_mode += model.surfaces.modal_count[model.pairs.first[pair]]
     sync()
     if lane == 0:
-        far_answered[w, pair] = wanted
+        patch.far_answered[w, pair] = wanted
 
 
 # Row `slot` of G, of the cell at place `at`, against the slots of its pair up to itself: laid out over the places of
@@ -268,100 +256,75 @@ def mirror_within(
 ): ...
 
 
-@wp.kernel
+@kernel
 def assemble_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    slot_hat: wp.array3d(dtype=int),
-    area: wp.array3d(dtype=real),
-    patch_near: wp.array3d(dtype=real),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    far_answer: wp.array(dtype=real),
-    far_gradient: wp.array(dtype=real),
-    weight: wp.array2d(dtype=real),
-    lasting: wp.array2d(dtype=int),
-    slot_place: inout(wp.array2d(dtype=int)),
-    slot_reach: inout(wp.array2d(dtype=int)),
-    far_line: inout(wp.array2d(dtype=real)),
-    J: out(wp.array(dtype=real)),
-    G: inout(wp.array3d(dtype=real)),
+    run: Run, normal: ContactSolve, geometry: ContactGeometry, patch: PatchScratch, impulses: ImpulsiveContact
 ):
     """Per world: of the slots of patches the gradient of the weak gap by the modes of A, then of B, times the weight of
     the pair, where they are fresh or of an earlier attempt; and fresh rows of G within their pairs."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
     elements = model.elements[0]
-    slot = ctl[w].fresh
-    while slot < ctl[w].slots and lane == 0:
-        pair = slot_hat[w, slot, 0]
+    slot = run.ctl[w].fresh
+    while slot < run.ctl[w].slots and lane == 0:
+        pair = normal.slot_hat[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             rows = model.surfaces.rows[model.pairs.first[pair]]
-            m = slot_hat[w, slot, 1]
+            m = normal.slot_hat[w, slot, 1]
             place = m / rows * line_of(rows) + m % rows
-            slot_place[w, slot] = place
+            patch.slot_place[w, slot] = place
             other = slot - 1
-            while other >= 0 and slot_hat[w, wp.max(other, 0), 0] != pair:
+            while other >= 0 and normal.slot_hat[w, wp.max(other, 0), 0] != pair:
                 other -= 1
             if other >= 0:
-                place = wp.max(place, slot_reach[w, other])
-            slot_reach[w, slot] = place
+                place = wp.max(place, patch.slot_reach[w, other])
+            patch.slot_reach[w, slot] = place
         slot += 1
     sync()
-    slot = ctl[w].fresh
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
+    slot = run.ctl[w].fresh
+    while slot < run.ctl[w].slots:
+        pair = normal.slot_hat[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             lay_row(
-                model, elements, w, pair, slot, slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
+                model, elements, w, pair, slot, patch.slot_place[w, slot], model.surfaces.rows[model.pairs.first[pair]],
                 rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-                elements.patches.layer[pair] * area[w, pair, slot_hat[w, slot, 1]], slot_hat, slot_place, slot_reach,
-                patch_near, far_strip, far_share, far_answer, far_line, G,
+                elements.patches.layer[pair] * geometry.area[w, pair, normal.slot_hat[w, slot, 1]], normal.slot_hat,
+                patch.slot_place, patch.slot_reach, patch.patch_near, patch.far_strip, patch.far_share,
+                patch.far_answer, patch.far_line, normal.G,
             )  # fmt: skip
         slot += 1
-    slot = ctl[w].fresh
-    if lasting[w, OLDER] != 0 and ctl[w].refresh != 0 and ctl[w].moved != 0:
+    slot = run.ctl[w].fresh
+    if normal.lasting[w, OLDER] != 0 and run.ctl[w].refresh != 0 and run.ctl[w].moved != 0:
         slot = int(0)
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
+    while slot < run.ctl[w].slots:
+        pair = normal.slot_hat[w, slot, 0]
         if model.pairs.family[pair] == PATCH:
             rows = model.surfaces.rows[model.pairs.first[pair]]
-            m = slot_hat[w, slot, 1]
+            m = normal.slot_hat[w, slot, 1]
             lay_line(
-                model, elements, w, pair, slot, m / rows * line_of(rows) + m % rows, weight[w, pair], far_gradient, J
+                model, elements, w, pair, slot, m / rows * line_of(rows) + m % rows, impulses.weight[w, pair],
+                patch.far_gradient, normal.J,
             )  # fmt: skip
         slot += 1
-    mirror_within(model, w, ctl[w].fresh, ctl[w].slots, PATCH, slot_hat, G)
+    mirror_within(model, w, run.ctl[w].fresh, run.ctl[w].slots, PATCH, normal.slot_hat, normal.G)
 
 
-@wp.kernel
-def assemble_patches_beside(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    slot_hat: wp.array3d(dtype=int),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    weight: wp.array2d(dtype=real),
-    patch_place: wp.array3d(dtype=real),
-    patch_between: wp.array3d(dtype=real),
-    far_beside: inout(wp.array(dtype=real)),
-    G: changed(wp.array3d(dtype=real)),
-):
+@kernel
+def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch, impulses: ImpulsiveContact):
     """Per world, lanes over splines, then slots: what cells of one patch add to the gaps of cells of another one on the
     same body, by its local modes and, on one surface, the half-space."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or lags(model, ctl, w):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or lags(model, run.ctl, w):
         return
     elements = model.elements[0]
     base = w * elements.patches.far_nodes
-    slot = ctl[w].fresh
-    while slot < ctl[w].slots:
-        pair = slot_hat[w, slot, 0]
-        m = slot_hat[w, slot, 1]
+    slot = run.ctl[w].fresh
+    while slot < run.ctl[w].slots:
+        pair = normal.slot_hat[w, slot, 0]
+        m = normal.slot_hat[w, slot, 1]
         for side in range(2):
             s = real_side(elements, pair, side)
             e = elements.patches.beside_start[2 * pair + side]
@@ -374,44 +337,49 @@ def assemble_patches_beside(
                 table = elements.patches.beside_table[e]
                 stride = elements.patches.table_source[table] * lines
                 at = side * model.window.hats + m
-                ratio = wp.min(weight[w, pair], weight[w, other]) / wp.max(weight[w, pair], weight[w, other])
+                ratio = wp.min(impulses.weight[w, pair], impulses.weight[w, other]) / wp.max(
+                    impulses.weight[w, pair], impulses.weight[w, other]
+                )
                 n = lane
-                while n < far_window[w, other, there, 1] * lines:
-                    source = turned_column(model, r, far_window[w, other, there, 0] + n / lines)
+                while n < patch.far_window[w, other, there, 1] * lines:
+                    source = turned_column(model, r, patch.far_window[w, other, there, 0] + n / lines)
                     value = real(0.0)
                     for i in range(3):
-                        target = turned_column(model, s, far_at[w, pair, at, 0] + i)
+                        target = turned_column(model, s, patch.far_at[w, pair, at, 0] + i)
                         if source >= 0 and target >= 0:
                             block = beside_block(model, elements, table, rows, lines, target, source) + n % lines
                             j = int(0)
                             while j < wp.min(rows, 3):
-                                line = block + (far_at[w, pair, at, 1] + j) * stride
-                                value += far_weight[w, pair, at, 3 * i + j] * elements.patches.beside[line]
+                                line = block + (patch.far_at[w, pair, at, 1] + j) * stride
+                                value += patch.far_weight[w, pair, at, 3 * i + j] * elements.patches.beside[line]
                                 j += 1
-                    far_beside[base + n] = value
+                    patch.far_beside[base + n] = value
                     n += wp.block_dim()
                 sync()
                 q = lane
                 while q < slot:
-                    if slot_hat[w, q, 0] == other:
-                        seen = there * model.window.hats + slot_hat[w, q, 1]
-                        first = (far_at[w, other, seen, 0] - far_window[w, other, there, 0]) * lines
-                        first += base + far_at[w, other, seen, 1]
+                    if normal.slot_hat[w, q, 0] == other:
+                        seen = there * model.window.hats + normal.slot_hat[w, q, 1]
+                        first = (patch.far_at[w, other, seen, 0] - patch.far_window[w, other, there, 0]) * lines
+                        first += base + patch.far_at[w, other, seen, 1]
                         value = real(0.0)
                         for i in range(3):
                             j = int(0)
                             while j < wp.min(lines, 3):
-                                value += far_weight[w, other, seen, 3 * i + j] * far_beside[first + i * lines + j]
+                                value += (
+                                    patch.far_weight[w, other, seen, 3 * i + j]
+                                    * patch.far_beside[first + i * lines + j]
+                                )
                                 j += 1
                         if elements.patches.beside_between[e] >= 0:
                             own = m % model.surfaces.rows[model.pairs.first[pair]]
                             its = model.surfaces.rows[model.pairs.first[other]]
-                            strips = strip_width(elements, w, pair, patch_place)
-                            strips *= strip_width(elements, w, other, patch_place)
-                            value += strips * patch_between[w, e, own * its + slot_hat[w, q, 1] % its]
+                            strips = strip_width(elements, w, pair, patch.patch_place)
+                            strips *= strip_width(elements, w, other, patch.patch_place)
+                            value += strips * patch.patch_between[w, e, own * its + normal.slot_hat[w, q, 1] % its]
                         value = ratio * value
-                        G[w, slot, q] = G[w, slot, q] + value
-                        G[w, q, slot] = G[w, q, slot] + value
+                        normal.G[w, slot, q] = normal.G[w, slot, q] + value
+                        normal.G[w, q, slot] = normal.G[w, q, slot] + value
                     q += wp.block_dim()
                 sync()
                 e += 1

@@ -11,10 +11,14 @@ where joints or drives hold the turning, and of the second order in the step whe
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionSolve
 from warpffrf_kernels.core.model import Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, mat33, real, sync, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync, vec3
+from warpffrf_kernels.core.scratch import ImpulsiveContact, OuterSystem, Trial
+from warpffrf_kernels.core.state import ContactState
 from warpffrf_kernels.friction.cells import rubs_on_patch
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -22,47 +26,32 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def change_of_couple(
-    model: Model,
-    w: int,
-    pair: int,
-    i: int,
-    pressure: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
-    more_wrench: wp.array4d(dtype=real),
+    model: Model, w: int, pair: int, i: int, contact: ContactState, fields: ContactFields, geometry: ContactGeometry
 ) -> real:
     """Component i of the wrench on A that the change of the pressures adds beyond that of the gaps' gradients."""
     cells = model.elements[0].patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
     total = real(0.0)
     m = int(0)
     while m < cells:
-        total += (pressure[w, pair, m] - base[w, pair, m]) * more_wrench[w, pair, m, i]
+        total += (contact.pressure[w, pair, m] - fields.base[w, pair, m]) * geometry.more_wrench[w, pair, m, i]
         m += 1
     return total
 
 
-@wp.kernel
+@kernel
 def follow_couples(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    pressure: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
-    more_wrench: wp.array4d(dtype=real),
-    weight: wp.array2d(dtype=real),
-    M: wp.array(dtype=real),
-    push: inout(wp.array(dtype=real)),
-    z: changed(wp.array(dtype=real)),
-):
+    run: Run, trial: Trial, contact: ContactState, fields: ContactFields, geometry: ContactGeometry,
+    impulses: ImpulsiveContact, tangential: FrictionSolve, system: OuterSystem,
+):  # fmt: skip
     """Per world: adds what the couples of the pairs on patches do to the outer increments."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
     N = model.outer.count
     i = lane
     while i < N:
-        push[w * N + i] = real(0.0)
+        tangential.cell_load[w * N + i] = real(0.0)
         i += wp.block_dim()
     sync()
     pair = int(0)
@@ -71,27 +60,27 @@ def follow_couples(
             f = vec3(real(0.0))
             t = vec3(real(0.0))
             for c in range(3):
-                f[c] = change_of_couple(model, w, pair, c, pressure, base, more_wrench)
-                t[c] = change_of_couple(model, w, pair, 3 + c, pressure, base, more_wrench)
-            scale = weight[w, pair] * weight[w, pair]
+                f[c] = change_of_couple(model, w, pair, c, contact, fields, geometry)
+                t[c] = change_of_couple(model, w, pair, 3 + c, contact, fields, geometry)
+            scale = impulses.weight[w, pair] * impulses.weight[w, pair]
             A = model.surfaces.body[model.pairs.first[pair]]
             B = model.surfaces.body[model.pairs.second[pair]]
-            t_a = wp.transpose(axes[w, A]) * t
+            t_a = wp.transpose(trial.axes[w, A]) * t
             for c in range(3):
                 at = w * N + 6 * A + c
-                push[at] = push[at] + scale * f[c]
-                push[at + 3] = push[at + 3] + scale * t_a[c]
+                tangential.cell_load[at] = tangential.cell_load[at] + scale * f[c]
+                tangential.cell_load[at + 3] = tangential.cell_load[at + 3] + scale * t_a[c]
             if B >= 0:
-                t_b = wp.transpose(axes[w, B]) * (t + wp.cross(r1[w, A] - r1[w, B], f))
+                t_b = wp.transpose(trial.axes[w, B]) * (t + wp.cross(trial.r1[w, A] - trial.r1[w, B], f))
                 for c in range(3):
                     at = w * N + 6 * B + c
-                    push[at] = push[at] - scale * f[c]
-                    push[at + 3] = push[at + 3] - scale * t_b[c]
+                    tangential.cell_load[at] = tangential.cell_load[at] - scale * f[c]
+                    tangential.cell_load[at + 3] = tangential.cell_load[at + 3] - scale * t_b[c]
         pair += 1
     sync()
     j = int(0)
     while j < N:
-        if push[w * N + j] != real(0.0):
-            axpy(N, push[w * N + j], M, (w * N + j) * N, z, w * N)
+        if tangential.cell_load[w * N + j] != real(0.0):
+            axpy(N, tangential.cell_load[w * N + j], tangential.mobility, (w * N + j) * N, system.z, w * N)
         j += 1
     sync()

@@ -30,11 +30,14 @@ half-width on, 0.1 to 4 cells a step, at every phase; charged with the whole ste
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import PatchScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cells import rubs_on_patch
 from warpffrf_kernels.kinematics.line_of_centres import wrap
 from warpffrf_kernels.patch.cells import row_place
@@ -73,24 +76,19 @@ def carries(model: Model, w: int, pair: int, pair_force: wp.array4d(dtype=real))
 
 @wp.func
 def advance_of(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    patch_place: wp.array3d(dtype=real),
-    ring_place: wp.array3d(dtype=real),
+    model: Model, elements: Elements, w: int, pair: int, patch: PatchScratch, friction: FrictionState
 ) -> wp.vec2d:
     """Columns of the first grid, and z [m], by which the patch has advanced over the first body since the end of the
     last step; zero without one."""
-    if ring_place[w, pair, 2] == real(0.0):
+    if friction.ring_place[w, pair, 2] == real(0.0):
         return wp.vec2d(real(0.0), real(0.0))
     A = elements.patches.first[pair]
-    way = patch_place[w, pair, 0] - ring_place[w, pair, 0]
+    way = patch.patch_place[w, pair, 0] - friction.ring_place[w, pair, 0]
     if model.surfaces.turn[A] > 0:
         way = wrap(way, real(model.surfaces.turn[A]), real(0.0))
     along = real(0.0)
     if elements.patches.follows[pair] != 0:
-        along = patch_place[w, pair, 1] - ring_place[w, pair, 1]
+        along = patch.patch_place[w, pair, 1] - friction.ring_place[w, pair, 1]
     return wp.vec2d(way, along)
 
 
@@ -136,27 +134,18 @@ def cells_to_edge(
     return real(last) + beyond
 
 
-@wp.kernel
+@kernel
 def soften_entering(
-    models: wp.array(dtype=Model),
-    patch_place: wp.array3d(dtype=real),
-    ring_place: wp.array3d(dtype=real),
-    last_normal: wp.array2d(dtype=vec3),
-    pair_force: wp.array4d(dtype=real),
-    shear_near: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    of_state: int,
-    bound: wp.array3d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    late: out(wp.array3d(dtype=real)),
-):
+    run: Run, patch: PatchScratch, friction: FrictionState, contact: ContactState, rubbing: FrictionCells,
+    shear_near: wp.array3d(dtype=real), of_state: int,
+):  # fmt: skip
     """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
     last step ended without contact: the patch advances from nowhere."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_patch(model, pair):
         return
-    if (of_state != 0 and ctl[w].moved == 0) or (of_state == 0 and ctl[w].changes != 0):
+    if (of_state != 0 and run.ctl[w].moved == 0) or (of_state == 0 and run.ctl[w].changes != 0):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -164,15 +153,15 @@ def soften_entering(
     rings = elements.rolling.ring_rows[pair]
     line = shear_line(rows, rings)
     kind = (columns + STRIPS_AROUND) * rows * line
-    advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
-    cells = advanced[0] / strip_columns(model, elements, w, pair, patch_place)
+    advanced = advance_of(model, elements, w, pair, patch, friction)
+    cells = advanced[0] / strip_columns(model, elements, w, pair, patch.patch_place)
     across = int(0)
     if elements.patches.follows[pair] != 0:
-        up = advanced[1] / row_place(elements, pair, 0, patch_place, w)[1]
+        up = advanced[1] / row_place(elements, pair, 0, patch.patch_place, w)[1]
         if wp.abs(up) > wp.abs(cells):
             across = int(1)
             cells = up
-    if wp.length(last_normal[w, pair]) == real(0.0):
+    if wp.length(friction.contact_normal[w, pair]) == real(0.0):
         cells = real(0.0)
     ahead = int(1)
     if cells < real(0.0):
@@ -181,15 +170,15 @@ def soften_entering(
     long = real(columns)
     if across != 0:
         long = real(rows)
-    passed = of_state != 0 and lane == 0 and is_whole(ctl, w) and c * elements.patches.span[pair] > long
-    if passed and carries(model, w, pair, pair_force):
-        ctl[w].failure = ctl[w].failure | k.PASSED  # none of its material was there before
+    passed = of_state != 0 and lane == 0 and is_whole(run.ctl, w) and c * elements.patches.span[pair] > long
+    if passed and carries(model, w, pair, contact.pair_force):
+        run.ctl[w].failure = run.ctl[w].failure | k.PASSED  # none of its material was there before
     part = wp.min(c, real(1.0))
     m = lane
     while m < columns * rows:
         soft = real(0.0)
-        if c > real(0.0) and bound[w, pair, m] > real(0.0):
-            d = cells_to_edge(w, pair, m / rows, m % rows, ahead, across, columns, rows, bound)
+        if c > real(0.0) and rubbing.bound[w, pair, m] > real(0.0):
+            d = cells_to_edge(w, pair, m / rows, m % rows, ahead, across, columns, rows, rubbing.bound)
             d = wp.max(d + OFFSET[0] + OFFSET[1] * part, LEAST)
             lag = part * wp.max(wp.max(c, real(1.0)) / d - real(1.0), real(0.0))
             if lag > real(0.0):
@@ -199,6 +188,6 @@ def soften_entering(
                 if across != 0:
                     beside = own + row - ahead
                 gained = shear_near[w, pair, own + row] - shear_near[w, pair, beside]
-                soft = BOTH * wp.max(gained, real(0.0)) * lag / cell_area[w, pair, m]
-        late[w, pair, m] = soft
+                soft = BOTH * wp.max(gained, real(0.0)) * lag / rubbing.cell_area[w, pair, m]
+        rubbing.late[w, pair, m] = soft
         m += wp.block_dim()

@@ -17,10 +17,14 @@ frame of the patch, not of the turning surface. So creepage refers to undeformed
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import ContactFields, PatchScratch, RollingScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
 from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, dot, real, sync
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import ContactState, FrictionState
 from warpffrf_kernels.friction.cell_blocks import COUNT, first_line
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
 from warpffrf_kernels.friction.pressure_answer import OPEN
@@ -43,17 +47,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 
 @wp.func
-def load_sides(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    place_traction: wp.array(dtype=real),
-    rub_load: wp.array(dtype=real),
-):
+def load_sides(model: Model, elements: Elements, w: int, pair: int, patch: PatchScratch, rolling: RollingScratch):
     """Forces on the splines of both sides of tractions at places."""
     places = elements.patches.places
     here = (w * model.pairs.count + pair) * 4 * places
@@ -64,29 +58,19 @@ def load_sides(
             if s >= 0:
                 load_side(
                     model, elements, w, pair, side, rows, model.surfaces.rows[s],
-                    far_window[w, pair, side, 1] * model.surfaces.rows[s], far_strip, far_share, place_traction,
-                    here + (2 * side + d) * places, rub_load, half_along(model, elements, w, pair, side, d),
+                    patch.far_window[w, pair, side, 1] * model.surfaces.rows[s], patch.far_strip, patch.far_share,
+                    rolling.place_traction, here + (2 * side + d) * places, rolling.rub_load,
+                    half_along(model, elements, w, pair, side, d),
                 )  # fmt: skip
 
 
-@wp.kernel
-def load_along(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    traction: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    place_traction: inout(wp.array(dtype=real)),
-    rub_load: out(wp.array(dtype=real)),
-):
+@kernel
+def load_along(run: Run, friction: FrictionState, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch):
     """Per (world, pair): tractions on A and on B at places, and the forces that they are on the splines of both sides
     [N]."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -101,117 +85,79 @@ def load_along(
         g_2 = real(0.0)
         if e % line < rows:
             m = (e / line) * rows + e % line
-            if cell_area[w, pair, m] > real(0.0):
-                t_1 = traction[w, pair, cell_at(rows, m, 0)]
-                t_2 = traction[w, pair, cell_at(rows, m, 1)]
-                g_1 = -(cell_turn[w, pair, m, 0] * t_1 + cell_turn[w, pair, m, 2] * t_2)
-                g_2 = -(cell_turn[w, pair, m, 1] * t_1 + cell_turn[w, pair, m, 3] * t_2)
-        place_traction[here + e] = t_1
-        place_traction[here + places + e] = t_2
-        place_traction[here + 2 * places + e] = g_1
-        place_traction[here + 3 * places + e] = g_2
+            if cells.cell_area[w, pair, m] > real(0.0):
+                t_1 = friction.traction[w, pair, cell_at(rows, m, 0)]
+                t_2 = friction.traction[w, pair, cell_at(rows, m, 1)]
+                g_1 = -(cells.cell_turn[w, pair, m, 0] * t_1 + cells.cell_turn[w, pair, m, 2] * t_2)
+                g_2 = -(cells.cell_turn[w, pair, m, 1] * t_1 + cells.cell_turn[w, pair, m, 3] * t_2)
+        rolling.place_traction[here + e] = t_1
+        rolling.place_traction[here + places + e] = t_2
+        rolling.place_traction[here + 2 * places + e] = g_1
+        rolling.place_traction[here + 3 * places + e] = g_2
         e += wp.block_dim()
     sync()
-    load_sides(model, elements, w, pair, far_window, far_strip, far_share, place_traction, rub_load)
+    load_sides(model, elements, w, pair, patch, rolling)
 
 
 @wp.func
 def open_by_tractions(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    lane: int,
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    place_traction: wp.array(dtype=real),
-    shear_near: wp.array(dtype=real),
-    rub_table: wp.array(dtype=real),
-    rub_load: wp.array(dtype=real),
-    rub_push: wp.array(dtype=real),
+    model: Model, elements: Elements, w: int, pair: int, lane: int, patch: PatchScratch, rolling: RollingScratch,
     value: wp.array(dtype=real),
-):
+):  # fmt: skip
     """Adds to `value` of the cells of a pair how tractions at places, which are `rub_load` on splines, open the weak
     gaps."""
     nodes = elements.patches.far_nodes
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
-            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+            count = patch.far_window[w, pair, side, 1] * model.surfaces.rows[s]
             at = half_of(model, elements, w, pair, side)
             sum_along(
-                line_of(count), count, nodes, rub_load, half_along(model, elements, w, pair, side, 0), rub_table,
-                table_along(model, elements, w, pair, side, 0) + 2 * nodes, rub_push, at,
+                line_of(count), count, nodes, rolling.rub_load, half_along(model, elements, w, pair, side, 0),
+                rolling.rub_table, table_along(model, elements, w, pair, side, 0) + 2 * nodes, rolling.rub_push, at,
             )  # fmt: skip
             n = lane
             while n < line_of(count):
-                rub_push[at + n] = -rub_push[at + n]
+                rolling.rub_push[at + n] = -rolling.rub_push[at + n]
                 n += wp.block_dim()
             sync()
     rows = model.surfaces.rows[model.pairs.first[pair]]
     add_splines(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-        far_strip, far_share, rub_push, value,
+        patch.far_strip, patch.far_share, rolling.rub_push, value,
     )  # fmt: skip
     if elements.rolling.coupled[pair] != 0:
         rings = elements.rolling.ring_rows[pair]
         open_near(
-            model, elements, w, pair, rows, rings, shear_line(rows, rings), STRIPS_AROUND, shear_near, place_traction,
-            value, (w * model.pairs.count + pair) * model.window.hats,
+            model, elements, w, pair, rows, rings, shear_line(rows, rings), STRIPS_AROUND, rolling.shear_near,
+            rolling.place_traction, value, (w * model.pairs.count + pair) * model.window.hats,
         )  # fmt: skip
 
 
-@wp.kernel
-def open_gaps(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    place_traction: wp.array(dtype=real),
-    shear_near: wp.array(dtype=real),
-    rub_table: wp.array(dtype=real),
-    rub_load: wp.array(dtype=real),
-    rub_push: inout(wp.array(dtype=real)),
-    first_local: changed(wp.array(dtype=real)),
-):
+@kernel
+def open_gaps(run: Run, patch: PatchScratch, rolling: RollingScratch, fields: ContactFields):
     """Per (world, pair), lanes over splines, then cells: adds how tractions open the weak gaps."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_patch(model, pair):
         return
-    open_by_tractions(
-        model, model.elements[0], w, pair, lane, far_window, far_strip, far_share, place_traction, shear_near,
-        rub_table, rub_load, rub_push, first_local,
-    )  # fmt: skip
+    open_by_tractions(model, model.elements[0], w, pair, lane, patch, rolling, fields.first_local)
 
 
-@wp.kernel
+@kernel
 def open_by_change(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_turn: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    shear_near: wp.array(dtype=real),
-    rub_table: wp.array(dtype=real),
-    answer_state: wp.array2d(dtype=int),
-    tau: wp.array(dtype=real),
-    tau_base: wp.array(dtype=real),
-    place_traction: inout(wp.array(dtype=real)),
-    rub_load: inout(wp.array(dtype=real)),
-    rub_push: inout(wp.array(dtype=real)),
-    gap_change: inout(wp.array(dtype=real)),
+    run: Run, tangential: FrictionSolve, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch
 ):
     """Per (world, pair), lanes over places, then cells: how the change of the tractions in this round opens the weak
     gaps, times the weight of the pair."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or answer_state[w, OPEN] == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if (
+        run.ctl[w].run == 0
+        or run.ctl[w].changes != 0
+        or tangential.answer_state[w, OPEN] == 0
+        or not rubs_on_patch(model, pair)
+    ):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -220,44 +166,36 @@ def open_by_change(
     here = w * model.pairs.count + pair
     e = lane
     while e < 4 * places:
-        place_traction[here * 4 * places + e] = real(0.0)
+        rolling.place_traction[here * 4 * places + e] = real(0.0)
         e += wp.block_dim()
-    clear_field(lane, model.window.hats, here * model.window.hats, gap_change)
+    clear_field(lane, model.window.hats, here * model.window.hats, rolling.gap_change)
     sync()
     i = lane
-    while i < cell_block[w, pair, COUNT]:
-        m = cell_slot[w, pair, i]
+    while i < tangential.cell_block[w, pair, COUNT]:
+        m = tangential.cell_slot[w, pair, i]
         at = here * 4 * places + (m / rows) * line + m % rows
         number = first_line(model, w, pair) + 2 * i
-        t_1 = tau[number] - tau_base[number]
-        t_2 = tau[number + 1] - tau_base[number + 1]
-        place_traction[at] = t_1
-        place_traction[at + places] = t_2
-        place_traction[at + 2 * places] = -(cell_turn[w, pair, m, 0] * t_1 + cell_turn[w, pair, m, 2] * t_2)
-        place_traction[at + 3 * places] = -(cell_turn[w, pair, m, 1] * t_1 + cell_turn[w, pair, m, 3] * t_2)
+        t_1 = tangential.cell_tau[number] - tangential.cell_base[number]
+        t_2 = tangential.cell_tau[number + 1] - tangential.cell_base[number + 1]
+        rolling.place_traction[at] = t_1
+        rolling.place_traction[at + places] = t_2
+        rolling.place_traction[at + 2 * places] = -(
+            cells.cell_turn[w, pair, m, 0] * t_1 + cells.cell_turn[w, pair, m, 2] * t_2
+        )
+        rolling.place_traction[at + 3 * places] = -(
+            cells.cell_turn[w, pair, m, 1] * t_1 + cells.cell_turn[w, pair, m, 3] * t_2
+        )
         i += wp.block_dim()
     sync()
-    load_sides(model, elements, w, pair, far_window, far_strip, far_share, place_traction, rub_load)
-    open_by_tractions(
-        model, elements, w, pair, lane, far_window, far_strip, far_share, place_traction, shear_near, rub_table,
-        rub_load, rub_push, gap_change,
-    )  # fmt: skip
+    load_sides(model, elements, w, pair, patch, rolling)
+    open_by_tractions(model, elements, w, pair, lane, patch, rolling, rolling.gap_change)
 
 
 @wp.func
 def pressed_along(
-    model: Model,
-    elements: Elements,
-    w: int,
-    pair: int,
-    side: int,
-    lane: int,
-    count: int,
-    load: wp.array(dtype=real),
-    at_load: int,
-    table: wp.array(dtype=real),
-    field: wp.array(dtype=real),
-):
+    model: Model, elements: Elements, w: int, pair: int, side: int, lane: int, count: int, load: wp.array(dtype=real),
+    at_load: int, rolling: RollingScratch,
+):  # fmt: skip
     """Adds to `field` of a side what pressures, whose loads are `load`, displace along: -S_nt^T load."""
     nodes = elements.patches.far_nodes
     for d in range(2):
@@ -265,7 +203,9 @@ def pressed_along(
         at = half_along(model, elements, w, pair, side, d)
         n = lane
         while n < count:
-            field[at + n] = field[at + n] - dot(count, load, at_load, table, start + n * 3 * nodes)
+            rolling.rub_field[at + n] = rolling.rub_field[at + n] - dot(
+                count, load, at_load, rolling.rub_table, start + n * 3 * nodes
+            )
             n += wp.block_dim()
     sync()
 
@@ -282,41 +222,16 @@ def curvature_along(model: Model, s: int, z: real, x: real, y: real) -> real:
     return x * x * model.surfaces.side[s] / radius_of(model, s, z) + y * y * along
 
 
-@wp.kernel
+@kernel
 def move_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    amplitude: wp.array(dtype=real),
-    patch_place: wp.array3d(dtype=real),
+    run: Run, trial: Trial, patch: PatchScratch, rubbing: FrictionCells, rolling: RollingScratch,
     patch_pressure: wp.array(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    far_load: wp.array(dtype=real),
-    far_field: wp.array(dtype=real),
-    far_modes: wp.array(dtype=real),
-    place_traction: wp.array(dtype=real),
-    shear_near: wp.array(dtype=real),
-    rub_table: wp.array(dtype=real),
-    rub_trace: wp.array(dtype=real),
-    rub_load: wp.array(dtype=real),
-    rub_field: inout(wp.array(dtype=real)),
-    rub_modes: inout(wp.array(dtype=real)),
-    grown: inout(wp.array(dtype=real)),
-    near_shift: inout(wp.array(dtype=real)),
-    weak_shift: inout(wp.array(dtype=real)),
-    weak_modes: inout(wp.array(dtype=real)),
-    weak_grown: inout(wp.array(dtype=real)),
-    elastic_local: out(wp.array3d(dtype=real)),
-    elastic: out(wp.array3d(dtype=real)),
-):
+):  # fmt: skip
     """Per (world, pair), lanes over splines, then cells: e by local modes, e in all [m], and the outward displacements
     over the radii of both bodies, that of A less that of B."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -326,94 +241,88 @@ def move_cells(
     here = w * model.pairs.count + pair
     m = lane
     while m < 4 * hats:
-        weak_shift[here * 4 * hats + m] = real(0.0)
-        weak_modes[here * 4 * hats + m] = real(0.0)
+        rolling.weak_shift[here * 4 * hats + m] = real(0.0)
+        rolling.weak_modes[here * 4 * hats + m] = real(0.0)
         if m < hats:
-            weak_grown[here * hats + m] = real(0.0)
+            rolling.weak_grown[here * hats + m] = real(0.0)
         m += wp.block_dim()
     sync()
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
             own = model.surfaces.rows[s]
-            count = far_window[w, pair, side, 1] * own
+            count = patch.far_window[w, pair, side, 1] * own
             loads = half_along(model, elements, w, pair, side, 0)
             for d in range(2):
                 at = half_along(model, elements, w, pair, side, d)
                 sum_along(
-                    line_of(count), count, nodes, rub_load, loads, rub_table,
-                    table_along(model, elements, w, pair, side, 0) + d * nodes, rub_field, at,
+                    line_of(count), count, nodes, rolling.rub_load, loads, rolling.rub_table,
+                    table_along(model, elements, w, pair, side, 0) + d * nodes, rolling.rub_field, at,
                 )  # fmt: skip
                 sum_lines(
-                    line_of(count), model.surfaces.modal_count[s], amplitude,
-                    w * model.modes.count + model.surfaces.modal_start[s], rub_trace,
-                    trace_along(model, elements, w, pair, side) + d * nodes, 2 * nodes, rub_modes, at,
+                    line_of(count), model.surfaces.modal_count[s], trial.q1,
+                    w * model.modes.count + model.surfaces.modal_start[s], rolling.rub_trace,
+                    trace_along(model, elements, w, pair, side) + d * nodes, 2 * nodes, rolling.rub_modes, at,
                 )  # fmt: skip
             out_at = half_of(model, elements, w, pair, side)
-            pressed_along(
-                model, elements, w, pair, side, lane, count, far_load, out_at, rub_table, rub_field
-            )  # fmt: skip
-            q = cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 0]
-            y = cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 1]
-            curved = curvature_along(model, s, patch_place[w, pair, 1], real(1.0), real(0.0))
+            pressed_along(model, elements, w, pair, side, lane, count, patch.far_load, out_at, rolling)
+            q = rubbing.cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 0]
+            y = rubbing.cell_turn[w, pair, (elements.patches.columns[pair] / 2) * rows + rows / 2, 1]
+            curved = curvature_along(model, s, patch.patch_place[w, pair, 1], real(1.0), real(0.0))
             if side == 1:
                 curved = -curvature_along(model, s, real(0.0), q, y)
             n = lane
             while n < line_of(count):
-                grown[out_at + n] = curved * (far_modes[out_at + n] - far_field[out_at + n])
+                rolling.grown[out_at + n] = curved * (patch.far_modes[out_at + n] - patch.far_field[out_at + n])
                 n += wp.block_dim()
             sync()
             for d in range(2):
                 at = half_along(model, elements, w, pair, side, d)
                 to = (here * 4 + 2 * side + d) * hats
                 read_side(
-                    model, elements, w, pair, side, rows, own, far_strip, far_share, rub_field, at, weak_shift, to
+                    model, elements, w, pair, side, rows, own, patch.far_strip, patch.far_share, rolling.rub_field, at,
+                    rolling.weak_shift, to,
                 )  # fmt: skip
                 read_side(
-                    model, elements, w, pair, side, rows, own, far_strip, far_share, rub_modes, at, weak_modes, to
+                    model, elements, w, pair, side, rows, own, patch.far_strip, patch.far_share, rolling.rub_modes, at,
+                    rolling.weak_modes, to,
                 )  # fmt: skip
     add_splines(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
-        far_strip, far_share, grown, weak_grown,
+        patch.far_strip, patch.far_share, rolling.grown, rolling.weak_grown,
     )  # fmt: skip
     rings = elements.rolling.ring_rows[pair]
     near_along(
         model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
-        rings, rows, shear_near, place_traction, patch_pressure, near_shift, here * 2 * hats, hats,
+        rings, rows, rolling.shear_near, rolling.place_traction, patch_pressure, rolling.near_shift, here * 2 * hats,
+        hats,
     )  # fmt: skip
     m = lane
     while m < cells:
-        area = cell_area[w, pair, m]
+        area = rubbing.cell_area[w, pair, m]
         for d in range(2):
             local = real(0.0)
             modes = real(0.0)
             if area > real(0.0):
-                local = near_shift[(here * 2 + d) * hats + m] + weak_shift[(here * 4 + d) * hats + m]
-                modes = weak_modes[(here * 4 + d) * hats + m]
+                local = rolling.near_shift[(here * 2 + d) * hats + m] + rolling.weak_shift[(here * 4 + d) * hats + m]
+                modes = rolling.weak_modes[(here * 4 + d) * hats + m]
                 for e in range(2):
-                    turned = cell_turn[w, pair, m, 2 * d + e]
-                    local -= turned * weak_shift[(here * 4 + 2 + e) * hats + m]
-                    modes -= turned * weak_modes[(here * 4 + 2 + e) * hats + m]
+                    turned = rubbing.cell_turn[w, pair, m, 2 * d + e]
+                    local -= turned * rolling.weak_shift[(here * 4 + 2 + e) * hats + m]
+                    modes -= turned * rolling.weak_modes[(here * 4 + 2 + e) * hats + m]
                 local = local / area
                 modes = modes / area
-            elastic_local[w, pair, cell_at(rows, m, d)] = local
-            elastic[w, pair, cell_at(rows, m, d)] = local + modes
+            rubbing.elastic_local[w, pair, cell_at(rows, m, d)] = local
+            rubbing.elastic[w, pair, cell_at(rows, m, d)] = local + modes
         m += wp.block_dim()
 
 
-@wp.kernel
-def load_modes_along(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    rub_load: wp.array(dtype=real),
-    rub_trace: wp.array(dtype=real),
-    friction_modal: changed(wp.array(dtype=real)),
-):
+@kernel
+def load_modes_along(run: Run, patch: PatchScratch, rolling: RollingScratch, friction_modal: wp.array(dtype=real)):
     """Per (world, pair), lanes over modes: load of the tractions on the modes of A, then of B."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     nodes = elements.patches.far_nodes
@@ -428,44 +337,28 @@ def load_modes_along(
             n = i - count_a
         s = real_side(elements, pair, side)
         if s >= 0 and n < model.surfaces.modal_count[s]:
-            count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+            count = patch.far_window[w, pair, side, 1] * model.surfaces.rows[s]
             line = trace_along(model, elements, w, pair, side) + n * 2 * nodes
             value = real(0.0)
             for d in range(2):
                 value += dot(
-                    count, rub_load, half_along(model, elements, w, pair, side, d), rub_trace, line + d * nodes
-                )
+                    count, rolling.rub_load, half_along(model, elements, w, pair, side, d), rolling.rub_trace,
+                    line + d * nodes,
+                )  # fmt: skip
             friction_modal[trial + i] = friction_modal[trial + i] + value
         i += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def press_slips(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    base: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    cell_turn: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    far_strip: wp.array4d(dtype=int),
-    far_share: wp.array(dtype=real),
-    shear_near: wp.array(dtype=real),
-    rub_table: wp.array(dtype=real),
-    place_change: inout(wp.array(dtype=real)),
-    place_none: inout(wp.array(dtype=real)),
-    press_load: inout(wp.array(dtype=real)),
-    rub_field: inout(wp.array(dtype=real)),
-    near_shift: inout(wp.array(dtype=real)),
-    weak_shift: inout(wp.array(dtype=real)),
-    pressed_slip: out(wp.array3d(dtype=real)),
-):
+    run: Run, contact: ContactState, fields: ContactFields, cells: FrictionCells, patch: PatchScratch,
+    rolling: RollingScratch,
+):  # fmt: skip
     """Per (world, pair), lanes over places, splines, cells: what the change of the pressures makes of the slips [m].
     place_none: tractions that are zero."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -478,58 +371,59 @@ def press_slips(
         value = real(0.0)
         if e % line < rows:
             m = (e / line) * rows + e % line
-            value = -base[w, pair, m]
-            if active[w, pair, m] != 0:
-                value += pressure[w, pair, m]
-        place_change[here * places + e] = value
+            value = -fields.base[w, pair, m]
+            if contact.active[w, pair, m] != 0:
+                value += contact.pressure[w, pair, m]
+        rolling.place_change[here * places + e] = value
         e += wp.block_dim()
     m = lane
     while m < 4 * wp.max(places, hats):
         if m < 4 * places:
-            place_none[here * 4 * places + m] = real(0.0)
+            rolling.place_none[here * 4 * places + m] = real(0.0)
         if m < 4 * hats:
-            weak_shift[here * 4 * hats + m] = real(0.0)
+            rolling.weak_shift[here * 4 * hats + m] = real(0.0)
         m += wp.block_dim()
     sync()
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
             own = model.surfaces.rows[s]
-            count = far_window[w, pair, side, 1] * own
+            count = patch.far_window[w, pair, side, 1] * own
             at = half_of(model, elements, w, pair, side)
             load_side(
-                model, elements, w, pair, side, rows, own, count, far_strip, far_share, place_change, here * places,
-                press_load, at,
+                model, elements, w, pair, side, rows, own, count, patch.far_strip, patch.far_share,
+                rolling.place_change, here * places, rolling.press_load, at,
             )  # fmt: skip
             for d in range(2):
                 n = lane
                 while n < line_of(count):
-                    rub_field[half_along(model, elements, w, pair, side, d) + n] = real(0.0)
+                    rolling.rub_field[half_along(model, elements, w, pair, side, d) + n] = real(0.0)
                     n += wp.block_dim()
             sync()
-            pressed_along(model, elements, w, pair, side, lane, count, press_load, at, rub_table, rub_field)
+            pressed_along(model, elements, w, pair, side, lane, count, rolling.press_load, at, rolling)
             for d in range(2):
                 read_side(
-                    model, elements, w, pair, side, rows, own, far_strip, far_share, rub_field,
-                    half_along(model, elements, w, pair, side, d), weak_shift, (here * 4 + 2 * side + d) * hats,
+                    model, elements, w, pair, side, rows, own, patch.far_strip, patch.far_share, rolling.rub_field,
+                    half_along(model, elements, w, pair, side, d), rolling.weak_shift, (here * 4 + 2 * side + d) * hats,
                 )  # fmt: skip
     rings = elements.rolling.ring_rows[pair]
     coupled = elements.rolling.coupled[pair]
     if coupled != 0:
         near_along(
             model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
-            rings, rows, shear_near, place_none, place_change, near_shift, here * 2 * hats, hats,
+            rings, rows, rolling.shear_near, rolling.place_none, rolling.place_change, rolling.near_shift,
+            here * 2 * hats, hats,
         )  # fmt: skip
     m = lane
     while m < elements.patches.columns[pair] * rows:
         for d in range(2):
             value = real(0.0)
-            if cell_area[w, pair, m] > real(0.0):
-                value = weak_shift[(here * 4 + d) * hats + m]
+            if cells.cell_area[w, pair, m] > real(0.0):
+                value = rolling.weak_shift[(here * 4 + d) * hats + m]
                 if coupled != 0:
-                    value += near_shift[(here * 2 + d) * hats + m]
+                    value += rolling.near_shift[(here * 2 + d) * hats + m]
                 for e in range(2):
-                    value -= cell_turn[w, pair, m, 2 * d + e] * weak_shift[(here * 4 + 2 + e) * hats + m]
-                value = value / cell_area[w, pair, m]
-            pressed_slip[w, pair, cell_at(rows, m, d)] = value
+                    value -= cells.cell_turn[w, pair, m, 2 * d + e] * rolling.weak_shift[(here * 4 + 2 + e) * hats + m]
+                value = value / cells.cell_area[w, pair, m]
+            cells.pressed_slip[w, pair, cell_at(rows, m, d)] = value
         m += wp.block_dim()

@@ -24,11 +24,14 @@ slips.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import PatchScratch, RollingScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.state import FrictionState
 from warpffrf_kernels.friction.cells import cell_at, rubs_on_patch
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.rolling.entering import advance_of
@@ -73,23 +76,14 @@ def way_of(model: Model, elements: Elements, pair: int, z: real, advanced: wp.ve
     )
 
 
-@wp.kernel
+@kernel
 def slide_patch_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_place: wp.array3d(dtype=real),
-    ring_place: wp.array3d(dtype=real),
-    ring_slip: wp.array3d(dtype=real),
-    rigid_slip: wp.array3d(dtype=real),
-    elastic: wp.array3d(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    weak_grown: wp.array(dtype=real),
-    slip: out(wp.array3d(dtype=real)),
+    run: Run, patch: PatchScratch, friction: FrictionState, cells: FrictionCells, rolling: RollingScratch
 ):
     """Per (world, pair), lanes over cells: slip of the step [m]; without a history that of the rigid bodies."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -97,19 +91,19 @@ def slide_patch_cells(
     rings = elements.rolling.ring_rows[pair]
     wide = columns + 2 * STRIPS_AROUND
     high = rows + 2 * rings
-    advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
-    way = way_of(model, elements, pair, patch_place[w, pair, 1], advanced)
-    strip = strip_columns(model, elements, w, pair, patch_place)
-    known = ring_place[w, pair, 2] > real(0.0)
+    advanced = advance_of(model, elements, w, pair, patch, friction)
+    way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
+    strip = strip_columns(model, elements, w, pair, patch.patch_place)
+    known = friction.ring_place[w, pair, 2] > real(0.0)
     before = strip
     if known:
-        before = strip_columns(model, elements, w, pair, ring_place)
+        before = strip_columns(model, elements, w, pair, friction.ring_place)
     m = lane
     while m < columns * rows:
         i_1 = cell_at(rows, m, 0)
         i_2 = cell_at(rows, m, 1)
-        s_1 = rigid_slip[w, pair, i_1]
-        s_2 = rigid_slip[w, pair, i_2]
+        s_1 = cells.rigid_slip[w, pair, i_1]
+        s_2 = cells.rigid_slip[w, pair, i_2]
         if known:
             x = advanced[0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
             across = read_at(x / before + real(0.5) * real(wide - 1), wide)
@@ -118,8 +112,8 @@ def slide_patch_cells(
             along.first = row
             along.share = wp.vec4d(real(1.0), real(0.0), real(0.0), real(0.0))
             if rings > 0:
-                z = row_place(elements, pair, row, patch_place, w)[0] - ring_place[w, pair, 1]
-                pitch = row_place(elements, pair, row, ring_place, w)[1]
+                z = row_place(elements, pair, row, patch.patch_place, w)[0] - friction.ring_place[w, pair, 1]
+                pitch = row_place(elements, pair, row, friction.ring_place, w)[1]
                 along = read_at(z / pitch + real(0.5) * real(high - 1), high)
             u_1 = real(0.0)
             u_2 = real(0.0)
@@ -128,52 +122,46 @@ def slide_patch_cells(
                     share = across.share[i] * along.share[j]
                     if share != real(0.0):
                         at = (across.first + i) * high + along.first + j
-                        u_1 += share * ring_slip[w, pair, at]
-                        u_2 += share * ring_slip[w, pair, wide * high + at]
-            s_1 += elastic[w, pair, i_1] - u_1
-            s_2 += elastic[w, pair, i_2] - u_2
-            if cell_area[w, pair, m] > real(0.0):
-                growth = weak_grown[(w * model.pairs.count + pair) * model.window.hats + m] / cell_area[w, pair, m]
+                        u_1 += share * friction.ring_slip[w, pair, at]
+                        u_2 += share * friction.ring_slip[w, pair, wide * high + at]
+            s_1 += cells.elastic[w, pair, i_1] - u_1
+            s_2 += cells.elastic[w, pair, i_2] - u_2
+            if cells.cell_area[w, pair, m] > real(0.0):
+                growth = (
+                    rolling.weak_grown[(w * model.pairs.count + pair) * model.window.hats + m]
+                    / cells.cell_area[w, pair, m]
+                )
                 s_1 += way[0] * growth
                 s_2 += way[1] * growth
-        slip[w, pair, i_1] = s_1
-        slip[w, pair, i_2] = s_2
+        cells.slip[w, pair, i_1] = s_1
+        cells.slip[w, pair, i_2] = s_2
         m += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def mean_work(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_place: wp.array3d(dtype=real),
-    ring_place: wp.array3d(dtype=real),
-    ring_slip: wp.array3d(dtype=real),
+    run: Run, patch: PatchScratch, friction: FrictionState, cells: FrictionCells, rolling: RollingScratch,
     traction_before: wp.array3d(dtype=real),
-    rigid_slip: wp.array3d(dtype=real),
-    elastic: wp.array3d(dtype=real),
-    weak_grown: wp.array(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    friction_work: changed(wp.array3d(dtype=real)),
-):
+):  # fmt: skip
     """Per (world, pair): work of friction by the mean of the tractions before and after, from that by those after."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
-    if ring_place[w, pair, 2] == real(0.0):
+    if friction.ring_place[w, pair, 2] == real(0.0):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     columns = elements.patches.columns[pair]
-    advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
-    strip = strip_columns(model, elements, w, pair, patch_place)
-    before = strip_columns(model, elements, w, pair, ring_place)
-    way = way_of(model, elements, pair, patch_place[w, pair, 1], advanced)
+    advanced = advance_of(model, elements, w, pair, patch, friction)
+    strip = strip_columns(model, elements, w, pair, patch.patch_place)
+    before = strip_columns(model, elements, w, pair, friction.ring_place)
+    way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
     rings = elements.rolling.ring_rows[pair]
     high = rows + 2 * rings
     wide = columns + 2 * STRIPS_AROUND
     grown = (w * model.pairs.count + pair) * model.window.hats
-    scale = ring_place[w, pair, 2] / patch_place[w, pair, 2]
+    scale = friction.ring_place[w, pair, 2] / patch.patch_place[w, pair, 2]
     if elements.patches.follows[pair] != 0:
         scale = scale * scale
     total = real(0.0)
@@ -181,7 +169,7 @@ def mean_work(
     while m < columns * rows:
         t_1 = traction_before[w, pair, cell_at(rows, m, 0)]
         t_2 = traction_before[w, pair, cell_at(rows, m, 1)]
-        area = cell_area[w, pair, m]
+        area = cells.cell_area[w, pair, m]
         if area > real(0.0) and (t_1 != real(0.0) or t_2 != real(0.0)):
             x = (real(m / rows) - real(0.5) * real(columns - 1)) * before - advanced[0]
             across = read_at(x / strip + real(0.5) * real(columns - 1), columns)
@@ -189,12 +177,12 @@ def mean_work(
             along.first = m % rows
             along.share = wp.vec4d(real(1.0), real(0.0), real(0.0), real(0.0))
             if elements.patches.follows[pair] != 0:
-                z = row_place(elements, pair, m % rows, ring_place, w)[0] - patch_place[w, pair, 1]
-                pitch = row_place(elements, pair, m % rows, patch_place, w)[1]
+                z = row_place(elements, pair, m % rows, friction.ring_place, w)[0] - patch.patch_place[w, pair, 1]
+                pitch = row_place(elements, pair, m % rows, patch.patch_place, w)[1]
                 along = read_at(z / pitch + real(0.5) * real(rows - 1), rows)
             at = (m / rows + STRIPS_AROUND) * high + m % rows + rings
-            s_1 = way[0] * weak_grown[grown + m] / area - ring_slip[w, pair, at]
-            s_2 = way[1] * weak_grown[grown + m] / area - ring_slip[w, pair, wide * high + at]
+            s_1 = way[0] * rolling.weak_grown[grown + m] / area - friction.ring_slip[w, pair, at]
+            s_2 = way[1] * rolling.weak_grown[grown + m] / area - friction.ring_slip[w, pair, wide * high + at]
             for i in range(4):
                 for j in range(4):
                     share = across.share[i] * along.share[j]
@@ -202,53 +190,36 @@ def mean_work(
                         cell = (across.first + i) * rows + along.first + j
                         i_1 = cell_at(rows, cell, 0)
                         i_2 = cell_at(rows, cell, 1)
-                        s_1 += share * (elastic[w, pair, i_1] + rigid_slip[w, pair, i_1])
-                        s_2 += share * (elastic[w, pair, i_2] + rigid_slip[w, pair, i_2])
+                        s_1 += share * (cells.elastic[w, pair, i_1] + cells.rigid_slip[w, pair, i_1])
+                        s_2 += share * (cells.elastic[w, pair, i_2] + cells.rigid_slip[w, pair, i_2])
             total += scale * area * (t_1 * s_1 + t_2 * s_2)
         m += 1
-    friction_work[w, pair, 0] = wp.min(real(0.5) * (friction_work[w, pair, 0] + total), real(0.0))
+    cells.friction_work[w, pair, 0] = wp.min(real(0.5) * (cells.friction_work[w, pair, 0] + total), real(0.0))
 
 
 @wp.func
 def smooth_at(
-    w: int, pair: int, rows: int, c: int, r: int, d: int, base: int, hats: int, elastic: wp.array3d(dtype=real),
-    near_shift: wp.array(dtype=real), cell_area: wp.array3d(dtype=real),
+    w: int, pair: int, rows: int, c: int, r: int, d: int, base: int, hats: int, cells: FrictionCells,
+    rolling: RollingScratch,
 ) -> real:  # fmt: skip
     """What of e of a cell is not the half-spaces' [m]."""
     m = c * rows + r
-    area = cell_area[w, pair, m]
+    area = cells.cell_area[w, pair, m]
     if not (area > real(0.0)):
         return real(0.0)
-    return elastic[w, pair, cell_at(rows, m, d)] - near_shift[base + d * hats + m] / area
+    return cells.elastic[w, pair, cell_at(rows, m, d)] - rolling.near_shift[base + d * hats + m] / area
 
 
-@wp.kernel
+@kernel
 def keep_rings(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    clk: wp.array(dtype=Clock),
-    patch_place: wp.array3d(dtype=real),
-    patch_pressure: wp.array(dtype=real),
-    elastic: wp.array3d(dtype=real),
-    near_shift: wp.array(dtype=real),
-    cell_area: wp.array3d(dtype=real),
-    place_traction: wp.array(dtype=real),
-    shear_near: wp.array(dtype=real),
-    rigid_slip: wp.array3d(dtype=real),
-    friction_work: wp.array3d(dtype=real),
-    normal_wrench: wp.array3d(dtype=real),
-    most_advanced: inout(wp.array2d(dtype=real)),
-    history_phase: out(wp.array2d(dtype=real)),
-    ring_place: inout(wp.array3d(dtype=real)),
-    ring_slip: inout(wp.array(dtype=real)),
-    contact_normal: out(wp.array2d(dtype=vec3)),
-    friction_record: out(wp.array3d(dtype=real)),
-):
+    run: Run, patch: PatchScratch, rubbing: FrictionCells, rolling: RollingScratch, friction: FrictionState,
+    patch_pressure: wp.array(dtype=real), ring_slip: wp.array(dtype=real),
+):  # fmt: skip
     """Per (world, pair), lanes over cells: the history of an accepted step. friction_record: power, creep (2), rolling
     velocity."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0 or ctl[w].accept == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].attempt == 0 or run.ctl[w].accept == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -261,9 +232,9 @@ def keep_rings(
     start = here * 2 * elements.rolling.ring_cells
     near_along(
         model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, -STRIPS_AROUND, wide, 0, high,
-        shear_near, place_traction, patch_pressure, ring_slip, start, wide * high,
+        rolling.shear_near, rolling.place_traction, patch_pressure, ring_slip, start, wide * high,
     )  # fmt: skip
-    strip = real(2.0) * patch_place[w, pair, 2] / real(columns)
+    strip = real(2.0) * patch.patch_place[w, pair, 2] / real(columns)
     base = here * 2 * hats
     e = lane
     while e < wide * high:
@@ -274,53 +245,55 @@ def keep_rings(
         for d in range(2):
             at = start + d * wide * high + e
             if c == c_in and r == r_in:
-                ring_slip[at] = elastic[w, pair, cell_at(rows, c * rows + r, d)]
+                ring_slip[at] = rubbing.elastic[w, pair, cell_at(rows, c * rows + r, d)]
             else:
-                value = smooth_at(w, pair, rows, c_in, r_in, d, base, hats, elastic, near_shift, cell_area)
+                value = smooth_at(w, pair, rows, c_in, r_in, d, base, hats, rubbing, rolling)
                 if c != c_in:
                     inner = c_in + wp.sign(c_in - c)
                     value += real(wp.abs(c - c_in)) * (
-                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, elastic, near_shift, cell_area)
-                        - smooth_at(w, pair, rows, inner, r_in, d, base, hats, elastic, near_shift, cell_area)
+                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, rubbing, rolling)
+                        - smooth_at(w, pair, rows, inner, r_in, d, base, hats, rubbing, rolling)
                     )
                 if r != r_in:
                     inner = r_in + wp.sign(r_in - r)
                     value += real(wp.abs(r - r_in)) * (
-                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, elastic, near_shift, cell_area)
-                        - smooth_at(w, pair, rows, c_in, inner, d, base, hats, elastic, near_shift, cell_area)
+                        smooth_at(w, pair, rows, c_in, r_in, d, base, hats, rubbing, rolling)
+                        - smooth_at(w, pair, rows, c_in, inner, d, base, hats, rubbing, rolling)
                     )
-                size = strip * row_place(elements, pair, r_in, patch_place, w)[1]
+                size = strip * row_place(elements, pair, r_in, patch.patch_place, w)[1]
                 ring_slip[at] = ring_slip[at] / size + value
         e += wp.block_dim()
     sync()
     if lane == 0:
-        h = clk[w].done_step
-        advanced = advance_of(model, elements, w, pair, patch_place, ring_place)
-        way = way_of(model, elements, pair, patch_place[w, pair, 1], advanced)
-        cells = wp.abs(advanced[0]) / strip_columns(model, elements, w, pair, patch_place)
+        h = run.clk[w].done_step
+        advanced = advance_of(model, elements, w, pair, patch, friction)
+        way = way_of(model, elements, pair, patch.patch_place[w, pair, 1], advanced)
+        cells = wp.abs(advanced[0]) / strip_columns(model, elements, w, pair, patch.patch_place)
         if elements.patches.follows[pair] != 0:
-            up = wp.abs(advanced[1]) / row_place(elements, pair, 0, patch_place, w)[1]
+            up = wp.abs(advanced[1]) / row_place(elements, pair, 0, patch.patch_place, w)[1]
             cells = wp.max(cells, up)
-        if is_whole(ctl, w):
-            most_advanced[w, pair] = wp.max(most_advanced[w, pair], cells)
+        if is_whole(run.ctl, w):
+            friction.most_advanced[w, pair] = wp.max(friction.most_advanced[w, pair], cells)
         else:
-            most_advanced[w, pair] = real(0.0)
-        history_phase[w, pair] = patch_place[w, pair, 0]
+            friction.most_advanced[w, pair] = real(0.0)
+        friction.history_phase[w, pair] = patch.patch_place[w, pair, 0]
         for i in range(4):
-            ring_place[w, pair, i] = patch_place[w, pair, i]
-        force = vec3(normal_wrench[w, pair, 0], normal_wrench[w, pair, 1], normal_wrench[w, pair, 2])
-        contact_normal[w, pair] = vec3(real(0.0), real(0.0), real(0.0))
+            friction.ring_place[w, pair, i] = patch.patch_place[w, pair, i]
+        force = vec3(
+            rubbing.normal_wrench[w, pair, 0], rubbing.normal_wrench[w, pair, 1], rubbing.normal_wrench[w, pair, 2]
+        )
+        friction.contact_normal[w, pair] = vec3(real(0.0), real(0.0), real(0.0))
         if wp.length(force) > real(0.0):
-            contact_normal[w, pair] = -wp.normalize(force)
+            friction.contact_normal[w, pair] = -wp.normalize(force)
         for c in range(4):
-            friction_record[w, pair, c] = real(0.0)
-        if is_whole(ctl, w) and h > real(0.0):
+            rubbing.friction_record[w, pair, c] = real(0.0)
+        if is_whole(run.ctl, w) and h > real(0.0):
             # of the material that is in the middle of the patch half way through the step
-            gone = real(0.5) * advanced[0] / strip_columns(model, elements, w, pair, patch_place)
+            gone = real(0.5) * advanced[0] / strip_columns(model, elements, w, pair, patch.patch_place)
             across = read_at(real(0.5) * real(columns - 1) - gone, columns)
             middle = real(0.5) * real(rows - 1)
             if elements.patches.follows[pair] != 0:
-                middle -= real(0.5) * advanced[1] / row_place(elements, pair, 0, patch_place, w)[1]
+                middle -= real(0.5) * advanced[1] / row_place(elements, pair, 0, patch.patch_place, w)[1]
             along = read_at(middle, rows)
             creep = real(0.0)
             lateral = real(0.0)
@@ -328,9 +301,9 @@ def keep_rings(
                 for j in range(4):
                     share = across.share[i] * along.share[j] / h
                     m = (across.first + i) * rows + along.first + j
-                    creep += share * rigid_slip[w, pair, cell_at(rows, m, 0)]
-                    lateral += share * rigid_slip[w, pair, cell_at(rows, m, 1)]
-            friction_record[w, pair, 0] = -friction_work[w, pair, 0] / h
-            friction_record[w, pair, 1] = creep
-            friction_record[w, pair, 2] = lateral
-            friction_record[w, pair, 3] = way[0] / h - real(0.5) * creep
+                    creep += share * rubbing.rigid_slip[w, pair, cell_at(rows, m, 0)]
+                    lateral += share * rubbing.rigid_slip[w, pair, cell_at(rows, m, 1)]
+            rubbing.friction_record[w, pair, 0] = -rubbing.friction_work[w, pair, 0] / h
+            rubbing.friction_record[w, pair, 1] = creep
+            rubbing.friction_record[w, pair, 2] = lateral
+            rubbing.friction_record[w, pair, 3] = way[0] / h - real(0.5) * creep

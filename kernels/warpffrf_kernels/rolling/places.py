@@ -15,11 +15,15 @@ on the patch, g_0' = x/R*, and G symmetric and the same everywhere,
 
 import warp as wp
 
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry, PatchScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells
 from warpffrf_kernels.core.integration import is_whole
 from warpffrf_kernels.core.model import Elements, Model
-from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.core.run import Run
+from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import ContactState, FrictionState, MotionState
 from warpffrf_kernels.friction.cells import cell_at, find_cell, keep_cell, look, rubs_on_patch
 from warpffrf_kernels.patch.cells import row_place
 from warpffrf_kernels.rolling.shear import shear_line
@@ -43,123 +47,101 @@ SAME_PLACE = wp.constant(wp.float64(0.5))  # columns
 SAME_NORMAL = wp.constant(wp.float64(1.0e-2))  # rad: gradients by the motion of the bodies turn with it
 
 
-@wp.kernel
-def open_patch_cells(
-    models: wp.array(dtype=Model),
-    clk: wp.array(dtype=Clock),
-    contact_normal: wp.array2d(dtype=vec3),
-    patch_place: wp.array3d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    cell_phase: inout(wp.array3d(dtype=real)),
-):
+@kernel
+def open_patch_cells(run: Run, friction: FrictionState, patch: PatchScratch, cells: FrictionCells):
     """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was
     when it was, the step size, on which the share of the modes depends, and the normal."""
     w, pair = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
-    width = patch_place[w, pair, 2]
-    off = wp.abs(patch_place[w, pair, 0] - cell_phase[w, pair, 0]) / SAME_PLACE
-    off = wp.max(off, wp.abs(patch_place[w, pair, 3] - cell_phase[w, pair, 3]) / SAME_PLACE)
-    off = wp.max(off, wp.abs(patch_place[w, pair, 1] - cell_phase[w, pair, 1]) / (SAME_PLACE * width))
-    off = wp.max(off, wp.abs(width - cell_phase[w, pair, 2]) / (SAME_WIDTH * width))
-    normal = contact_normal[w, pair]
+    width = patch.patch_place[w, pair, 2]
+    off = wp.abs(patch.patch_place[w, pair, 0] - cells.cell_phase[w, pair, 0]) / SAME_PLACE
+    off = wp.max(off, wp.abs(patch.patch_place[w, pair, 3] - cells.cell_phase[w, pair, 3]) / SAME_PLACE)
+    off = wp.max(off, wp.abs(patch.patch_place[w, pair, 1] - cells.cell_phase[w, pair, 1]) / (SAME_PLACE * width))
+    off = wp.max(off, wp.abs(width - cells.cell_phase[w, pair, 2]) / (SAME_WIDTH * width))
+    normal = friction.contact_normal[w, pair]
     for i in range(3):
-        off = wp.max(off, wp.abs(normal[i] - cell_phase[w, pair, 5 + i]) / SAME_NORMAL)
-    if not (off < real(1.0)) or cell_phase[w, pair, 4] != clk[w].h:
-        ctl[w].stale = 1
+        off = wp.max(off, wp.abs(normal[i] - cells.cell_phase[w, pair, 5 + i]) / SAME_NORMAL)
+    if not (off < real(1.0)) or cells.cell_phase[w, pair, 4] != run.clk[w].h:
+        run.ctl[w].stale = 1
         for i in range(4):
-            cell_phase[w, pair, i] = patch_place[w, pair, i]
-            cell_phase[w, pair, 5 + wp.min(i, 2)] = normal[wp.min(i, 2)]
-        cell_phase[w, pair, 4] = clk[w].h
+            cells.cell_phase[w, pair, i] = patch.patch_place[w, pair, i]
+            cells.cell_phase[w, pair, 5 + wp.min(i, 2)] = normal[wp.min(i, 2)]
+        cells.cell_phase[w, pair, 4] = run.clk[w].h
 
 
-@wp.kernel
+@kernel
 def place_patch_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    contact_normal: wp.array2d(dtype=vec3),
-    patch_place: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
-    shear_near: wp.array3d(dtype=real),
-    more_wrench: changed(wp.array4d(dtype=real)),
-    cell_area: out(wp.array3d(dtype=real)),
-    cell_turn: out(wp.array4d(dtype=real)),
-    cell_wrench: out(wp.array4d(dtype=real)),
-    cell_own: out(wp.array3d(dtype=real)),
-    rigid_slip: out(wp.array3d(dtype=real)),
-):
+    run: Run, state: MotionState, trial: Trial, friction: FrictionState, patch: PatchScratch, geometry: ContactGeometry,
+    cells: FrictionCells, shear_near: wp.array3d(dtype=real),
+):  # fmt: skip
     """Per (world, pair), lanes over cells: area (0 where nothing is opposite), turn, wrench, displacement by a unit
     traction of their own, rigid slip; and the couple of a unit pressure that acts along the common normal."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     A = elements.patches.first[pair]
     B = elements.patches.second[pair]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     columns = elements.patches.columns[pair]
-    strip = strip_columns(model, elements, w, pair, patch_place)
-    middle = model.surfaces.theta[A] + patch_place[w, pair, 0] * model.surfaces.pitch[A]
-    s = look(model, w, A, B, r, p, r1, axes, contact_normal[w, pair], middle, patch_place[w, pair, 1])
+    strip = strip_columns(model, elements, w, pair, patch.patch_place)
+    middle = model.surfaces.theta[A] + patch.patch_place[w, pair, 0] * model.surfaces.pitch[A]
+    s = look(model, w, A, B, state, trial, friction.contact_normal[w, pair], middle, patch.patch_place[w, pair, 1])
     rings = elements.rolling.ring_rows[pair]
     line = shear_line(rows, rings)
-    way = real(2.0) * patch_place[w, pair, 2] / real(columns)
+    way = real(2.0) * patch.patch_place[w, pair, 2] / real(columns)
     m = lane
     while m < columns * rows:
-        x = patch_place[w, pair, 0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
-        z = row_place(elements, pair, m % rows, patch_place, w)[0]
+        x = patch.patch_place[w, pair, 0] + (real(m / rows) - real(0.5) * real(columns - 1)) * strip
+        z = row_place(elements, pair, m % rows, patch.patch_place, w)[0]
         found = find_cell(model, A, B, s, model.surfaces.theta[A] + x * model.surfaces.pitch[A], z)
-        size = area[w, pair, m]
-        if is_whole(ctl, w):  # without tractions pressures stand about the middle
+        size = geometry.area[w, pair, m]
+        if is_whole(run.ctl, w):  # without tractions pressures stand about the middle
             arm = model.surfaces.side[A] * (real(m / rows) - real(0.5) * real(columns - 1)) * way
             for i in range(3):
-                more_wrench[w, pair, m, 3 + i] = more_wrench[w, pair, m, 3 + i] + size * arm * found.u_2[i]
-        keep_cell(w, pair, rows, m, size, found, cell_area, cell_turn, cell_wrench, rigid_slip)
+                geometry.more_wrench[w, pair, m, 3 + i] = (
+                    geometry.more_wrench[w, pair, m, 3 + i] + size * arm * found.u_2[i]
+                )
+        keep_cell(w, pair, rows, m, size, found, cells)
         own = real(0.0)
         if size > real(0.0):
             own = shear_near[w, pair, (m % rows) * line + rings + m % rows] / size
-        cell_own[w, pair, m] = own
+        cells.cell_own[w, pair, m] = own
         m += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def bound_patch_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    active: wp.array3d(dtype=int),
-    pressure: wp.array3d(dtype=real),
-    area: wp.array3d(dtype=real),
+    run: Run, contact: ContactState, geometry: ContactGeometry, rubbing: FrictionCells, friction: FrictionState,
     clip: int,
-    bound: out(wp.array3d(dtype=real)),
-    traction: inout(wp.array3d(dtype=real)),
-):
+):  # fmt: skip
     """Per (world, pair), lanes over cells: the bounds mu p [Pa] of the present pressures; with `clip` tractions beyond
     them are cut. Friction acts in steps in time and load steps only."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or not rubs_on_patch(model, pair):
         return
-    if (clip != 0 and ctl[w].moved == 0) or (clip == 0 and ctl[w].changes != 0):
+    if (clip != 0 and run.ctl[w].moved == 0) or (clip == 0 and run.ctl[w].changes != 0):
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     cells = model.elements[0].patches.columns[pair] * rows
     m = lane
     while m < model.window.hats:
         value = real(0.0)
-        if m < cells and is_whole(ctl, w):
-            if active[w, pair, m] != 0 and area[w, pair, m] > real(0.0):
-                value = model.pairs.friction[pair] * wp.max(pressure[w, pair, m], real(0.0))
-        bound[w, pair, m] = value
+        if m < cells and is_whole(run.ctl, w):
+            if contact.active[w, pair, m] != 0 and geometry.area[w, pair, m] > real(0.0):
+                value = model.pairs.friction[pair] * wp.max(contact.pressure[w, pair, m], real(0.0))
+        rubbing.bound[w, pair, m] = value
         if clip != 0 and m < cells:
             i = cell_at(rows, m, 0)
             j = cell_at(rows, m, 1)
-            size = wp.sqrt(traction[w, pair, i] * traction[w, pair, i] + traction[w, pair, j] * traction[w, pair, j])
+            size = wp.sqrt(
+                friction.traction[w, pair, i] * friction.traction[w, pair, i]
+                + friction.traction[w, pair, j] * friction.traction[w, pair, j]
+            )
             if not (size <= value):
                 share = real(0.0)
                 if size > real(0.0) and wp.isfinite(size):
@@ -168,6 +150,6 @@ def bound_patch_cells(
                     at = cell_at(rows, m, d)
                     stress = real(0.0)
                     if share > real(0.0):
-                        stress = share * traction[w, pair, at]
-                    traction[w, pair, at] = stress
+                        stress = share * friction.traction[w, pair, at]
+                    friction.traction[w, pair, at] = stress
         m += wp.block_dim()

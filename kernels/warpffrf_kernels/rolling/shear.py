@@ -13,9 +13,10 @@ Tractions open the gap by the transpose of the last two.
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import PatchScratch, RollingScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.friction.cells import rubs_on_patch
 from warpffrf_kernels.patch.near import first_level, level_shares
@@ -62,23 +63,17 @@ def sum_shear_levels(
 ): ...
 
 
-@wp.kernel
-def lay_shear(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    patch_place: wp.array3d(dtype=real),
-    shear_laid: inout(wp.array3d(dtype=real)),
-    shear_near: out(wp.array(dtype=real)),
-):
+@kernel
+def lay_shear(run: Run, patch: PatchScratch, rolling: RollingScratch):
     """Per (world, pair), lanes over entries: the table at the W of the attempt, where it is not that of
     `shear_laid`."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
-    width = patch_place[w, pair, 2]
-    if shear_laid[w, pair, 0] == width:
+    width = patch.patch_place[w, pair, 2]
+    if rolling.shear_laid[w, pair, 0] == width:
         return
     rows = model.surfaces.rows[model.pairs.first[pair]]
     size = shear_kinds(elements, pair) * (elements.patches.columns[pair] + STRIPS_AROUND) * rows
@@ -87,11 +82,11 @@ def lay_shear(
     scale = wp.pow(width, elements.patches.near_power[pair])
     sum_shear_levels(
         model, elements, w, pair, start, size, wp.min(elements.patches.near_levels[pair], 4),
-        scale * level_shares(elements, pair, width), shear_near,
+        scale * level_shares(elements, pair, width), rolling.shear_near,
     )  # fmt: skip
     sync()
     if lane == 0:
-        shear_laid[w, pair, 0] = width
+        rolling.shear_laid[w, pair, 0] = width
 
 
 # Weak displacements along the surface by tractions q[at], q[at + places] on A, and by pressures p, of `c_count` strips

@@ -9,9 +9,10 @@ Of one side, with the splines of its far window in lines of `far_nodes`, directi
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import PatchScratch, RollingScratch
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 from warpffrf_kernels.friction.cells import rubs_on_patch
 from warpffrf_kernels.patch.spline_tables import real_side
@@ -90,39 +91,32 @@ def table_side_along(
 ): ...
 
 
-@wp.kernel
-def lay_splines_along(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    far_window: wp.array4d(dtype=int),
-    rub_laid: inout(wp.array4d(dtype=int)),
-    rub_table: out(wp.array(dtype=real)),
-    rub_trace: out(wp.array(dtype=real)),
-):
+@kernel
+def lay_splines_along(run: Run, patch: PatchScratch, rolling: RollingScratch):
     """Per (world, pair): the tables of both sides where the window of splines is another one."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
-            first = far_window[w, pair, side, 0]
-            count = far_window[w, pair, side, 1]
+            first = patch.far_window[w, pair, side, 0]
+            count = patch.far_window[w, pair, side, 1]
             same = int(0)
-            if rub_laid[w, pair, side, 0] == first and rub_laid[w, pair, side, 1] == count:
+            if rolling.rub_laid[w, pair, side, 0] == first and rolling.rub_laid[w, pair, side, 1] == count:
                 same = int(1)
             sync()
             if same == 0:
                 table_side_along(
                     model, elements, s, elements.patches.far_of[s], first, count,
                     table_along(model, elements, w, pair, side, 0), trace_along(model, elements, w, pair, side),
-                    rub_table, rub_trace,
+                    rolling.rub_table, rolling.rub_trace,
                 )  # fmt: skip
                 if lane == 0:
-                    rub_laid[w, pair, side, 0] = first
-                    rub_laid[w, pair, side, 1] = count
+                    rolling.rub_laid[w, pair, side, 0] = first
+                    rolling.rub_laid[w, pair, side, 1] = count
             sync()
 
 

@@ -10,10 +10,13 @@ A line of G is read off what a cell's unit tractions displace of the splines of 
 
 import warp as wp
 
-from warpffrf_kernels.core.access import inout, out
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.contact_scratch import PatchScratch, RollingScratch
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.friction_scratch import FrictionCells, FrictionSolve
 from warpffrf_kernels.core.model import Elements, Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.scratch import ImpulsiveContact, Residuals
 from warpffrf_kernels.friction.cell_blocks import COUNT, FRESH, block_of, first_line
 from warpffrf_kernels.friction.cell_compliance import mirror_lines
 from warpffrf_kernels.friction.cells import rubs_on_patch
@@ -24,35 +27,25 @@ from warpffrf_kernels.rolling.spline_tables import table_along, trace_along
 wp.set_module_options(MODULE_OPTIONS)
 
 
-@wp.kernel
+@kernel
 def modes_of_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_turn: wp.array4d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    rub_trace: wp.array(dtype=real),
-    weight: wp.array2d(dtype=real),
-    cell_J: out(wp.array(dtype=real)),
-    cell_JT: out(wp.array4d(dtype=real)),
-):
+    run: Run, tangential: FrictionSolve, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
+    impulses: ImpulsiveContact,
+):  # fmt: skip
     """Per (world, pair), lanes over modes: gradient J of the weak slip by the global modes of A, then of B, times the
     weight of the pair, and its transpose; of the fresh slots, in the beginning of an attempt of all."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):
         return
     elements = model.elements[0]
     nodes = elements.patches.far_nodes
     count_a = model.surfaces.modal_count[model.pairs.first[pair]]
     slot = int(0)
-    if ctl[w].iteration > 0:
-        slot = cell_block[w, pair, FRESH]
-    while slot < cell_block[w, pair, COUNT]:
-        m = cell_slot[w, pair, slot]
+    if run.ctl[w].iteration > 0:
+        slot = tangential.cell_block[w, pair, FRESH]
+    while slot < tangential.cell_block[w, pair, COUNT]:
+        m = tangential.cell_slot[w, pair, slot]
         start = (first_line(model, w, pair) + 2 * slot) * model.pairs.most_modes
         i = lane
         while i < model.pairs.most_modes:
@@ -68,23 +61,25 @@ def modes_of_cells(
                 rows = model.surfaces.rows[s]
                 at = side * model.window.hats + m
                 line = trace_along(model, elements, w, pair, side) + n * 2 * nodes
-                line += (far_at[w, pair, at, 0] - far_window[w, pair, side, 0]) * rows + far_at[w, pair, at, 1]
+                line += (patch.far_at[w, pair, at, 0] - patch.far_window[w, pair, side, 0]) * rows + patch.far_at[
+                    w, pair, at, 1
+                ]
                 for a in range(3):
                     b = int(0)
                     while b < wp.min(rows, 3):
-                        f = far_weight[w, pair, at, 3 * a + b]
-                        v_1 += f * rub_trace[line + a * rows + b]
-                        v_2 += f * rub_trace[line + nodes + a * rows + b]
+                        f = patch.far_weight[w, pair, at, 3 * a + b]
+                        v_1 += f * rolling.rub_trace[line + a * rows + b]
+                        v_2 += f * rolling.rub_trace[line + nodes + a * rows + b]
                         b += 1
             u_1 = v_1
             u_2 = v_2
             if side == 1:
-                u_1 = -(cell_turn[w, pair, m, 0] * v_1 + cell_turn[w, pair, m, 1] * v_2)
-                u_2 = -(cell_turn[w, pair, m, 2] * v_1 + cell_turn[w, pair, m, 3] * v_2)
-            cell_J[start + i] = weight[w, pair] * u_1
-            cell_J[start + model.pairs.most_modes + i] = weight[w, pair] * u_2
-            cell_JT[w, pair, i, 2 * slot] = weight[w, pair] * u_1
-            cell_JT[w, pair, i, 2 * slot + 1] = weight[w, pair] * u_2
+                u_1 = -(cells.cell_turn[w, pair, m, 0] * v_1 + cells.cell_turn[w, pair, m, 1] * v_2)
+                u_2 = -(cells.cell_turn[w, pair, m, 2] * v_1 + cells.cell_turn[w, pair, m, 3] * v_2)
+            tangential.cell_J[start + i] = impulses.weight[w, pair] * u_1
+            tangential.cell_J[start + model.pairs.most_modes + i] = impulses.weight[w, pair] * u_2
+            tangential.cell_JT[w, pair, i, 2 * slot] = impulses.weight[w, pair] * u_1
+            tangential.cell_JT[w, pair, i, 2 * slot + 1] = impulses.weight[w, pair] * u_2
             i += wp.block_dim()
         slot += 1
 
@@ -250,31 +245,17 @@ def lay_near_lines(
 ): ...
 
 
-@wp.kernel
+@kernel
 def assemble_patch_cells(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    cell_block: wp.array3d(dtype=int),
-    cell_slot: wp.array3d(dtype=int),
-    cell_turn: wp.array4d(dtype=real),
-    far_at: wp.array4d(dtype=int),
-    far_weight: wp.array4d(dtype=real),
-    far_window: wp.array4d(dtype=int),
-    shear_near: wp.array(dtype=real),
-    rub_table: wp.array(dtype=real),
-    rub_trace: wp.array(dtype=real),
-    weight: wp.array2d(dtype=real),
-    receptance: wp.array(dtype=real),
-    rub_soft: inout(wp.array(dtype=real)),
-    rub_line: inout(wp.array(dtype=real)),
-    G: out(wp.array(dtype=real)),
-):
+    run: Run, tangential: FrictionSolve, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
+    impulses: ImpulsiveContact, residuals: Residuals,
+):  # fmt: skip
     """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
     w, pair, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].changes != 0 or not rubs_on_patch(model, pair):
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):
         return
-    if cell_block[w, pair, FRESH] == cell_block[w, pair, COUNT]:
+    if tangential.cell_block[w, pair, FRESH] == tangential.cell_block[w, pair, COUNT]:
         return
     elements = model.elements[0]
     nodes = elements.patches.far_nodes
@@ -283,34 +264,36 @@ def assemble_patch_cells(
         s = real_side(elements, pair, side)
         if s >= 0:
             soften_splines(
-                model, elements, w, s, far_window[w, pair, side, 1] * model.surfaces.rows[s], weight[w, pair],
-                table_along(model, elements, w, pair, side, 0), trace_along(model, elements, w, pair, side),
-                (here * 2 + side) * 2 * nodes * 2 * nodes, rub_table, rub_trace, receptance, rub_soft,
+                model, elements, w, s, patch.far_window[w, pair, side, 1] * model.surfaces.rows[s],
+                impulses.weight[w, pair], table_along(model, elements, w, pair, side, 0),
+                trace_along(model, elements, w, pair, side), (here * 2 + side) * 2 * nodes * 2 * nodes,
+                rolling.rub_table, rolling.rub_trace, residuals.receptance, rolling.rub_soft,
             )  # fmt: skip
     lines = 2 * model.capacity.cells
     rows = model.surfaces.rows[model.pairs.first[pair]]
     rings = elements.rolling.ring_rows[pair]
-    slot = cell_block[w, pair, FRESH]
-    while slot < cell_block[w, pair, COUNT]:
+    slot = tangential.cell_block[w, pair, FRESH]
+    while slot < tangential.cell_block[w, pair, COUNT]:
         lay_near_lines(
-            model, elements, w, pair, slot, rows, rings, shear_line(rows, rings), STRIPS_AROUND, cell_slot, shear_near,
-            G,
+            model, elements, w, pair, slot, rows, rings, shear_line(rows, rings), STRIPS_AROUND, tangential.cell_slot,
+            rolling.shear_near, tangential.cell_G,
         )  # fmt: skip
         for d in range(2):
             for side in range(2):
                 s = real_side(elements, pair, side)
                 if s >= 0:
-                    count = far_window[w, pair, side, 1] * model.surfaces.rows[s]
+                    count = patch.far_window[w, pair, side, 1] * model.surfaces.rows[s]
                     at = here * 4 * nodes + side * 2 * nodes
                     displaced_splines(
-                        model, elements, w, pair, side, model.surfaces.rows[s], count, cell_slot[w, pair, slot], d,
-                        far_at, far_weight, far_window, cell_turn, rub_soft,
-                        (here * 2 + side) * 2 * nodes * 2 * nodes, rub_line, at,
+                        model, elements, w, pair, side, model.surfaces.rows[s], count,
+                        tangential.cell_slot[w, pair, slot], d, patch.far_at, patch.far_weight, patch.far_window,
+                        cells.cell_turn, rolling.rub_soft, (here * 2 + side) * 2 * nodes * 2 * nodes, rolling.rub_line,
+                        at,
                     )  # fmt: skip
                     add_on_cells(
-                        model, elements, w, pair, side, model.surfaces.rows[s], slot + 1, far_at,
-                        far_weight, far_window, cell_slot, cell_turn, rub_line, at, G,
-                        block_of(model, w, pair) + (2 * slot + d) * lines,
+                        model, elements, w, pair, side, model.surfaces.rows[s], slot + 1, patch.far_at,
+                        patch.far_weight, patch.far_window, tangential.cell_slot, cells.cell_turn, rolling.rub_line, at,
+                        tangential.cell_G, block_of(model, w, pair) + (2 * slot + d) * lines,
                     )  # fmt: skip
-        mirror_lines(model, w, pair, 2 * slot, G)
+        mirror_lines(model, w, pair, 2 * slot, tangential.cell_G)
         slot += 1

@@ -27,10 +27,11 @@ and M dvdot + C^T dlambda = 0, so that the balance of forces stays.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
+from warpffrf_kernels.core.state import LoadState, MotionState
 from warpffrf_kernels.linear.outer_solve import solve
 from warpffrf_kernels.linear.sparse_factor import Pattern
 from warpffrf_kernels.step.balance import gyration_of
@@ -38,185 +39,137 @@ from warpffrf_kernels.step.balance import gyration_of
 wp.set_module_options(MODULE_OPTIONS)
 
 
-@wp.kernel
-def estimate_error(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    step_error: wp.array(dtype=real),
-    v_rate: wp.array2d(dtype=vec3),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega_rate: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    qd_rate: wp.array2d(dtype=real),
-    qd1_rate: wp.array2d(dtype=real),
-    clk: inout(wp.array(dtype=Clock)),
-):
+@kernel
+def estimate_error(run: Run, state: MotionState, trial: Trial):
     """Per world: clk[ERROR], the local error as a fraction of the one allowed; 0 where none is."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0:
         return
-    clk[w].error = real(0.0)
-    if step_error[w] <= real(0.0) or ctl[w].mode != k.DYNAMIC:
+    run.clk[w].error = real(0.0)
+    if run.step_error[w] <= real(0.0) or run.ctl[w].mode != k.DYNAMIC:
         return
     worst = real(0.0)
     b = int(0)
     while b < model.bodies.count:
         gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
-        worst = wp.max(worst, wp.length(v1_rate[w, b] - v_rate[w, b]) / gyration)
-        worst = wp.max(worst, wp.length(omega1_rate[w, b] - omega_rate[w, b]))
+        worst = wp.max(worst, wp.length(trial.v1_rate[w, b] - state.v_rate[w, b]) / gyration)
+        worst = wp.max(worst, wp.length(trial.omega1_rate[w, b] - state.omega_rate[w, b]))
         n = model.bodies.modal_start[b]
         while n < model.bodies.modal_start[b + 1]:
-            worst = wp.max(worst, wp.abs(qd1_rate[w, n] - qd_rate[w, n]) * model.modes.reach[n] / gyration)
+            worst = wp.max(worst, wp.abs(trial.qd1_rate[w, n] - state.qd_rate[w, n]) * model.modes.reach[n] / gyration)
             n += 1
         b += 1
-    h = clk[w].h
-    clk[w].error = wp.abs(clk[w].outer.beta - real(1.0) / real(6.0)) * h * h * worst / step_error[w]
+    h = run.clk[w].h
+    run.clk[w].error = wp.abs(run.clk[w].outer.beta - real(1.0) / real(6.0)) * h * h * worst / run.step_error[w]
 
 
-@wp.kernel
-def missed_rates(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    wanted: wp.array(dtype=int),
-    C: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
-    v1: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    qd1: wp.array2d(dtype=real),
-    drive_rate: wp.array3d(dtype=real),
-    missed: out(wp.array2d(dtype=real)),
-):
+@kernel
+def missed_rates(run: Run, residuals: Residuals, trial: Trial, loads: LoadState, C_modal: wp.array3d(dtype=real)):
     """Lanes over rows: s' - C v of constraint rows, 0 of springs."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or run.project[w] == 0:
         return
     row = lane
     while row < model.rows.count:
         value = real(0.0)
         if model.rows.rigid[row] != 0:
-            value = drive_rate[w, 1, row]
+            value = loads.drive_rate[w, 1, row]
             b = int(0)
             while b < model.bodies.count:
                 for i in range(3):
-                    value -= C[w, row, 6 * b + i] * v1[w, b][i] + C[w, row, 6 * b + 3 + i] * omega1[w, b][i]
+                    value -= (
+                        residuals.C[w, row, 6 * b + i] * trial.v1[w, b][i]
+                        + residuals.C[w, row, 6 * b + 3 + i] * trial.omega1[w, b][i]
+                    )
                 b += 1
             n = int(0)
             while n < model.modes.count:
-                value -= C_modal[w, row, n] * qd1[w, n]
+                value -= C_modal[w, row, n] * trial.qd1[w, n]
                 n += 1
-        missed[w, row] = value
+        residuals.missed[w, row] = value
         row += wp.block_dim()
 
 
-@wp.kernel
+@kernel
 def project_velocities(
-    models: wp.array(dtype=Model),
-    patterns: wp.array(dtype=Pattern),
-    ctl: wp.array(dtype=Control),
-    wanted: wp.array(dtype=int),
-    missed: wp.array(dtype=real),
-    tangent: wp.array3d(dtype=real),
-    hold: wp.array3d(dtype=real),
-    C_modal: wp.array3d(dtype=real),
-    receptance: wp.array2d(dtype=real),
-    clk: wp.array(dtype=Clock),
-    scaling: inout(wp.array2d(dtype=real)),
-    pivots: inout(wp.array2d(dtype=int)),
-    factor: inout(wp.array(dtype=real)),
-    vector: inout(wp.array(dtype=real)),
-    lines: inout(wp.array(dtype=real)),
-    fallback: inout(wp.array2d(dtype=int)),
-    work: inout(wp.array3d(dtype=real)),
-    inverse_transposed: inout(wp.array(dtype=real)),
-    right: inout(wp.array(dtype=real)),
-    change: inout(wp.array(dtype=real)),
-    modal_change: out(wp.array(dtype=real)),
-    v1: changed(wp.array2d(dtype=vec3)),
-    omega1: changed(wp.array2d(dtype=vec3)),
-    qd1: changed(wp.array2d(dtype=real)),
-    v1_rate: changed(wp.array2d(dtype=vec3)),
-    omega1_rate: changed(wp.array2d(dtype=vec3)),
-    qd1_rate: changed(wp.array2d(dtype=real)),
-    lam: inout(wp.array2d(dtype=real)),
-):
+    run: Run, system: OuterSystem, trial: Trial, loads: LoadState, patterns: wp.array(dtype=Pattern),
+    missed: wp.array(dtype=real), C_modal: wp.array3d(dtype=real), receptance: wp.array2d(dtype=real),
+):  # fmt: skip
     """One block per world: the correction of the module, added to velocities, accelerations and multipliers at the end
     of the step."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or run.project[w] == 0:
         return
     N = model.outer.count
     i = lane
     while i < N:
-        right[w * N + i] = real(0.0)
+        system.projection_rhs[w * N + i] = real(0.0)
         if i >= model.outer.row_offset:
-            right[w * N + i] = missed[w * model.rows.count + i - model.outer.row_offset]
+            system.projection_rhs[w * N + i] = missed[w * model.rows.count + i - model.outer.row_offset]
         i += wp.block_dim()
     sync()
     solve(
-        model, patterns[0], w, lane, 1, tangent, right, hold, 0, scaling, pivots, factor, vector, lines, fallback, work,
-        inverse_transposed, change,
+        model, patterns[0], w, lane, 1, system.tangent, system.projection_rhs, system.hold, 0, system.scaling,
+        system.pivots, system.sparse_factor, system.sparse_vector, system.sparse_lines, system.fallback,
+        system.elimination, system.inverse_transposed, system.change,
     )  # fmt: skip
     sync()
-    rise = clk[w].outer.acc / clk[w].outer.vel
+    rise = run.clk[w].outer.acc / run.clk[w].outer.vel
     row = lane
     while row < model.rows.count:
         if model.rows.rigid[row] != 0:
-            lam[w, row] = lam[w, row] + change[w * N + model.outer.row_offset + row] / clk[w].outer.vel
+            loads.lam[w, row] = (
+                loads.lam[w, row] + system.change[w * N + model.outer.row_offset + row] / run.clk[w].outer.vel
+            )
         row += wp.block_dim()
     b = lane
     while b < model.bodies.count:
         o = w * N + 6 * b
-        dv = vec3(change[o], change[o + 1], change[o + 2])
-        domega = vec3(change[o + 3], change[o + 4], change[o + 5])
-        v1[w, b] = v1[w, b] + dv
-        omega1[w, b] = omega1[w, b] + domega
-        v1_rate[w, b] = v1_rate[w, b] + rise * dv
-        omega1_rate[w, b] = omega1_rate[w, b] + rise * domega
+        dv = vec3(system.change[o], system.change[o + 1], system.change[o + 2])
+        domega = vec3(system.change[o + 3], system.change[o + 4], system.change[o + 5])
+        trial.v1[w, b] = trial.v1[w, b] + dv
+        trial.omega1[w, b] = trial.omega1[w, b] + domega
+        trial.v1_rate[w, b] = trial.v1_rate[w, b] + rise * dv
+        trial.omega1_rate[w, b] = trial.omega1_rate[w, b] + rise * domega
         b += wp.block_dim()
     n = lane
     while n < model.modes.count:
         value = real(0.0)
         if model.modes.dense_of[n] >= 0:
-            value = change[w * N + 6 * model.bodies.count + model.modes.dense_of[n]]
+            value = system.change[w * N + 6 * model.bodies.count + model.modes.dense_of[n]]
         else:
             row = int(0)
             while row < model.rows.count:
-                value -= receptance[w, n] * C_modal[w, row, n] * change[w * N + model.outer.row_offset + row]
+                value -= receptance[w, n] * C_modal[w, row, n] * system.change[w * N + model.outer.row_offset + row]
                 row += 1
-        modal_change[w * model.modes.count + n] = value
-        qd1[w, n] = qd1[w, n] + value
-        qd1_rate[w, n] = qd1_rate[w, n] + rise * value
+        system.modal_step[w * model.modes.count + n] = value
+        trial.qd1[w, n] = trial.qd1[w, n] + value
+        trial.qd1_rate[w, n] = trial.qd1_rate[w, n] + rise * value
         n += wp.block_dim()
 
 
-@wp.kernel
-def correct_algorithmic(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    wanted: wp.array(dtype=int),
-    clk: wp.array(dtype=Clock),
-    change: wp.array(dtype=real),
-    modal_change: wp.array(dtype=real),
-    v_alg: inout(wp.array2d(dtype=vec3)),
-    omega_alg: inout(wp.array2d(dtype=vec3)),
-    qd_alg: inout(wp.array2d(dtype=real)),
-):
+@kernel
+def correct_algorithmic(run: Run, system: OuterSystem, state: MotionState):
     """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].accept == 0 or ctl[w].mode != k.DYNAMIC or wanted[w] == 0:
+    model = run.models[w]
+    if run.ctl[w].accept == 0 or run.ctl[w].mode != k.DYNAMIC or run.project[w] == 0:
         return
-    share = real(1.0) / (clk[w].outer.gamma * clk[w].h)
+    share = real(1.0) / (run.clk[w].outer.gamma * run.clk[w].h)
     b = lane
     while b < model.bodies.count:
         o = w * model.outer.count + 6 * b
-        v_alg[w, b] = v_alg[w, b] + share * vec3(change[o], change[o + 1], change[o + 2])
-        omega_alg[w, b] = omega_alg[w, b] + share * vec3(change[o + 3], change[o + 4], change[o + 5])
+        state.v_alg[w, b] = state.v_alg[w, b] + share * vec3(
+            system.change[o], system.change[o + 1], system.change[o + 2]
+        )
+        state.omega_alg[w, b] = state.omega_alg[w, b] + share * vec3(
+            system.change[o + 3], system.change[o + 4], system.change[o + 5]
+        )
         b += wp.block_dim()
     n = lane
     while n < model.modes.count:
-        qd_alg[w, n] = qd_alg[w, n] + share * modal_change[w * model.modes.count + n]
+        state.qd_alg[w, n] = state.qd_alg[w, n] + share * system.modal_step[w * model.modes.count + n]
         n += wp.block_dim()

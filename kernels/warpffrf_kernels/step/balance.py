@@ -9,10 +9,15 @@ import warp as wp
 
 from warpffrf_kernels.bodies.interfaces import marker_of
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.film_scratch import FilmScratch
+from warpffrf_kernels.core.lap_scratch import LapScratch
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
+from warpffrf_kernels.core.scratch import Residuals, Trial
+from warpffrf_kernels.core.state import ContactState, LoadState, LumpedState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -56,27 +61,14 @@ def arm_of(model: Model, row: int) -> real:
 
 
 @wp.func
-def inertia_left(
-    model: Model,
-    w: int,
-    acc: real,
-    extent: real,
-    scale: real,
-    modal_scale: real,
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    dq: wp.array2d(dtype=real),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    qd1_rate: wp.array2d(dtype=real),
-) -> real:
+def inertia_left(model: Model, w: int, acc: real, extent: real, scale: real, modal_scale: real, trial: Trial) -> real:
     """Largest inertia force of a proximal step, of bodies over `scale`, of modes over `modal_scale`, but for what moves
     no more than round-off: `STILL` of the increments of the load step, or `ROUNDED` of `extent` [m]."""
     most = real(0.0)
     b = int(0)
     while b < model.bodies.count:
         gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
-        most = wp.max(most, wp.length(dx[w, b]) + gyration * wp.length(psi[w, b]))
+        most = wp.max(most, wp.length(trial.dx[w, b]) + gyration * wp.length(trial.psi[w, b]))
         b += 1
     still = acc * wp.max(STILL * most, ROUNDED * extent)
     left = real(0.0)
@@ -85,20 +77,20 @@ def inertia_left(
         J = model.bodies.inertia[b]
         m = model.bodies.mass[b]
         gyration = gyration_of(J, m)
-        if wp.length(v1_rate[w, b]) > still:
-            left = wp.max(left, m * wp.length(v1_rate[w, b]) / scale)
-        if gyration * wp.length(omega1_rate[w, b]) > still:
-            left = wp.max(left, wp.length(J * omega1_rate[w, b]) / (gyration * scale))
+        if wp.length(trial.v1_rate[w, b]) > still:
+            left = wp.max(left, m * wp.length(trial.v1_rate[w, b]) / scale)
+        if gyration * wp.length(trial.omega1_rate[w, b]) > still:
+            left = wp.max(left, wp.length(J * trial.omega1_rate[w, b]) / (gyration * scale))
         b += 1
     most = real(0.0)
     n = int(0)
     while n < model.modes.count:
-        most = wp.max(most, wp.abs(dq[w, n]))
+        most = wp.max(most, wp.abs(trial.dq[w, n]))
         n += 1
     n = int(0)
     while n < model.modes.count:
-        if wp.abs(qd1_rate[w, n]) > acc * STILL * most:
-            left = wp.max(left, wp.abs(qd1_rate[w, n]) / modal_scale)
+        if wp.abs(trial.qd1_rate[w, n]) > acc * STILL * most:
+            left = wp.max(left, wp.abs(trial.qd1_rate[w, n]) / modal_scale)
         n += 1
     return left
 
@@ -127,48 +119,11 @@ def stiffest_place(model: Model, w: int, group: int, lap_stiffness: wp.array(dty
     return most
 
 
-@wp.kernel
+@kernel
 def balance(
-    models: wp.array(dtype=Model),
-    r1: wp.array2d(dtype=vec3),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    lam0: wp.array2d(dtype=real),
-    lam: wp.array2d(dtype=real),
-    defect: wp.array2d(dtype=real),
-    softness: wp.array2d(dtype=real),
-    row_wrench: wp.array3d(dtype=real),
-    row_pull: wp.array3d(dtype=real),
-    applied: wp.array3d(dtype=vec3),
-    load: wp.array3d(dtype=real),
-    load_on_modes: wp.array3d(dtype=real),
-    pair_wrench: wp.array3d(dtype=real),
-    pair_force: wp.array4d(dtype=real),
-    lumped_force: wp.array3d(dtype=real),
-    film_sums: wp.array3d(dtype=real),
-    film_modal: wp.array2d(dtype=real),
-    film_off: wp.array2d(dtype=real),
-    film_changed: wp.array2d(dtype=int),
-    lap_push: wp.array2d(dtype=real),
-    lap_sum: wp.array2d(dtype=real),
-    lap_off: wp.array2d(dtype=real),
-    lap_depth: wp.array2d(dtype=real),
-    lap_stiffness: wp.array(dtype=real),
-    gap_defect: wp.array2d(dtype=real),
-    modal_residual: wp.array2d(dtype=real),
-    modal_load: wp.array3d(dtype=real),
-    pair_modal: wp.array4d(dtype=real),
-    q1: wp.array2d(dtype=real),
-    qd1_rate: wp.array2d(dtype=real),
-    dq: wp.array2d(dtype=real),
-    residual: wp.array2d(dtype=real),
-    ctl: inout(wp.array(dtype=Control)),
-    clk: inout(wp.array(dtype=Clock)),
-    history: inout(wp.array2d(dtype=real)),
-):
+    run: Run, trial: Trial, loads: LoadState, residuals: Residuals, geometry: ContactGeometry, pairs: ContactState,
+    lumped: LumpedState, oil: FilmScratch, tableau: LapScratch, q1: wp.array2d(dtype=real),
+):  # fmt: skip
     """Per world: is the state balanced? Residual forces with contact, row defects, spring laws, gaps left open and
     flows of films, all as fractions.
 
@@ -178,38 +133,41 @@ def balance(
     Load steps count the forces that they begin with as well: one that ends without any leaves the round-off of those.
     """
     w = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0 or ctl[w].moved == 0 or ctl[w].iteration == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].iteration == 0:
         return
     scale = NONE
     modal_scale = NONE
-    loading = ctl[w].mode == k.LOADING
+    loading = run.ctl[w].mode == k.LOADING
     b = int(0)
     while b < model.bodies.count:
         m = model.bodies.mass[b]
         J = model.bodies.inertia[b]
         gyration = gyration_of(J, m)
-        nothing = NO_FORCE * clk[w].outer.acc * model.length
+        nothing = NO_FORCE * run.clk[w].outer.acc * model.length
         scale = wp.max(scale, m * nothing)
         modal_scale = wp.max(modal_scale, wp.sqrt(m) * nothing)
-        scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(v1_rate[w, b])))
-        turning = wp.length(J * omega1_rate[w, b]) + wp.length(wp.cross(omega1[w, b], J * omega1[w, b]))
+        scale = wp.max(scale, m * (wp.length(model.gravity) + wp.length(trial.v1_rate[w, b])))
+        turning = wp.length(J * trial.omega1_rate[w, b]) + wp.length(
+            wp.cross(trial.omega1[w, b], J * trial.omega1[w, b])
+        )
         scale = wp.max(scale, turning / gyration)
         # accelerations are differences of increments: below this they are round-off
-        travel = wp.length(dx[w, b]) + gyration * wp.length(psi[w, b])
-        scale = wp.max(scale, ROUND_OFF * clk[w].outer.acc * m * travel)
+        travel = wp.length(trial.dx[w, b]) + gyration * wp.length(trial.psi[w, b])
+        scale = wp.max(scale, ROUND_OFF * run.clk[w].outer.acc * m * travel)
         for c in range(3):
-            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + c]))
-            scale = wp.max(scale, wp.abs(load[w, 1, 6 * b + 3 + c]) / gyration)
+            scale = wp.max(scale, wp.abs(loads.load[w, 1, 6 * b + c]))
+            scale = wp.max(scale, wp.abs(loads.load[w, 1, 6 * b + 3 + c]) / gyration)
             if loading:
-                scale = wp.max(scale, wp.abs(load[w, 0, 6 * b + c]))
-                scale = wp.max(scale, wp.abs(load[w, 0, 6 * b + 3 + c]) / gyration)
+                scale = wp.max(scale, wp.abs(loads.load[w, 0, 6 * b + c]))
+                scale = wp.max(scale, wp.abs(loads.load[w, 0, 6 * b + 3 + c]) / gyration)
         b += 1
     i = int(0)
-    while i < model.forces.count:  # forces that cancel each other on a body, as those of a bolt, leave round-off
-        force = wp.length(applied[w, 1, i])
+    # forces that cancel each other on a body, as those of a bolt, leave round-off
+    while i < model.external[0].forces.count:
+        force = wp.length(loads.applied[w, 1, i])
         scale = wp.max(scale, CANCELLED * force)
-        interface = model.forces.interface[i]
+        interface = model.external[0].forces.interface[i]
         if interface >= 0:
             pull = real(0.0)
             for c in range(3):
@@ -219,129 +177,135 @@ def balance(
     extent = model.length
     b = int(0)
     while b < model.bodies.count:
-        extent = wp.max(extent, wp.length(r1[w, b]))
+        extent = wp.max(extent, wp.length(trial.r1[w, b]))
         b += 1
     length = model.length
-    if gap_defect[w, 1] > real(0.0):
-        length = wp.min(length, wp.max(gap_defect[w, 1], SHORT * extent))
+    if residuals.gap_defect[w, 1] > real(0.0):
+        length = wp.min(length, wp.max(residuals.gap_defect[w, 1], SHORT * extent))
     lap = int(0)
     while lap < model.elements[0].laps[0].count:
-        if lap_depth[w, lap] > real(0.0):
-            length = wp.min(length, wp.max(lap_depth[w, lap], SHORT * extent))
+        if tableau.lap_depth[w, lap] > real(0.0):
+            length = wp.min(length, wp.max(tableau.lap_depth[w, lap], SHORT * extent))
         lap += 1
     worst = real(0.0)
-    sum = gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
+    sum = residuals.gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
     row = int(0)
     while row < model.rows.count:
-        size = wp.abs(lam[w, row])
+        size = wp.abs(loads.lam[w, row])
         if loading:
-            size = wp.max(size, wp.abs(lam0[w, row]))
+            size = wp.max(size, wp.abs(loads.lam0[w, row]))
         if model.rows.kind[row] == k.TRANSLATION or model.rows.kind[row] == k.DISTANCE:
             scale = wp.max(scale, size)
         elif model.rows.rigid[row] == 0:  # a torsional spring, a bushing: force, and torque at the radius of gyration
-            f = vec3(row_wrench[w, row, 0], row_wrench[w, row, 1], row_wrench[w, row, 2])
-            t = vec3(row_wrench[w, row, 3], row_wrench[w, row, 4], row_wrench[w, row, 5])
+            f = vec3(residuals.row_wrench[w, row, 0], residuals.row_wrench[w, row, 1], residuals.row_wrench[w, row, 2])
+            t = vec3(residuals.row_wrench[w, row, 3], residuals.row_wrench[w, row, 4], residuals.row_wrench[w, row, 5])
             scale = wp.max(scale, size * wp.length(f))
             for side in range(2):
                 b = model.markers.body[marker_of(model, row, side)]
                 if b >= 0:
                     gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
                     scale = wp.max(scale, size * wp.length(t) / gyration)
-        if softness[w, row] == real(0.0):
-            worst = wp.max(worst, wp.abs(defect[w, row]) * arm_of(model, row) / length)
+        if residuals.softness[w, row] == real(0.0):
+            worst = wp.max(worst, wp.abs(residuals.defect[w, row]) * arm_of(model, row) / length)
         row += 1
     pair = int(0)
     while pair < model.pairs.count:
-        f = vec3(pair_wrench[w, pair, 0], pair_wrench[w, pair, 1], pair_wrench[w, pair, 2])
+        f = vec3(geometry.pair_wrench[w, pair, 0], geometry.pair_wrench[w, pair, 1], geometry.pair_wrench[w, pair, 2])
         scale = wp.max(scale, wp.length(f))
         if loading:
-            f = vec3(pair_force[w, pair, 0, 0], pair_force[w, pair, 0, 1], pair_force[w, pair, 0, 2])
+            f = vec3(pairs.pair_force[w, pair, 0, 0], pairs.pair_force[w, pair, 0, 1], pairs.pair_force[w, pair, 0, 2])
             scale = wp.max(scale, wp.length(f))
         pair += 1
     place = int(0)
     while place < model.elements[0].lumped.places:
-        scale = wp.max(scale, lumped_force[w, 1, place])
+        scale = wp.max(scale, lumped.lumped_force[w, 1, place])
         if loading:
-            scale = wp.max(scale, lumped_force[w, 0, place])
+            scale = wp.max(scale, lumped.lumped_force[w, 0, place])
         place += 1
     switching = int(0)  # films whose set has changed, or that could not go all the way
     film = int(0)
     while film < model.elements[0].films[0].count:
-        scale = wp.max(scale, wp.length(vec3(film_sums[w, film, 0], film_sums[w, film, 1], film_sums[w, film, 2])))
-        worst = wp.max(worst, film_off[w, film])
-        sum += film_off[w, film]
-        switching += film_changed[w, film]
+        scale = wp.max(
+            scale, wp.length(vec3(oil.film_sums[w, film, 0], oil.film_sums[w, film, 1], oil.film_sums[w, film, 2]))
+        )
+        worst = wp.max(worst, oil.film_off[w, film])
+        sum += oil.film_off[w, film]
+        switching += oil.film_changed[w, film]
         film += 1
     lap = int(0)
     while lap < model.elements[0].laps[0].laps:
         c = model.elements[0].laps[0].rigid_column[lap]
         if c >= 0:
-            scale = wp.max(scale, wp.length(vec3(lap_push[w, c], lap_push[w, c + 1], lap_push[w, c + 2])))
+            scale = wp.max(
+                scale, wp.length(vec3(tableau.lap_push[w, c], tableau.lap_push[w, c + 1], tableau.lap_push[w, c + 2]))
+            )
             for i in range(3):
-                scale = wp.max(scale, CELLS * lap_sum[w, c + i])
+                scale = wp.max(scale, CELLS * tableau.lap_sum[w, c + i])
         lap += 1
     lap = int(0)
     while lap < model.elements[0].laps[0].count:
-        stiffness = stiffest_place(model, w, lap, lap_stiffness)
+        stiffness = stiffest_place(model, w, lap, tableau.lap_stiffness)
         off_place = ROUNDED * extent / model.limits.residual_tolerance
         scale = wp.max(scale, off_place * stiffness)
         n = model.elements[0].laps[0].column_start[lap]
         while n < model.elements[0].laps[0].column_start[lap + 1]:
             if model.elements[0].laps[0].column_mode[n] >= 0:
-                mode_stiffness = lap_stiffness_of(model, w, lap, n, lap_stiffness)
+                mode_stiffness = lap_stiffness_of(model, w, lap, n, tableau.lap_stiffness)
                 modal_scale = wp.max(modal_scale, off_place * wp.sqrt(stiffness * mode_stiffness))
             n += 1
-        worst = wp.max(worst, CLOSER * lap_off[w, lap])
-        sum += lap_off[w, lap]
+        worst = wp.max(worst, CLOSER * tableau.lap_off[w, lap])
+        sum += tableau.lap_off[w, lap]
         lap += 1
     row = int(0)
     while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
-        if softness[w, row] != real(0.0):
+        if residuals.softness[w, row] != real(0.0):
             arm = arm_of(model, row)
-            given = wp.max(scale * wp.abs(softness[w, row]) * arm, SHORT * extent / arm)
-            worst = wp.max(worst, wp.abs(defect[w, row]) / given)
-        sum += defect[w, row]
+            given = wp.max(scale * wp.abs(residuals.softness[w, row]) * arm, SHORT * extent / arm)
+            worst = wp.max(worst, wp.abs(residuals.defect[w, row]) / given)
+        sum += residuals.defect[w, row]
         row += 1
     b = int(0)
     while b < model.bodies.count:
-        f = vec3(residual[w, 6 * b], residual[w, 6 * b + 1], residual[w, 6 * b + 2])
-        t = vec3(residual[w, 6 * b + 3], residual[w, 6 * b + 4], residual[w, 6 * b + 5])
+        f = vec3(residuals.residual[w, 6 * b], residuals.residual[w, 6 * b + 1], residuals.residual[w, 6 * b + 2])
+        t = vec3(residuals.residual[w, 6 * b + 3], residuals.residual[w, 6 * b + 4], residuals.residual[w, 6 * b + 5])
         # a torque is measured by the force that it is at the radius of gyration
         gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
         sum += wp.length(f) + wp.length(t)
         b += 1
-    worst = wp.max(worst, gap_defect[w, 0])
+    worst = wp.max(worst, residuals.gap_defect[w, 0])
     open_load = real(0.0)
     n = int(0)
     while n < model.modes.count:
-        modal_scale = wp.max(modal_scale, wp.abs(load_on_modes[w, 1, n]))
-        contact = modal_load[w, 1, n]
+        modal_scale = wp.max(modal_scale, wp.abs(loads.load_on_modes[w, 1, n]))
+        contact = loads.modal_load[w, 1, n]
         modal_scale = wp.max(modal_scale, wp.max(wp.abs(contact), wp.abs(model.modes.stiffness[n] * q1[w, n])))
-        travel = wp.abs(dq[w, n])
+        travel = wp.abs(trial.dq[w, n])
         if loading:
-            before = wp.abs(model.modes.stiffness[n] * (q1[w, n] - dq[w, n]))
-            before = wp.max(before, wp.max(wp.abs(load_on_modes[w, 0, n]), wp.abs(modal_load[w, 0, n])))
+            before = wp.abs(model.modes.stiffness[n] * (q1[w, n] - trial.dq[w, n]))
+            before = wp.max(before, wp.max(wp.abs(loads.load_on_modes[w, 0, n]), wp.abs(loads.modal_load[w, 0, n])))
             modal_scale = wp.max(modal_scale, before)
-        modal_scale = wp.max(modal_scale, wp.max(wp.abs(qd1_rate[w, n]), ROUND_OFF * clk[w].outer.acc * travel))
-        open_load = wp.max(open_load, wp.abs(modal_residual[w, n]))
-        sum += modal_residual[w, n]
+        modal_scale = wp.max(
+            modal_scale, wp.max(wp.abs(trial.qd1_rate[w, n]), ROUND_OFF * run.clk[w].outer.acc * travel)
+        )
+        open_load = wp.max(open_load, wp.abs(residuals.modal_residual[w, n]))
+        sum += residuals.modal_residual[w, n]
         n += 1
     pair = int(0)
     while pair < model.pairs.count:  # loads of pairs that cancel each other on the modes leave round-off
         n = int(0)
         while n < model.pairs.most_modes:
-            modal_scale = wp.max(modal_scale, wp.abs(pair_modal[w, pair, 1, n]))
+            modal_scale = wp.max(modal_scale, wp.abs(pairs.pair_modal[w, pair, 1, n]))
             n += 1
         pair += 1
     n = int(0)
-    while n < film_modal.shape[1] and model.elements[0].films[0].count > 0:
-        modal_scale = wp.max(modal_scale, wp.abs(film_modal[w, n]))
+    while n < oil.film_modal.shape[1] and model.elements[0].films[0].count > 0:
+        modal_scale = wp.max(modal_scale, wp.abs(oil.film_modal[w, n]))
         n += 1
     n = int(0)
     while n < model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]:
         if model.elements[0].laps[0].column_mode[n] >= 0:
-            modal_scale = wp.max(modal_scale, wp.max(wp.abs(lap_push[w, n]), CELLS * lap_sum[w, n]))
+            modal_scale = wp.max(modal_scale, wp.max(wp.abs(tableau.lap_push[w, n]), CELLS * tableau.lap_sum[w, n]))
         n += 1
     row = int(0)
     while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off
@@ -350,28 +314,30 @@ def balance(
             if interface >= 0:
                 pull = real(0.0)
                 for c in range(6):
-                    pull += wp.abs(row_pull[w, 2 * row + side, c]) * model.interfaces.reach[interface, c]
-                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(lam[w, row]) * pull)
+                    pull += wp.abs(residuals.row_pull[w, 2 * row + side, c]) * model.interfaces.reach[interface, c]
+                modal_scale = wp.max(modal_scale, CANCELLED * wp.abs(loads.lam[w, row]) * pull)
         row += 1
     worst = wp.max(worst, open_load / modal_scale)
     if loading:
-        clk[w].force = scale
-        clk[w].left = inertia_left(
-            model, w, clk[w].outer.acc, extent, scale, modal_scale, dx, psi, dq, v1_rate, omega1_rate, qd1_rate
-        )
-    history[w, wp.min(ctl[w].iteration, history.shape[1] - 1)] = worst
+        run.clk[w].force = scale
+        run.clk[w].left = inertia_left(model, w, run.clk[w].outer.acc, extent, scale, modal_scale, trial)
+    residuals.residual_history[w, wp.min(run.ctl[w].iteration, residuals.residual_history.shape[1] - 1)] = worst
     if not wp.isfinite(worst + sum):
-        ctl[w].failure = ctl[w].failure | k.NOT_FINITE
-        ctl[w].run = 0
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
+        run.ctl[w].run = 0
         return
-    ctl[w].refresh = 0
+    run.ctl[w].refresh = 0
     if worst > REFRESH_ABOVE or switching > 0:
-        ctl[w].refresh = 1
-    elif ctl[w].iteration > 1 and worst > SLOW * history[w, wp.min(ctl[w].iteration, history.shape[1]) - 1]:
-        ctl[w].refresh = 1
+        run.ctl[w].refresh = 1
+    elif (
+        run.ctl[w].iteration > 1
+        and worst
+        > SLOW * residuals.residual_history[w, wp.min(run.ctl[w].iteration, residuals.residual_history.shape[1]) - 1]
+    ):
+        run.ctl[w].refresh = 1
     done = worst <= model.limits.residual_tolerance and switching == 0
-    if done and (ctl[w].reassemble == 0 or model.pairs.count == 0):
-        ctl[w].run = 0
-    elif ctl[w].iteration >= model.limits.max_iterations * (1 + ctl[w].round):
-        ctl[w].failure = ctl[w].failure | k.NOT_CONVERGED
-        ctl[w].run = 0
+    if done and (run.ctl[w].reassemble == 0 or model.pairs.count == 0):
+        run.ctl[w].run = 0
+    elif run.ctl[w].iteration >= model.limits.max_iterations * (1 + run.ctl[w].round):
+        run.ctl[w].failure = run.ctl[w].failure | k.NOT_CONVERGED
+        run.ctl[w].run = 0

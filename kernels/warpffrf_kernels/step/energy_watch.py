@@ -14,10 +14,10 @@ too high for PATIENCE steps in a row.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import inout
-from warpffrf_kernels.core.control import Clock, Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
+from warpffrf_kernels.core.state import ContactState
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -25,43 +25,37 @@ wp.set_module_options(MODULE_OPTIONS)
 PATIENCE = wp.constant(30)  # steps: a drive that begins has moved the machine by then
 
 
-@wp.kernel
-def watch_energy(
-    models: wp.array(dtype=Model),
-    energy: wp.array3d(dtype=real),
-    pair_energy: wp.array3d(dtype=real),
-    created: wp.array2d(dtype=real),
-    made: inout(wp.array2d(dtype=real)),
-    ctl: inout(wp.array(dtype=Control)),
-    clk: inout(wp.array(dtype=Clock)),
-):
+@kernel
+def watch_energy(run: Run, contact: ContactState):
     """Per world, after an accepted step: `made` (W, pairs), what each pair has created beyond doubt."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].accept == 0 or ctl[w].mode != k.DYNAMIC:
+    model = run.models[w]
+    if run.ctl[w].accept == 0 or run.ctl[w].mode != k.DYNAMIC:
         return
     line = int(0)
     while line < k.LINES:
         if line != k.POTENTIAL and line != k.NUMERICAL and line != k.CONTACT_GRID:
-            clk[w].most = wp.max(clk[w].most, wp.abs(energy[w, 0, line]))
+            run.clk[w].most = wp.max(run.clk[w].most, wp.abs(run.energy[w, 0, line]))
         line += 1
     by_pairs = real(0.0)
     pair = int(0)
     while pair < model.pairs.count:
-        doubt = pair_energy[w, pair, 0]
-        made[w, pair] = wp.clamp(made[w, pair], created[w, pair] - doubt, created[w, pair] + doubt)
-        by_pairs += made[w, pair]
+        doubt = contact.pair_energy[w, pair, 0]
+        contact.made[w, pair] = wp.clamp(
+            contact.made[w, pair], contact.created[w, pair] - doubt, contact.created[w, pair] + doubt
+        )
+        by_pairs += contact.made[w, pair]
         pair += 1
-    clk[w].least = wp.min(clk[w].least, by_pairs)
-    rise = by_pairs - clk[w].least
-    total = by_pairs + energy[w, 0, k.NUMERICAL]
-    clk[w].made = wp.max(rise, total)
+    run.clk[w].least = wp.min(run.clk[w].least, by_pairs)
+    rise = by_pairs - run.clk[w].least
+    total = by_pairs + run.energy[w, 0, k.NUMERICAL]
+    run.clk[w].made = wp.max(rise, total)
     if model.limits.most_made == real(0.0):
         return
-    limit = wp.max(model.limits.most_made * clk[w].most, clk[w].noise)
-    if ctl[w].sub == 0:  # a whole step
-        ctl[w].spell = ctl[w].spell + 1
+    limit = wp.max(model.limits.most_made * run.clk[w].most, run.clk[w].noise)
+    if run.ctl[w].sub == 0:  # a whole step
+        run.ctl[w].spell = run.ctl[w].spell + 1
     if total <= limit:
-        ctl[w].spell = 0
-    if rise > limit or ctl[w].spell > PATIENCE:
-        ctl[w].status = ctl[w].status | k.GAIN
+        run.ctl[w].spell = 0
+    if rise > limit or run.ctl[w].spell > PATIENCE:
+        run.ctl[w].status = run.ctl[w].status | k.GAIN

@@ -12,11 +12,13 @@ across the first one's axis unless it is a ball.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed
-from warpffrf_kernels.core.control import Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.rotation import matrix
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, quat, real, vec3
+from warpffrf_kernels.core.scratch import Trial
+from warpffrf_kernels.core.state import ContactState, LumpedState, MotionState
 from warpffrf_kernels.lumped.places import is_ball
 from warpffrf_kernels.normal.pair_forces import is_closed
 from warpffrf_kernels.surfaces.surface import axes_of, origin_of
@@ -48,43 +50,30 @@ def line_between(model: Model, first: int, second: int, r_1: vec3, A_1: mat33, r
     return d - wp.dot(axis, d) * axis
 
 
-@wp.kernel
-def refuse_leaps_of_places(
-    models: wp.array(dtype=Model),
-    lumped_force: wp.array3d(dtype=real),
-    lumped_normal: wp.array3d(dtype=vec3),
-    ctl: changed(wp.array(dtype=Control)),
-):
+@kernel
+def refuse_leaps_of_places(run: Run, lumped: LumpedState):
     """Per world: fail an attempt in which the surfaces of a lumped contact have changed sides."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
         return
     place = int(0)
     while place < model.elements[0].lumped.places:
         contact = model.elements[0].lumped.contact[place]
         both = convex(model, model.elements[0].lumped.first[contact])
         both = both and convex(model, model.elements[0].lumped.second[contact])
-        apart = lumped_force[w, 0, place] == real(0.0) and lumped_force[w, 1, place] == real(0.0)
-        if both and apart and wp.dot(lumped_normal[w, 0, place], lumped_normal[w, 1, place]) < real(0.0):
-            ctl[w].failure = ctl[w].failure | k.LEAPT
+        apart = lumped.lumped_force[w, 0, place] == real(0.0) and lumped.lumped_force[w, 1, place] == real(0.0)
+        if both and apart and wp.dot(lumped.lumped_normal[w, 0, place], lumped.lumped_normal[w, 1, place]) < real(0.0):
+            run.ctl[w].failure = run.ctl[w].failure | k.LEAPT
         place += 1
 
 
-@wp.kernel
-def refuse_leaps_of_pairs(
-    models: wp.array(dtype=Model),
-    pair_force: wp.array4d(dtype=real),
-    r: wp.array2d(dtype=vec3),
-    p: wp.array2d(dtype=quat),
-    r1: wp.array2d(dtype=vec3),
-    axes: wp.array2d(dtype=mat33),
-    ctl: changed(wp.array(dtype=Control)),
-):
+@kernel
+def refuse_leaps_of_pairs(run: Run, contact: ContactState, state: MotionState, trial: Trial):
     """Per world: fail an attempt in which the surfaces of a pair have changed sides."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].attempt == 0 or ctl[w].mode != k.DYNAMIC:
+    model = run.models[w]
+    if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
         return
     pair = int(0)
     while pair < model.pairs.count:
@@ -94,14 +83,14 @@ def refuse_leaps_of_pairs(
             b_1 = model.surfaces.body[first]
             b_2 = model.surfaces.body[second]
             before = line_between(
-                model, first, second, origin_of(r, w, b_1), axes_before(p, w, b_1), origin_of(r, w, b_2),
-                axes_before(p, w, b_2),
+                model, first, second, origin_of(state.r, w, b_1), axes_before(state.p, w, b_1),
+                origin_of(state.r, w, b_2), axes_before(state.p, w, b_2),
             )  # fmt: skip
             after = line_between(
-                model, first, second, origin_of(r1, w, b_1), axes_of(axes, w, b_1), origin_of(r1, w, b_2),
-                axes_of(axes, w, b_2),
+                model, first, second, origin_of(trial.r1, w, b_1), axes_of(trial.axes, w, b_1),
+                origin_of(trial.r1, w, b_2), axes_of(trial.axes, w, b_2),
             )  # fmt: skip
             if wp.dot(before, after) < real(0.0):
-                if not is_closed(pair_force, w, pair, 0) and not is_closed(pair_force, w, pair, 1):
-                    ctl[w].failure = ctl[w].failure | k.LEAPT
+                if not is_closed(contact.pair_force, w, pair, 0) and not is_closed(contact.pair_force, w, pair, 1):
+                    run.ctl[w].failure = run.ctl[w].failure | k.LEAPT
         pair += 1

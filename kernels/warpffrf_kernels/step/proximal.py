@@ -34,10 +34,11 @@ snaps through. Accepted steps take both back.
 import warp as wp
 
 from warpffrf_kernels.core import control as k
-from warpffrf_kernels.core.access import changed, inout, out
-from warpffrf_kernels.core.control import Clock, Control
+from warpffrf_kernels.core.declaration import kernel
 from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
+from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
@@ -52,92 +53,56 @@ GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
 
 
 @wp.func
-def weaken(
-    model: Model,
-    w: int,
-    hold_firm: int,
-    hold_count: int,
-    by: real,
-    weak: wp.array(dtype=real),
-    hold: wp.array3d(dtype=real),
-):
+def weaken(model: Model, w: int, hold_firm: int, hold_count: int, by: real, system: OuterSystem):
     """Motions that are not held firmly, their holding times by^2: 4^-r in round r, and back, without round-off."""
     h = hold_firm
     while h < hold_count:
         i = int(0)
         while i < 6 * model.bodies.count:
-            hold[w, h, i] = hold[w, h, i] * by
+            system.hold[w, h, i] = system.hold[w, h, i] * by
             i += 1
         h += 1
-    weak[w] = weak[w] * by
+    system.hold_weak[w] = system.hold_weak[w] * by
 
 
-@wp.kernel
-def open_rounds(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    hold_count: wp.array(dtype=int),
-    hold_firm: wp.array(dtype=int),
-    hold: changed(wp.array3d(dtype=real)),
-    hold_weak: changed(wp.array(dtype=real)),
-    hold_force: out(wp.array(dtype=real)),
-    centre_dx: out(wp.array2d(dtype=vec3)),
-    centre_psi: out(wp.array2d(dtype=vec3)),
-    centre_dq: out(wp.array2d(dtype=real)),
-):
+@kernel
+def open_rounds(run: Run, system: OuterSystem, trial: Trial):
     """Per world: the first round of an attempt is about the accepted state."""
     w, lane = wp.tid()
-    model = models[w]
-    if ctl[w].run == 0:
+    model = run.models[w]
+    if run.ctl[w].run == 0:
         return
     if lane == 0:
-        hold_force[w] = real(0.0)
-    if lane == 0 and ctl[w].mode == k.LOADING and hold_count[w] > hold_firm[w]:
-        weaken(model, w, hold_firm[w], hold_count[w], real(1.0) / hold_weak[w], hold_weak, hold)
+        system.hold_force[w] = real(0.0)
+    if lane == 0 and run.ctl[w].mode == k.LOADING and system.hold_count[w] > system.hold_firm[w]:
+        weaken(model, w, system.hold_firm[w], system.hold_count[w], real(1.0) / system.hold_weak[w], system)
     b = lane
-    while b < centre_dx.shape[1]:
-        centre_dx[w, b] = vec3(real(0.0))
-        centre_psi[w, b] = vec3(real(0.0))
+    while b < trial.centre_dx.shape[1]:
+        trial.centre_dx[w, b] = vec3(real(0.0))
+        trial.centre_psi[w, b] = vec3(real(0.0))
         b += wp.block_dim()
     m = lane
-    while m < centre_dq.shape[1]:
-        centre_dq[w, m] = real(0.0)
+    while m < trial.centre_dq.shape[1]:
+        trial.centre_dq[w, m] = real(0.0)
         m += wp.block_dim()
 
 
 @wp.func
-def along_of(
-    model: Model,
-    w: int,
-    h: int,
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    centre_dx: wp.array2d(dtype=vec3),
-    centre_psi: wp.array2d(dtype=vec3),
-    hold: wp.array3d(dtype=real),
-) -> real:
+def along_of(model: Model, w: int, h: int, trial: Trial, system: OuterSystem) -> real:
     """Free motion h of a round."""
     along = real(0.0)
     b = int(0)
     while b < model.bodies.count:
-        d = dx[w, b] - centre_dx[w, b]
-        turn = psi[w, b] - centre_psi[w, b]
+        d = trial.dx[w, b] - trial.centre_dx[w, b]
+        turn = trial.psi[w, b] - trial.centre_psi[w, b]
         for c in range(3):
-            along += hold[w, h, 6 * b + c] * d[c] + hold[w, h, 6 * b + 3 + c] * turn[c]
+            along += system.hold[w, h, 6 * b + c] * d[c] + system.hold[w, h, 6 * b + 3 + c] * turn[c]
         b += 1
     return along
 
 
 @wp.func
-def held_back(
-    model: Model,
-    clk: wp.array(dtype=Clock),
-    w: int,
-    h: int,
-    along: real,
-    given: real,
-    hold: wp.array3d(dtype=real),
-) -> real:
+def held_back(model: Model, run: Run, w: int, h: int, along: real, given: real, system: OuterSystem) -> real:
     """The force that holds free motion h over the one allowed, `given` of the largest, or where that is zero what loads
     may leave of what is free; `along`: the motion less that of the round before."""
     force = real(0.0)
@@ -148,8 +113,8 @@ def held_back(
         m = model.bodies.mass[b]
         J = wp.trace(model.bodies.inertia[b]) / real(3.0)
         for c in range(3):
-            f = hold[w, h, 6 * b + c]
-            t = hold[w, h, 6 * b + 3 + c]
+            f = system.hold[w, h, 6 * b + c]
+            t = system.hold[w, h, 6 * b + 3 + c]
             force += f * f + t * t * m / J
             slides += f * f / m
             turns += t * t / J
@@ -159,98 +124,81 @@ def held_back(
         allowed = PULLED
     if given > real(0.0):
         allowed = given
-    return wp.abs(along) * wp.sqrt(force) / (allowed * clk[w].force)
+    return wp.abs(along) * wp.sqrt(force) / (allowed * run.clk[w].force)
 
 
-@wp.kernel
-def end_round(
-    models: wp.array(dtype=Model),
-    dx: wp.array2d(dtype=vec3),
-    psi: wp.array2d(dtype=vec3),
-    dq: wp.array2d(dtype=real),
-    v1_rate: wp.array2d(dtype=vec3),
-    omega1_rate: wp.array2d(dtype=vec3),
-    hold_count: wp.array(dtype=int),
-    hold_firm: wp.array(dtype=int),
-    ctl: inout(wp.array(dtype=Control)),
-    clk: inout(wp.array(dtype=Clock)),
-    hold: changed(wp.array3d(dtype=real)),
-    hold_weak: changed(wp.array(dtype=real)),
-    hold_force: out(wp.array(dtype=real)),
-    centre_dx: changed(wp.array2d(dtype=vec3)),
-    centre_psi: changed(wp.array2d(dtype=vec3)),
-    centre_dq: changed(wp.array2d(dtype=real)),
-    residual: changed(wp.array2d(dtype=real)),
-    modal_residual: changed(wp.array2d(dtype=real)),
-):
+@kernel
+def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals):
     """Per world in a load step whose iteration has just converged: another round where it has not come to rest."""
     w = wp.tid()
-    model = models[w]
-    if ctl[w].mode != k.LOADING or ctl[w].attempt == 0 or ctl[w].run != 0 or ctl[w].failure != 0:
+    model = run.models[w]
+    if run.ctl[w].mode != k.LOADING or run.ctl[w].attempt == 0 or run.ctl[w].run != 0 or run.ctl[w].failure != 0:
         return
-    if ctl[w].iteration == 0:
+    if run.ctl[w].iteration == 0:
         return
-    grows = clk[w].outer.acc * clk[w].tau * clk[w].tau > real(1.0) + real(1.0e-9)
+    grows = run.clk[w].outer.acc * run.clk[w].tau * run.clk[w].tau > real(1.0) + real(1.0e-9)
     held = int(0)
     firm = int(0)
     if model.pairs.count > 0:
-        held = hold_count[w]
-        firm = hold_firm[w]
+        held = system.hold_count[w]
+        firm = system.hold_firm[w]
     driven = real(0.0)
     dragged = real(0.0)
     h = int(0)
     while h < held:
-        along = along_of(model, w, h, dx, psi, centre_dx, centre_psi, hold)
+        along = along_of(model, w, h, trial, system)
         allowed = real(0.0)
         if h >= firm:
             allowed = model.limits.residual_tolerance
-        back = held_back(model, clk, w, h, along, allowed, hold)
+        back = held_back(model, run, w, h, along, allowed, system)
         driven = wp.max(driven, back)
         if h >= firm:
             dragged = wp.max(dragged, back * allowed)
         h += 1
-    if not grows and driven <= real(1.0) and clk[w].left <= BALANCED * model.limits.residual_tolerance:
+    if not grows and driven <= real(1.0) and run.clk[w].left <= BALANCED * model.limits.residual_tolerance:
         return
-    if ctl[w].round >= MOST:
-        ctl[w].failure = ctl[w].failure | k.RESTLESS
+    if run.ctl[w].round >= MOST:
+        run.ctl[w].failure = run.ctl[w].failure | k.RESTLESS
         return
-    if ctl[w].round <= MOST_HELD:  # later the inertia of the body bears it
-        hold_force[w] = dragged
+    if run.ctl[w].round <= MOST_HELD:  # later the inertia of the body bears it
+        system.hold_force[w] = dragged
     # what the balance sees of the new centre, but for the inertia of deformed bodies, which the next iteration adds
     h = int(0)
     while h < held:
-        along = along_of(model, w, h, dx, psi, centre_dx, centre_psi, hold)
+        along = along_of(model, w, h, trial, system)
         i = int(0)
         while i < 6 * model.bodies.count:
-            residual[w, i] = residual[w, i] - hold[w, h, i] * along
+            residuals.residual[w, i] = residuals.residual[w, i] - system.hold[w, h, i] * along
             i += 1
         h += 1
     b = int(0)
     while b < model.bodies.count:
-        f = model.bodies.mass[b] * v1_rate[w, b]
-        t = model.bodies.inertia[b] * omega1_rate[w, b]
+        f = model.bodies.mass[b] * trial.v1_rate[w, b]
+        t = model.bodies.inertia[b] * trial.omega1_rate[w, b]
         for c in range(3):
-            residual[w, 6 * b + c] = residual[w, 6 * b + c] - f[c]
-            residual[w, 6 * b + 3 + c] = residual[w, 6 * b + 3 + c] - t[c]
-        centre_dx[w, b] = dx[w, b]
-        centre_psi[w, b] = psi[w, b]
+            residuals.residual[w, 6 * b + c] = residuals.residual[w, 6 * b + c] - f[c]
+            residuals.residual[w, 6 * b + 3 + c] = residuals.residual[w, 6 * b + 3 + c] - t[c]
+        trial.centre_dx[w, b] = trial.dx[w, b]
+        trial.centre_psi[w, b] = trial.psi[w, b]
         b += 1
     m = int(0)
     while m < model.modes.count:
-        modal_residual[w, m] = modal_residual[w, m] - clk[w].outer.acc * (dq[w, m] - centre_dq[w, m])
-        centre_dq[w, m] = dq[w, m]
+        residuals.modal_residual[w, m] = residuals.modal_residual[w, m] - run.clk[w].outer.acc * (
+            trial.dq[w, m] - trial.centre_dq[w, m]
+        )
+        trial.centre_dq[w, m] = trial.dq[w, m]
         m += 1
-    if held > firm and hold_weak[w] > WEAKEST:
-        weaken(model, w, firm, held, real(0.5), hold_weak, hold)
-        ctl[w].reassemble = 1
-        ctl[w].stale = 1
-        ctl[w].refresh = 1
+    if held > firm and system.hold_weak[w] > WEAKEST:
+        weaken(model, w, firm, held, real(0.5), system)
+        run.ctl[w].reassemble = 1
+        run.ctl[w].stale = 1
+        run.ctl[w].refresh = 1
     if grows:
-        growth = wp.exp(real(2.0) * GROWN / real(wp.max(ctl[w].careful, 1)))
-        clk[w].outer.acc = wp.max(clk[w].outer.acc / growth, real(1.0) / (clk[w].tau * clk[w].tau))
-        clk[w].local.acc = clk[w].outer.acc
-        ctl[w].reassemble = 1
-        ctl[w].stale = 1
-        ctl[w].refresh = 1
-    ctl[w].round = ctl[w].round + 1
-    ctl[w].run = 1
+        growth = wp.exp(real(2.0) * GROWN / real(wp.max(run.ctl[w].careful, 1)))
+        run.clk[w].outer.acc = wp.max(run.clk[w].outer.acc / growth, real(1.0) / (run.clk[w].tau * run.clk[w].tau))
+        run.clk[w].local.acc = run.clk[w].outer.acc
+        run.ctl[w].reassemble = 1
+        run.ctl[w].stale = 1
+        run.ctl[w].refresh = 1
+    run.ctl[w].round = run.ctl[w].round + 1
+    run.ctl[w].run = 1

@@ -7,9 +7,9 @@ of the pair before, world by world. There is a kernel a type, as arrays of kerne
 
 import warp as wp
 
-from warpffrf_kernels.core.access import out
 from warpffrf_kernels.core.control import Control
-from warpffrf_kernels.core.model import Model
+from warpffrf_kernels.core.declaration import kernel
+from warpffrf_kernels.core.run import Run
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 
 wp.set_module_options(MODULE_OPTIONS)
@@ -21,20 +21,14 @@ def is_meant(ctl: wp.array(dtype=Control), w: int, rejected: int) -> bool:
     return ctl[w].attempt != 0 and (rejected == 0 or ctl[w].accept == 0)
 
 
-@wp.kernel
-def copy_reals(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    rejected: int,
-    source: wp.array(dtype=real),
-    target: out(wp.array(dtype=real)),
-):
+@kernel
+def copy_reals(run: Run, rejected: int, source: wp.array(dtype=real), target: wp.array(dtype=real)):
     """Per (world, pair), lanes over entries: before an attempt, or where it is `rejected`."""
     w, pair, lane = wp.tid()
-    if not is_meant(ctl, w, rejected):
+    if not is_meant(run.ctl, w, rejected):
         return
-    pairs = models[w].pairs.count
-    count = source.shape[0] / (ctl.shape[0] * pairs)
+    pairs = run.models[w].pairs.count
+    count = source.shape[0] / (run.ctl.shape[0] * pairs)
     first = (w * pairs + pair) * count
     i = lane
     while i < count:
@@ -42,20 +36,14 @@ def copy_reals(
         i += wp.block_dim()
 
 
-@wp.kernel
-def copy_integers(
-    models: wp.array(dtype=Model),
-    ctl: wp.array(dtype=Control),
-    rejected: int,
-    source: wp.array(dtype=int),
-    target: out(wp.array(dtype=int)),
-):
+@kernel
+def copy_integers(run: Run, rejected: int, source: wp.array(dtype=int), target: wp.array(dtype=int)):
     """The same of integers."""
     w, pair, lane = wp.tid()
-    if not is_meant(ctl, w, rejected):
+    if not is_meant(run.ctl, w, rejected):
         return
-    pairs = models[w].pairs.count
-    count = source.shape[0] / (ctl.shape[0] * pairs)
+    pairs = run.models[w].pairs.count
+    count = source.shape[0] / (run.ctl.shape[0] * pairs)
     first = (w * pairs + pair) * count
     i = lane
     while i < count:

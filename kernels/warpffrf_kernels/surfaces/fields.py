@@ -6,6 +6,7 @@ side per node of the second, in one direction or two (column by column, the rows
 
 import warp as wp
 
+from warpffrf_kernels.core.contact_scratch import ContactGeometry
 from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.core.scalars import MODULE_OPTIONS, axpy, real, sync
 from warpffrf_kernels.surfaces.responses import first_column, place_of_load
@@ -24,26 +25,14 @@ def clear_field(lane: int, count: int, start: int, field: wp.array(dtype=real)):
 
 @wp.func
 def add_fields(
-    model: Model,
-    w: int,
-    side: int,
-    low: int,
-    columns: int,
-    tables: wp.array(dtype=int),
-    sign: real,
-    directions: int,
-    center: wp.array3d(dtype=int),
-    window: wp.array3d(dtype=int),
-    second_window: wp.array3d(dtype=int),
-    first_load: wp.array(dtype=real),
-    second_load: wp.array(dtype=real),
-    start: int,
+    model: Model, w: int, side: int, low: int, columns: int, tables: wp.array(dtype=int), sign: real, directions: int,
+    geometry: ContactGeometry, first_load: wp.array(dtype=real), second_load: wp.array(dtype=real), start: int,
     field: wp.array(dtype=real),
-):
+):  # fmt: skip
     """Adds to `field` (from `start`, the columns `low` and following of the side's window) the displacement by all
     loads on the side, in `directions` (1 or 2), times `sign`. tables: of the loads on all sides, -1 where there is
     none; they say in which directions is displaced."""
-    target = first_column(model, w, side, center) + low
+    target = first_column(model, w, side, geometry.center) + low
     middle = target + columns / 2
     n = model.responses.load_start[side]
     while n < model.responses.load_start[side + 1]:
@@ -53,19 +42,19 @@ def add_fields(
         if table >= 0:
             count = columns * model.responses.target_lines[table]
             lines = model.responses.source_lines[table]
-            origin = first_column(model, w, other, center)
+            origin = first_column(model, w, other, geometry.center)
             i = int(0)
             end = int(0)
             base = int(0)
             if other % 2 == 0:
                 base = (w * model.pairs.count + pair) * directions * model.window.hats
-                i = (window[w, pair, 0] + model.window.half) * lines
-                end = (window[w, pair, 1] + model.window.half + 1) * lines
+                i = (geometry.window[w, pair, 0] + model.window.half) * lines
+                end = (geometry.window[w, pair, 1] + model.window.half + 1) * lines
             else:
                 base = (w * model.pairs.count + pair) * directions * model.window.nodes
                 reach = (directions - 1) * model.window.share_columns  # shares of cells reach beyond those of hats
-                i = wp.max(second_window[w, pair, 0] - reach, 0) * lines
-                end = wp.min(second_window[w, pair, 1] + reach + 1, model.window.second_columns) * lines
+                i = wp.max(geometry.second_window[w, pair, 0] - reach, 0) * lines
+                end = wp.min(geometry.second_window[w, pair, 1] + reach + 1, model.window.second_columns) * lines
             along = model.responses.width[table] * model.responses.target_lines[table]  # from a line to the next
             while i < end:
                 at = place_of_load(model, table, origin + i / lines, 0, target, middle)

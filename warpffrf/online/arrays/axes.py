@@ -241,14 +241,15 @@ def sizes_of(
     rubs = m.pairs.friction.numpy()[:P] > 0.0
     stations = (m.window.rows - 1) * m.quadrature.z_points
     rubbing = bool(m.capacity.cells)
-    elements = compiled.elements
+    elements, external = compiled.elements, compiled.external
     layer_point = layer_points(compiled)
     beside, layered = bool(m.pairs.beside), bool(elements.layers.count)
     by_speed = bool(elements.slip_speeds.count)
     patched, rolls = bool(elements.patches.count), bool(elements.rolling.count)
     return {
-        "world": worlds, "body": B, "mode": Q, "row": rows, "force": m.forces.count, "torque": m.torques.count,
-        "load": m.torques.count + m.body_loads.count, "interface": m.interfaces.count,
+        "world": worlds, "body": B, "mode": Q, "row": rows, "force": external.forces.count,
+        "torque": external.torques.count, "load": external.torques.count + external.body_loads.count,
+        "interface": m.interfaces.count,
         "interface_shape": compiled.interface_modes.size, "group": m.groups.count, "dense": m.dense.count,
         "joint_friction": elements.joint_frictions.count, "pretension": elements.pretensions.count,
         "exact_mode": Q if compiled.local.exact else 0, "dynamic_mode": Q if m.modes.dynamic_count else 0,
@@ -287,7 +288,7 @@ def sizes_of(
         "lumped_moment": elements.moments.count,
         **film_sizes(compiled), **lap_sizes(compiled),
         "factor_number": pattern.factor_size, "factor_line": BLOCK * pattern.widest, "one": 1,
-        "applied": m.forces.count + m.torques.count, "row_or_mode": rows + Q,
+        "applied": external.forces.count + external.torques.count, "row_or_mode": rows + Q,
         "stiffened_interface": m.interfaces.count if compiled.stiffened else 0,
         "inertia_mode": int(m.bodies.inertia_count.numpy().sum()), "free_outer": 0 if P else outer,
         "stiffened_shape": compiled.interface_modes.size if compiled.stiffened else 0,

@@ -1,6 +1,7 @@
-"""Arrays as attributes of a class, each declared once (`warpffrf_kernels.core.declaration`).
+"""Arrays as attributes of a class, each declared once, in topics that kernels take too
+(`warpffrf_kernels.core.declaration`).
 
-class State(Arrays):
+class State(ContactState, Arrays):
     pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa", note="at the nodes")
 """
 
@@ -16,7 +17,7 @@ from numpy.lib.recfunctions import structured_to_unstructured
 
 from warpffrf.model.errors import InputError
 from warpffrf.online.settings import LARGEST_INDEX
-from warpffrf_kernels.core.declaration import Declaration
+from warpffrf_kernels.core.declaration import Declaration, is_topic
 
 
 def allocate(declaration: Declaration, sizes: Mapping[str, int], device: str) -> Any:
@@ -33,6 +34,30 @@ def allocate(declaration: Declaration, sizes: Mapping[str, int], device: str) ->
             "worlds at a time, or lower the capacity of the contacts"
         )
     return wp.zeros((size,) if declaration.run else shape, dtype=declaration.dtype, device=device)
+
+
+def as_taken(array: Any, kind: Any) -> Any:
+    """`array`, flat where a parameter or field of this `kind` has one axis."""
+    return array.flatten() if array.ndim > 1 and kind.ndim == 1 else array
+
+
+class Bound(dict[Any, Any]):
+    """Arrays by name, and of each topic that is asked for a struct of those that it names, in an array of one."""
+
+    def __missing__(self, topic: Any) -> Any:
+        if not is_topic(topic):
+            raise KeyError(topic)
+        struct = topic()
+        for name, field in topic.vars.items():
+            setattr(struct, name, as_taken(self[name], field.type))
+        self[topic] = wp.array([struct], dtype=topic, device=self[next(iter(topic.vars))].device)
+        return self[topic]
+
+
+def topic_of(annotation: Any) -> Any:
+    """The topic that a parameter of a kernel takes, None where it takes something else."""
+    kind = getattr(annotation, "dtype", None)
+    return kind if is_topic(kind) else None
 
 
 def host_structs(of: Any, count: int) -> np.ndarray:
@@ -54,8 +79,6 @@ class Arrays:
 
     def __init_subclass__(cls, carried: bool = False) -> None:
         own = {name: value for name, value in vars(cls).items() if isinstance(value, Declaration)}
-        if carried:
-            own = {name: replace(value, carried=True) for name, value in own.items()}
         found: dict[str, Declaration] = {}
         own |= vars(cls).get("declarations", {})
         for part in [getattr(base, "declarations", {}) for base in cls.__bases__] + [own]:
@@ -65,7 +88,7 @@ class Arrays:
             found |= part
         for name in set(own) & set(vars(cls)):
             delattr(cls, name)  # there is one on instances only
-        cls.declarations = found
+        cls.declarations = {name: replace(d, carried=True) for name, d in found.items()} if carried else found
 
     def __init__(self, sizes: Mapping[str, int], device: str, beside: Arrays | None = None) -> None:
         """All arrays, zero. `beside`: where an array may be found that takes the place of another."""

@@ -11,7 +11,7 @@ from warpffrf.online.arrays.ring import Ring
 from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.arrays.state import State
 from warpffrf_kernels.core.declaration import Declaration, parts
-from warpffrf_kernels.core.model import Elements, Films, Model
+from warpffrf_kernels.core.model import Elements, External, Films, Model
 
 TYPES = {"float64": "real", "int32": "integer", "vec3d": "vector", "mat33d": "matrix", "quatd": "quaternion"}
 
@@ -21,7 +21,7 @@ def markdown() -> str:
     lines = [
         "# Arrays of a run",
         "",
-        "Made from the declarations in `warpffrf/online/arrays/` by `python -m warpffrf.online.arrays.table`.",
+        "Made from the declarations in `kernels/warpffrf_kernels/core/` by `python -m warpffrf.online.arrays.table`.",
         "Worlds come first; the model, which holds for all, has none. A *run* is read and written along contiguous",
         "stretches by index, as one axis. What is *carried* keeps something from attempt to attempt, as all of `State`",
         "does.",
@@ -30,7 +30,7 @@ def markdown() -> str:
         (f"{whole.__name__}: {part.__name__}", str(inspect.getdoc(part)), part.declarations, whole is Scratch)
         for whole in (State, Ring, Scratch)
         for part in whole.__bases__
-        if issubclass(part, Arrays)
+        if hasattr(part, "declarations") and part is not Arrays
     ]
     tables += [
         (f"Model: {name}", str(inspect.getdoc(topic)), topic.declarations, False) for name, topic in topics().items()
@@ -48,7 +48,7 @@ def markdown() -> str:
 
 def topics() -> dict[str, Any]:
     """Those of the model and its elements that have arrays, by the name of their field."""
-    fields = {**vars(Model()), **vars(Elements()), "films": Films()}
+    fields = {**vars(Model()), **vars(External()), **vars(Elements()), "films": Films()}
     found = {name: type(value) for name, value in fields.items() if hasattr(value, "declarations")}
     return {name: topic for name, topic in found.items() if topic.declarations}
 

@@ -18,7 +18,8 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.arrays.declaration import Arrays, Bound
+from warpffrf_kernels.core.declaration import is_topic
 
 Kind = TypeVar("Kind", bound=Arrays)
 
@@ -40,7 +41,7 @@ class OnHost:
         return self._held[id(array)][1]
 
 
-class Views(dict[str, Any]):
+class Views(Bound):
     """Views on the arrays that it is to `see`, by name, of `world` of `worlds`; those called `of_worlds` have worlds
     first.
 
@@ -61,7 +62,9 @@ class Views(dict[str, Any]):
         self._made.clear()
         self._arrays, self.touched = arrays, True
 
-    def __missing__(self, name: str) -> Any:
+    def __missing__(self, name: Any) -> Any:
+        if is_topic(name):
+            return super().__missing__(name)
         array = self._arrays[name]
         if id(array) not in self._made:
             self._made[id(array)] = self._view(name, array)

@@ -24,7 +24,7 @@ from warpffrf.online.compile.patches.tables import patch_plans
 from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
-from warpffrf_kernels.core.model import Elements, Films, Laps
+from warpffrf_kernels.core.model import Elements, External, Films, Laps
 
 Surface = ContactSurface | RigidSurface
 Compiled = ContactSurface | RigidSurface | PatchSide
@@ -106,6 +106,7 @@ class Collector:
         self.characteristics: list[Pieces] = []
         self.interfaces: dict[tuple[int, str], int] = {}
         self.elements = Elements()
+        self.external = External()
         self.films = Films()
         self.laps = Laps()
         self.notes: list[str] = []

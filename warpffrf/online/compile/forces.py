@@ -124,19 +124,20 @@ def fill_forces(collector: Collector, table: ForceTable, m: Model) -> None:
         coefficient=np.concatenate([np.zeros((0, TERMS)), *(p.coefficient for p in pieces)]),
         **{name: _joined([getattr(p, name) for p in pieces]) for name in ("origin", "power", "exponent", "constant")},
     )  # fmt: skip
-    for topic, loads in ((m.forces, table.forces), (m.torques, table.torques)):
+    device = collector.external
+    for topic, loads in ((device.forces, table.forces), (device.torques, table.torques)):
         collector.fill(
             topic, count=len(loads), body=[x.port.body.index for x in loads],
             interface=[collector.interface(x.port) for x in loads], in_body=[int(x.frame == "body") for x in loads],
             signal=[[collector.signal(s) for s in x.components] for x in loads],
         )  # fmt: skip
-    collector.fill(m.forces, point=[x.port.point - x.port.body.center_of_mass for x in table.forces])
+    collector.fill(device.forces, point=[x.port.point - x.port.body.center_of_mass for x in table.forces])
     widest = max([b.mode_count for b in bodies], default=0)
     modal = np.zeros((len(table.bodies), max(widest, 1)))
     for i, load in enumerate(table.bodies):
         modal[i, : len(load.modal)] = load.modal
     collector.fill(
-        m.body_loads, count=len(table.bodies), body=[x.body.index for x in table.bodies],
+        device.body_loads, count=len(table.bodies), body=[x.body.index for x in table.bodies],
         signal=[collector.signal(x.signal) for x in table.bodies], force=[x.force for x in table.bodies],
         torque=[x.torque - np.cross(x.body.center_of_mass, x.force) for x in table.bodies], modal=modal,
     )  # fmt: skip

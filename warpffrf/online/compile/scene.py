@@ -40,7 +40,7 @@ from warpffrf.online.compile.room import CellRoom
 from warpffrf.online.compile.surfaces import fill_surfaces
 from warpffrf.online.local_dynamics import FOLLOWS, LocalDynamics, LocalPlan
 from warpffrf.online.settings import Settings
-from warpffrf_kernels.core.model import Elements, Films, Laps, Model
+from warpffrf_kernels.core.model import Elements, External, Films, Laps, Model
 
 
 @dataclass
@@ -50,6 +50,7 @@ class CompiledScene:
     scene: Scene
     model: Model
     elements: Elements  # what `model.elements` has on the device
+    external: External  # what `model.external` has
     films: Films  # what `model.elements[0].films` has
     laps: Laps  # what `model.elements[0].laps` has
     device: str
@@ -135,10 +136,11 @@ def _compiled(collector: Collector) -> CompiledScene:
     collector.elements.films = wp.array([collector.films], dtype=Films, device=collector.device)
     collector.elements.laps = wp.array([collector.laps], dtype=Laps, device=collector.device)
     m.elements = wp.array([collector.elements], dtype=Elements, device=collector.device)
+    m.external = wp.array([collector.external], dtype=External, device=collector.device)
     return CompiledScene(
-        scene, m, collector.elements, collector.films, collector.laps, collector.device, joints, springs, slips,
-        tensions, len(collector.rows), modal_start, modes, stiffened, collector.local, collector.inertia,
-        collector.cell_room, collector.patches, collector.notes,
+        scene, m, collector.elements, collector.external, collector.films, collector.laps, collector.device, joints,
+        springs, slips, tensions, len(collector.rows), modal_start, modes, stiffened, collector.local,
+        collector.inertia, collector.cell_room, collector.patches, collector.notes,
     )  # fmt: skip
 
 

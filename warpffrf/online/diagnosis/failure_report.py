@@ -75,7 +75,7 @@ def largest_force(engine: Engine, world: int) -> float:
     pulls = np.abs(_array(state, "lam", world)[:R][lengths])
     contact = np.linalg.norm(_array(scratch, "pair_wrench", world)[:P, :3], axis=1)
     lumped = _array(state, "lumped_force", world)[1, : engine.compiled.elements.lumped.places]
-    points = np.linalg.norm(_array(state, "applied", world)[1, : m.forces.count], axis=1)
+    points = np.linalg.norm(_array(state, "applied", world)[1, : engine.compiled.external.forces.count], axis=1)
     columns = engine.compiled.laps.rigid_column.numpy()[: engine.compiled.laps.laps]
     push = _array(scratch, "lap_push", world)
     laps = [np.linalg.norm(push[at : at + 3]) for at in columns if at >= 0]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.forces.notes import characteristic_notes
-from warpffrf.online.arrays.ring import SavedContact, SavedRows
+from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.films import film_histories
@@ -26,7 +26,9 @@ from warpffrf.online.history.lumped import lumped_histories
 from warpffrf.online.history.pretension import tension_histories, with_pulls
 from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf.online.history.user_frame import user_frame
+from warpffrf_kernels.core.declaration import declared_in
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
+from warpffrf_kernels.core.ring import SavedContact
 
 
 def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
@@ -77,7 +79,7 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
 def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str, BodyHistory]) -> ContactHistory:
     m, contact = compiled.model, compiled.scene.contacts[i]
     a, b = contact.a.surface, contact.b.surface
-    x = {name: rows[name][:, i] for name in SavedContact.declarations if name != "saved_patch"}
+    x = {name: rows[name][:, i] for name in declared_in(SavedContact) if name != "saved_patch"}
     T = len(x["saved_active"])
     first, second = contact.a.body, contact.b.body
     r_a = bodies[first.name].position + turned(bodies[first.name].rotation, first.center_of_mass)

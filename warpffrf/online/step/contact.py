@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from warpffrf.online.step.launches import blocks, threads
-from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Participant
 from warpffrf_kernels.impulsive import impulsive_contact, impulsive_means, impulsive_memory
 from warpffrf_kernels.kinematics import (
@@ -76,7 +75,7 @@ CONTACT = Participant(
     ],
     close=[
         blocks(between.keep_beside, "pair", when=TOUCHING),
-        blocks(contact_fields.close_gaps, "pair", weak_gap="shifted_gap"),
+        blocks(contact_fields.close_gaps, "pair"),
         blocks(contact_fields.load_modes, "pair", when=HATS),
         blocks(fields.load_modes, "pair", when=PATCH),
     ],
@@ -89,19 +88,19 @@ CONTACT = Participant(
         threads(lasting.note_rows, "pair", when=PATCH),
         blocks(contact_compliance.respond, when=HATS),
         blocks(contact_compliance.modal_rows, when=HATS),
-        blocks(system.answer_splines, "pair", when=PATCH, receptance="contact_receptance"),
+        blocks(system.answer_splines, "pair", when=PATCH),
         blocks(system.assemble_cells, when=PATCH),
-        blocks(contact_assembly.assemble, when=HATS, scratch="scaled_modes", receptance="contact_receptance"),
-        blocks(contact_assembly.assemble_between, when=BESIDE, receptance="contact_receptance", field="field_beside"),
+        blocks(contact_assembly.assemble, when=HATS),
+        blocks(contact_assembly.assemble_between, when=BESIDE),
         blocks(system.assemble_patches_beside, when=TOUCHING),
     ],
     condense=[blocks(contact_compliance.outer_rows)],
     press=[
         threads(pair_elimination.order_slots),
-        blocks(pair_elimination.eliminate_pairs, "pair", G="soft"),
-        blocks(pair_elimination.pose_pressures, G="soft"),
-        blocks(pair_elimination.solve_pressures, U="factor", **FACTOR),
-        blocks(between_pairs.solve_between, when=BESIDE, G="soft", U="factor", **FACTOR),
+        blocks(pair_elimination.eliminate_pairs, "pair"),
+        blocks(pair_elimination.pose_pressures),
+        blocks(pair_elimination.solve_pressures),
+        blocks(between_pairs.solve_between, when=BESIDE),
     ],
     follow=[
         blocks(contact_fields.modal_fields, "pair", when=HATS, **STEP),
@@ -115,11 +114,11 @@ CONTACT = Participant(
     finish=[blocks(impulsive_memory.finish_rates)],
     judge=[
         threads(leaps.refuse_leaps_of_pairs),
-        threads(impulsive_means.judge_pairs, "pair", created="created_now"),
-        threads(impulsive_means.find_restless, "pair", when="dynamic_mode", offset="patch_offset"),
+        threads(impulsive_means.judge_pairs, "pair"),
+        threads(impulsive_means.find_restless, "pair", when="dynamic_mode"),
     ],
     keep=[
-        blocks(impulsive_memory.keep_memory, "pair", created="created_now", created_so_far="created"),
+        blocks(impulsive_memory.keep_memory, "pair"),
         threads(place.keep_change, "pair", when=PATCH),
         threads(lasting.keep_rows, when=PATCH),
     ],

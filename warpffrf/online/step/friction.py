@@ -8,7 +8,6 @@ pressures.
 from __future__ import annotations
 
 from warpffrf.online.step.launches import Launch, blocks, once, threads
-from warpffrf.online.step.outer import FACTOR
 from warpffrf.online.step.phases import Loop, Participant
 from warpffrf_kernels.friction import (
     cell_compliance,
@@ -33,22 +32,7 @@ from warpffrf_kernels.rolling import history as rolling_history
 GRID = "grid_rubbing"  # pairs whose cells are bound to the material of the first surface
 ROLLING = "rolling_pair"  # where some travel with the patch
 SPEED = "speed_pair"  # where a coefficient depends on the slip speed
-G, D, J, V, Y = ({letter: f"cell_{letter}"} for letter in "GDJVY")
-L, BORDERED, M = {"L": "cell_L"}, {"L": "cell_bordered"}, {"M": "mobility"}
-TAU, BASE, RIGHT = {"tau": "cell_tau"}, {"base": "cell_base"}, {"right": "cell_right"}
-OWN, DIAGONAL = {"own": "mobility_own"}, {"diagonal": "cell_diagonal"}
-OUTER = {"push": "cell_load", "turned": "cell_moved_outer"}
-# K and what it acts on, in its factors; those of cell_* where no slopes are condensed
-SYSTEM = {name: f"speed_{name}" for name in ("D", "L", "M", "V", "diagonal", "bordered", "right", "tau")}
 LIMITS = {"radius": "cell_radius", "softness": "cell_softness"}
-STEP, SCALED = {"step": "answer_step", "moved": "answer_moved"}, {"scratch": "cell_scaled"}
-SOLVE = {
-    name: f"cell_{name}"
-    for name in (
-        "slip", "direction", "frozen", "curvature", "slope", "order", "sliding", "outcome", "inside", "solution",
-        "outer", "scaling", "pivots", "factor", "vector", "lines", "fallback", "work", "inverse_transposed",
-    )
-} | {"jumps": "cell_jump", "U": "cell_U", "W": "cell_W", "square": "cell_square"}  # fmt: skip
 
 
 def bounds(of_state: int) -> list[Launch]:
@@ -56,8 +40,8 @@ def bounds(of_state: int) -> list[Launch]:
     return [
         blocks(traction_bounds.bound_cells, "pair", when=GRID, clip=of_state),
         blocks(places.bound_patch_cells, "pair", when=ROLLING, clip=of_state),
-        blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state, last_normal="contact_normal"),
-        blocks(entering.soften_entering, "pair", when=ROLLING, of_state=of_state, last_normal="contact_normal"),
+        blocks(entering_cells.soften_late, "pair", when=GRID, of_state=of_state),
+        blocks(entering.soften_entering, "pair", when=ROLLING, of_state=of_state),
     ]
 
 
@@ -69,19 +53,16 @@ def press(pressure: str, load: str, of_state: int) -> Launch:
 
 
 RUB = [
-    blocks(stick_slip_problem.limit_tractions, "friction_pair", **LIMITS),
-    blocks(slope_condensation.condense_slopes, when=SPEED, bordered="bordered", **G, **D, **BORDERED, **M, **DIAGONAL),
-    blocks(slope_condensation.pose_slopes, when=SPEED, **RIGHT, **TAU, **LIMITS, **OUTER),
-    blocks(stick_slip_solve.solve_tractions, **SYSTEM, **LIMITS, **OUTER, **SOLVE),
-    blocks(slip_speed.split_tractions, when=SPEED, radius="cell_radius", found="cell_slip", **TAU),
-    blocks(fields.open_by_change, "pair", when=ROLLING, tau_base="cell_base", **TAU),
-    blocks(
-        pressure_answer.press_with_tractions, tau_base="cell_base", change="answer_change", z_change="answer_z",
-        push="cell_load", **Y, **BORDERED, **M, **TAU, **STEP, **SCALED,
-    ),
+    blocks(stick_slip_problem.limit_tractions, "friction_pair"),
+    blocks(slope_condensation.condense_slopes, when=SPEED),
+    blocks(slope_condensation.pose_slopes, when=SPEED),
+    blocks(stick_slip_solve.solve_tractions, **LIMITS),
+    blocks(slip_speed.split_tractions, when=SPEED),
+    blocks(fields.open_by_change, "pair", when=ROLLING),
+    blocks(pressure_answer.press_with_tractions),
     threads(slip_speed.keep_following, when=SPEED),
     *bounds(0),
-    once(pressure_answer.count_rounds, again="rubbing"),
+    once(pressure_answer.count_rounds),
 ]  # fmt: skip
 
 FRICTION = Participant(
@@ -108,8 +89,8 @@ FRICTION = Participant(
     slide=[
         press("base", "second_load", of_state=1),
         blocks(tangential_fields.rub_cells, "pair", when=GRID),
-        blocks(tangential_fields.displace_cells, "pair", when=GRID, amplitude="q1"),
-        blocks(fields.move_cells, "pair", when=ROLLING, amplitude="q1"),
+        blocks(tangential_fields.displace_cells, "pair", when=GRID),
+        blocks(fields.move_cells, "pair", when=ROLLING),
         blocks(cell_forces.slide_cells, "pair", when=GRID),
         blocks(rolling_history.slide_patch_cells, "pair", when=ROLLING),
         blocks(slip_speed.follow_slips, "pair", when=SPEED),
@@ -123,29 +104,29 @@ FRICTION = Participant(
         blocks(tangential_fields.change_pressures, "pair", when=GRID),
         threads(cell_compliance.take_cells),
         blocks(cell_compliance.cell_modes, "friction_pair", when=GRID),
-        blocks(cell_compliance.assemble_cells, "friction_pair", when=GRID, shift="cell_shift", **SCALED, **G),
+        blocks(cell_compliance.assemble_cells, "friction_pair", when=GRID),
         blocks(system.modes_of_cells, "friction_pair", when=ROLLING),
-        blocks(system.assemble_patch_cells, "friction_pair", when=ROLLING, **G),
+        blocks(system.assemble_patch_cells, "friction_pair", when=ROLLING),
         blocks(cell_compliance.outer_cells, "friction_pair"),
         threads(pressure_answer.open_answer),
-        blocks(pressure_answer.answer_by_modes, "friction_pair", **SCALED, **Y),
-        blocks(pressure_answer.answer_on_grid, "friction_pair", when=GRID, shift="second_shift", **Y),
-        blocks(pressure_answer.reduce_answer, "friction_pair", **Y),
-        blocks(pressure_answer.condense_answer, "friction_pair", bordered="cell_bordered", **G, **D, **L, **Y),
-        blocks(mobility.invert_outer, matrix="bordered", right="mobility_rhs", column="mobility_column", **FACTOR),
-        blocks(mobility.diagonal_blocks, "friction_pair", **D, **BORDERED, **M, **OWN, **V, **DIAGONAL),
+        blocks(pressure_answer.answer_by_modes, "friction_pair"),
+        blocks(pressure_answer.answer_on_grid, "friction_pair", when=GRID),
+        blocks(pressure_answer.reduce_answer, "friction_pair"),
+        blocks(pressure_answer.condense_answer, "friction_pair"),
+        blocks(mobility.invert_outer),
+        blocks(mobility.diagonal_blocks, "friction_pair"),
         press("pressure_change", "load_change", of_state=0),
         blocks(tangential_fields.shift_slips, "pair", when=GRID),
         blocks(fields.press_slips, "pair", when=ROLLING),
         blocks(stick_slip_problem.drive_modes),
-        blocks(stick_slip_problem.pose_tractions, "friction_pair", **L, **J, **BASE, **RIGHT, **TAU),
-        blocks(stick_slip_problem.take_off_base, **D, **BORDERED, **M, **BASE, **RIGHT, **OUTER),
+        blocks(stick_slip_problem.pose_tractions, "friction_pair"),
+        blocks(stick_slip_problem.take_off_base),
         blocks(slip_speed.begin_slips, "speed_pair", when=SPEED),
         Loop("rubbing", RUB),
-        blocks(stick_slip_problem.take_tractions, z_change="answer_z", **TAU),
-        blocks(couple.follow_couples, when=ROLLING, push="cell_load", **M),
+        blocks(stick_slip_problem.take_tractions),
+        blocks(couple.follow_couples, when=ROLLING),
     ],
-    answer=[blocks(stick_slip_problem.push_modes, push="cell_push", moved="answer_moved", **J)],
+    answer=[blocks(stick_slip_problem.push_modes)],
     keep=[
         threads(patch_advance.follow_patch, "pair", when=GRID),
         blocks(history.keep_slips, "pair", when=GRID),

@@ -11,30 +11,27 @@ from warpffrf_kernels.linear import outer, outer_solve
 from warpffrf_kernels.normal import contact_solve
 from warpffrf_kernels.step import balance
 
-INTERFACES = {"motion": "interface_motion"}
-FACTOR = {"factor": "sparse_factor", "vector": "sparse_vector", "lines": "sparse_lines", "work": "elimination"}
-
 OUTER = Participant(
     "outer",
     load=[blocks(outer.pull, when="row")],
-    balance=[threads(balance.balance, history="residual_history")],
-    unbalanced=[once(outer.find_unbalanced, any_running="running")],
+    balance=[threads(balance.balance)],
+    unbalanced=[once(outer.find_unbalanced)],
     assemble=[
         blocks(outer.condense),
         blocks(inertia.couple_modes, when="inertia_mode"),
         blocks(membrane.stiffen_membranes, when="square_mode"),
         blocks(mean_work.couple_pulls, when="stiffened_row"),
-        threads(geometric_stiffness.stiffen, when="row", **INTERFACES),
-        threads(geometric_stiffness.stiffen_applied, when="applied", **INTERFACES),
+        threads(geometric_stiffness.stiffen, when='row'),
+        threads(geometric_stiffness.stiffen_applied, when='applied'),
     ],
-    eliminate=[blocks(outer_solve.solve_outer, when="free_outer", **FACTOR)],
+    eliminate=[blocks(outer_solve.solve_outer, when='free_outer')],
     increase=[
         blocks(contact_solve.modal_increments, when="mode"),
-        blocks(impulsive_contact.push_further, when="dynamic_mode", push="modal_push"),
+        blocks(impulsive_contact.push_further, when='dynamic_mode'),
     ],
     advance=[
         blocks(outer.advance_outer),
         blocks(outer.advance_rest, when="row_or_mode"),
-        once(outer.count_iteration, any_running="running"),
+        once(outer.count_iteration),
     ],
 )  # fmt: skip

@@ -1,11 +1,11 @@
-"""Phases of a step, the participants that put launches into them, and the check of the order.
+"""Phases of a step, and the participants that put launches into them.
 
 A participant names the launches that it adds to each phase; within a phase they stand in the order of the participants.
-The order is checked, not described: a scratch array that a launch reads, or changes, has to be set by one before it,
-unless it is declared as `carried`, and within a phase nothing is read that is set anew after it. Phase `commit` is for
-what remembers a history, which not every accepted attempt adds to (`warpffrf_kernels.step.proximal`). Whether
-kernels mark rightly what they read, set and change is checked against their source (`tests/kernels/test_signatures.py`)
-and with scratch that holds NaN between attempts (`tests/online/test_program.py`).
+The tests check the order of every program that they make (`tests/launch_order`), from what kernels read and write
+according to their source: a scratch array that a launch reads, or changes, has to be set by one before it, unless it is
+declared as `carried`, and within a phase nothing is read that is set anew after it. They run scenes with scratch that
+holds NaN between attempts, too (`tests/online/test_program.py`). Phase `commit` is for what remembers a history, which
+not every accepted attempt adds to (`warpffrf_kernels.step.proximal`).
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from typing import Any
 
 import warp as wp
 
-from warpffrf.online.step.launches import DECLARED, Launch
-from warpffrf_kernels.core.declaration import Declaration
+from warpffrf.online.step.launches import Launch
 
 ATTEMPT = ("begin", "predict", "remember")
 MOVE_AND_LOAD = ("move", "load")
@@ -82,7 +81,7 @@ def collect(participants: Sequence[Participant], phase: str) -> list[Placed]:
     ]
 
 
-def record(parts: Sequence[Placed], arrays: Mapping[str, Any], sizes: Mapping[str, int], device: str) -> None:
+def record(parts: Sequence[Placed], arrays: Mapping[Any, Any], sizes: Mapping[str, int], device: str) -> None:
     """Launch the parts that the scene has, or record them where a graph is being captured."""
     for needs, part in parts:
         if not all(sizes[name] for name in needs):
@@ -105,38 +104,3 @@ def launches(parts: Sequence[Placed], sizes: Mapping[str, int]) -> Iterator[tupl
             yield from ((inner, True) for inner, _ in launches([((), inner) for inner in part.body], sizes))
         elif part.present(sizes):
             yield part, False
-
-
-def complaints(
-    phases: Sequence[tuple[str, Sequence[Placed]]],
-    sizes: Mapping[str, int],
-    declared: Mapping[str, Declaration] = DECLARED,
-) -> list[str]:
-    """What is wrong with the order in a scene of these sizes: launches that read what nothing has set before them."""
-    placed = [(phase, list(launches(parts, sizes))) for phase, parts in phases]
-    set_by_some = {name for _, here in placed for launch, _ in here for name in launch.written}
-    known = {
-        name
-        for name, d in declared.items()
-        if d.carried or 0 in d.shape(sizes) or (d.zero_without and name not in set_by_some)
-    }
-    found = []
-    for phase, here in placed:
-        read_here: dict[str, str] = {}
-        for launch, repeated in here:
-            needed = launch.changed | (launch.read - launch.written)
-            for name in sorted(needed - known):
-                does = "changes" if name in launch.changed else "reads"
-                found.append(
-                    f"phase {phase!r}: {launch.label} {does} {name}, which nothing has set before; put what sets it "
-                    "into an earlier phase, or declare it as carried"
-                )
-            for name in sorted((launch.written - launch.read) & set(read_here)):
-                if not declared[name].carried and not repeated:
-                    found.append(
-                        f"phase {phase!r}: {launch.label} sets {name} anew after {read_here[name]} has read it; give "
-                        "them phases of their own"
-                    )
-            read_here |= {name: launch.label for name in launch.read - launch.written}
-            known |= launch.written
-    return list(dict.fromkeys(found))

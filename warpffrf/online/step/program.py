@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from warpffrf.online.arrays.axes import Sizes
-from warpffrf.online.arrays.declaration import Arrays
+from warpffrf.online.arrays.declaration import Arrays, Bound
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.step import phases
 from warpffrf.online.step.contact import CONTACT
@@ -32,23 +32,19 @@ WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 
 class Program:
-    """The launches of a scene on its arrays; `run` of some phases, in order.
-
-    Raises TypeError, with names, where a launch would read what nothing has set before it.
-    """
+    """The launches of a scene on its arrays; `run` of some phases, in order."""
 
     def __init__(
         self, compiled: CompiledScene, sizes: Sizes, owners: Sequence[Arrays], constants: dict[str, object]
     ) -> None:
         self.sizes, self.device = sizes, compiled.device
         arrays = {name: getattr(owner, name) for owner in owners for name in owner.declarations}
-        self.arrays: Mapping[str, Any] = {**arrays, **constants}
+        self.arrays: Mapping[Any, Any] = Bound(arrays | constants)
         self.parts = {phase: phases.collect(PARTICIPANTS, phase) for phase in WHOLE}
-        wrong = phases.complaints([(phase, self.parts[phase]) for phase in WHOLE], sizes)
-        if wrong:
-            raise TypeError("\n".join(wrong))
+        for launch in self.launches():  # topics are made here: what is made while a graph is captured is not there yet
+            launch.arguments(self.arrays)
 
-    def on(self, arrays: Mapping[str, Any], sizes: Sizes) -> Program:
+    def on(self, arrays: Mapping[Any, Any], sizes: Sizes) -> Program:
         """The same launches on other arrays, which are for a scene with the same axes but for the worlds."""
         found = copy.copy(self)
         found.arrays, found.sizes = arrays, sizes

@@ -1,13 +1,11 @@
 """Scratch arrays of laps: the tableaus of their groups, states and numbers of cells, and what bodies and modes get."""
 
-from __future__ import annotations
-
-from warpffrf.online.arrays.declaration import Arrays
-from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals
-from warpffrf_kernels.laps.words import WORDS as LAP_WORDS
+from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic
+from warpffrf_kernels.core.laps import WORDS as LAP_WORDS
 
 
-class Laps(Arrays):
+@topic
+class LapScratch:
     """Laps, see the kernels of `laps`."""
 
     lap_words: DeviceArray = integers("world", "lap_group", LAP_WORDS, note="see `laps.words`", carried=True)
@@ -23,20 +21,24 @@ class Laps(Arrays):
     lap_target: DeviceArray = reals("world", "lap_line", note="where u should be", run=True)
     lap_guess: DeviceArray = reals("world", "4*lap_line", note="u of earlier passes", run=True)
     lap_rest: DeviceArray = reals("world", "4*lap_line", note="their steps", run=True)
-    lap_list: DeviceArray = integers("world", "lap_line", note="columns to be added")
+    lap_list: DeviceArray = integers("world", "lap_line", note="columns to be added", flat=True)
     lap_given: DeviceArray = reals("world", "lap_line", note="by how much", run=True)
     lap_base: DeviceArray = integers("world", "lap_cell", note="state that the table was made for", carried=True)
     lap_base_aim: DeviceArray = reals("world", "lap_cell", 3, note="likewise direction, kappa", carried=True)
     lap_table: DeviceArray = reals("world", "lap_number", note="tableau, by columns", run=True, carried=True)
     lap_slot: DeviceArray = integers("world", "lap_cell", note="among cells that differ, or -1", carried=True)
-    lap_place: DeviceArray = integers("world", "lap_line", note="among lines that differ, or -1", carried=True)
-    lap_owner: DeviceArray = integers("world", "lap_differing", note="first lines of such cells", carried=True)
-    lap_active: DeviceArray = integers("world", "lap_differing", note="such lines", carried=True)
-    lap_rows: DeviceArray = reals("world", "3*lap_differing", note="their lines of b", carried=True)
+    lap_place: DeviceArray = integers(
+        "world", "lap_line", note="among lines that differ, or -1", carried=True, flat=True
+    )
+    lap_owner: DeviceArray = integers(
+        "world", "lap_differing", note="first lines of such cells", carried=True, flat=True
+    )
+    lap_active: DeviceArray = integers("world", "lap_differing", note="such lines", carried=True, flat=True)
+    lap_rows: DeviceArray = reals("world", "3*lap_differing", note="their lines of b", carried=True, flat=True)
     lap_units: DeviceArray = reals("world", "2*lap_differing", note="of u', u of such lines", run=True, carried=True)
-    lap_maps: DeviceArray = matrices("world", "3*lap_differing", note="a, c, d of such cells", carried=True)
-    lap_factor: DeviceArray = reals("world", "lap_factor_number", note="of M, by columns", carried=True)
-    lap_pivot: DeviceArray = integers("world", "lap_differing", note="of M", carried=True)
+    lap_maps: DeviceArray = matrices("world", "3*lap_differing", note="a, c, d of such cells", carried=True, flat=True)
+    lap_factor: DeviceArray = reals("world", "lap_factor_number", note="of M, by columns", carried=True, flat=True)
+    lap_pivot: DeviceArray = integers("world", "lap_differing", note="of M", carried=True, flat=True)
     lap_weight: DeviceArray = reals("world", "lap_differing", note="their independent numbers", run=True)
     lap_before: DeviceArray = reals("world", "3*lap_differing", note="v of such cells so far", run=True)
     lap_left: DeviceArray = reals("world", "lap_update", note="columns of the table", run=True)

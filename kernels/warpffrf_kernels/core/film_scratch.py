@@ -1,0 +1,77 @@
+"""Scratch arrays of oil films."""
+
+from warpffrf_kernels.core.declaration import (
+    DeviceArray,
+    integers,
+    reals,
+    topic,
+)
+from warpffrf_kernels.core.films import HAT_LINE, PULL
+from warpffrf_kernels.core.films import LINE as FILM_LINE
+from warpffrf_kernels.core.scratch import MODAL
+
+
+@topic
+class FilmScratch:
+    """Oil films, see the kernels of `films`."""
+
+    film_stretch: DeviceArray = reals("world", note="time of films over that of bodies in static steps", carried=True)
+    film_rates: DeviceArray = reals("world", 3, unit="1/s", note="coefficients of BDF2")
+    film_least: DeviceArray = reals("world", "film_point", unit="m", note="by which the prediction closes gaps")
+    film_acting: DeviceArray = reals("world", "film_system", unit="Pa", note="pressures that deform", run=True)
+    film_opened: DeviceArray = reals("world", "film_hat", unit="m", note="by deformation")
+    film_local: DeviceArray = reals("world", "film_hat", unit="m", note="of this by local modes")
+    film_seat: DeviceArray = integers("world", "film_seat", 2, note="hats of the second surface, see `films.seats`")
+    film_seat_at: DeviceArray = reals("world", "film_seat", 2, note="where between them")
+    film_press_load: DeviceArray = reals("world", "film_press", unit="N", note="by pressures and asperities")
+    film_second_load: DeviceArray = reals(
+        "world", "film_second_hat", unit="N", note="on hats of the second surface", flat=True
+    )
+    film_second_opened: DeviceArray = reals(
+        "world", "film_second_hat", unit="m", note="there, by deformation", flat=True
+    )
+    film_second_energy: DeviceArray = reals("world", "film_second_hat", unit="J", note="of its local modes")
+    film_second_weight: DeviceArray = reals(
+        "world", "film_load", unit="m2", note="W: (line, second hat)", carried=True, flat=True
+    )
+    film_second_yield: DeviceArray = reals(
+        "world", "film_load", unit="m/Pa", note="Q: (second hat, line)", carried=True, flat=True
+    )
+    film_second_wide: DeviceArray = reals("world", "film_load", note="room of each line", run=True)
+    film_second_ahead: DeviceArray = reals(
+        "world", "film_second_hat", unit="m", note="change by deformation", flat=True
+    )
+    film_carried: DeviceArray = reals("world", "film_function", 2, unit="m/s", note="U: around, along")
+    film_mass_now: DeviceArray = reals("world", "film_point", unit="m", note="of the trial state")
+    film_line: DeviceArray = reals("world", "film_point", FILM_LINE, note="numbers of a point, see `films.sampling`")
+    film_pull: DeviceArray = reals("world", "film_point", PULL, note="forces and powers of a point")
+    film_sums: DeviceArray = reals("world", "film", PULL, note="of all points", zero_without=True)
+    film_rest: DeviceArray = reals("world", "film_function", unit="m3/s", note="R")
+    film_size: DeviceArray = reals("world", "film_function", unit="m3/s", note="of its parts")
+    film_refill: DeviceArray = reals("world", "film_function", unit="m3/s", note="part of the voids in R")
+    film_off: DeviceArray = reals("world", "film", note="R beside its parts", zero_without=True)
+    film_modal: DeviceArray = reals("world", "film_column", unit=MODAL, note="load on modes", zero_without=True)
+    film_changed: DeviceArray = integers("world", "film", note="functions that changed sides", zero_without=True)
+    film_switch: DeviceArray = integers("world", "film_unknown", note="1 where the last iteration changed sides")
+    film_hat_line: DeviceArray = reals("world", "film_hat", HAT_LINE, note="where there are asperities")
+    film_energy_now: DeviceArray = reals("world", "film_hat", unit="J/m2", note="of asperities")
+    film_rough: DeviceArray = integers("world", "film_hat", note="1 where asperities touch", carried=True)
+    film_wide: DeviceArray = reals("world", "film_near", unit="m2/s", note="dR by the gap at hats")
+    film_matrix: DeviceArray = reals(
+        "world", "film_number", note="lines of J, R, B, P, then of J, R, J^-1 B, P", run=True, carried=True
+    )
+    film_factor: DeviceArray = reals(
+        "world", "film_number", note="L, U of J in the order of film_order", run=True, carried=True
+    )
+    film_order: DeviceArray = integers("world", "film_system", note="place in the elimination", carried=True, flat=True)
+    film_pivots: DeviceArray = integers(
+        "world", "film_system", note="lines that changed places", carried=True, flat=True
+    )
+    film_solution: DeviceArray = reals("world", "film_system", note="J^-1 R", run=True)
+    film_stiffness: DeviceArray = reals("world", "film_square", note="P^T J^-1 B", carried=True)
+    film_push: DeviceArray = reals("world", "film_column", note="P^T J^-1 R")
+    film_change: DeviceArray = reals("world", "film_system", note="of pressures or voids", run=True)
+    film_opening: DeviceArray = reals("world", "film_hat", unit="m", note="change by deformation")
+    film_ahead: DeviceArray = reals("world", "film_point", unit="m", note="change of the gap")
+    film_part: DeviceArray = reals("world", note="of the increments that is taken")
+    film_taken: DeviceArray = reals("world", "film", 2, unit="J", note="by flow, by sliding", zero_without=True)
