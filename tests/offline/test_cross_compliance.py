@@ -285,17 +285,6 @@ def test_file_and_report(ring: Mesh, tmp_path: Path) -> None:
     assert replace(body, cross=(changed,)).content_hash() != body.content_hash()
 
 
-def test_an_older_file_has_none(ring: Mesh, tmp_path: Path) -> None:
-    import h5py
-
-    body = reduced(ring, contact=RING, interfaces={}, modes=6)
-    path = replace(body, cross=()).save(tmp_path / "body.h5")
-    with h5py.File(path, "r+") as file:
-        file.attrs["schema"] = 4
-    again = ReducedBody.load(path)
-    assert again.cross == () and again.cross_compliance("rim", "bore") is None
-
-
 WRONG = {
     "a row less": (
         {"lags": np.zeros((18, 2, 3))},

@@ -20,8 +20,7 @@ import scipy.sparse as sp
 from scipy.io import mmwrite
 
 import warpffrf as wf
-from warpffrf.model.files.sealed_arrays import HEAD
-from warpffrf.model.files.sealed_file import TRAILER, seal
+from warpffrf.model.files.sealed_file import HEAD, TRAILER, seal
 from warpffrf.model.mesh.files.matrices import read_matrix
 from warpffrf.model.messages.checkpoints import Source
 from warpffrf.model.reduced.file import _digest, _flatten

@@ -51,7 +51,7 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
 
     @classmethod
     def load(cls, path: str | Path) -> ReducedBody:
-        """Read the file at `path` that `save` wrote. Raises `InputError` for a missing, damaged, or newer-schema
+        """Read the file at `path` that `save` wrote. Raises `InputError` for a missing, damaged, or other-schema
         file."""
         return read_reduced_body(cls, Path(path))
 

@@ -62,8 +62,8 @@ class ReducedBodyData:
     stress: dict[str, StressField] = field(default_factory=dict)  # where stresses can be asked for, by name
     report: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
-    inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body reduced before they existed
-    cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces; of files before schema 5 none
+    inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body without
+    cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces
     laps: dict[str, LapSurface] = field(default_factory=dict)  # faces with cells, `model.laps`
     lap_compliance: np.ndarray | None = None  # (N, N) m/N of all forces of `laps`, in their order; None without laps
 
@@ -73,8 +73,8 @@ class ReducedBodyData:
         return sum(s.local_modes for s in self.contact_surfaces.values())
 
     def cross_compliance(self, target: str, source: str) -> CrossCompliance | None:
-        """What loads on contact surface `source` do to contact surface `target`; None of a body whose file was written
-        before there was such a compliance. Raises `InputError` for names that are not two contact surfaces."""
+        """What loads on contact surface `source` do to contact surface `target`; None of a body without.
+        Raises `InputError` for names that are not two contact surfaces."""
         if target == source or not {target, source} <= set(self.contact_surfaces):
             raise InputError(
                 f"cross_compliance: {target!r} and {source!r} are not two contact surfaces of this body; it has "

@@ -80,7 +80,7 @@ def term_sizes(scene: Scene, bodies: Mapping[str, BodyHistory], levels: Mapping[
         steps = np.unique(np.linspace(0, len(motion.rotation) - 1, MOST_STEPS).astype(int))
         p = motion.rotation[steps]
         w = _to_body(p, motion.angular_velocity[steps])
-        w_rate = _to_body(p, np.nan_to_num(motion.angular_acceleration[steps]))  # NaN: not recorded, in an old file
+        w_rate = _to_body(p, np.nan_to_num(motion.angular_acceleration[steps]))  # NaN: not recorded
         q, qd = motion.modal[steps], np.nan_to_num(motion.modal_velocity[steps])
         omega = 2.0 * np.pi * np.asarray(reduced.frequencies)
         size = np.sqrt(0.5 * np.trace(body.inertia))

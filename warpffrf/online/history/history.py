@@ -29,7 +29,7 @@ ENERGY_LINES = (
 )
 
 
-_NOT_RECORDED = np.zeros(0)  # stands for the arrays that an older file does not hold
+_NOT_RECORDED = np.zeros(0)  # stands for arrays that are not given
 
 
 @dataclass(repr=False)

@@ -78,7 +78,7 @@ def effective_modulus(view: PairView) -> float:
         if not material:
             raise InputError(
                 f"contact '{view.name}': body '{body.name}' does not say its material, so Hertz cannot be computed; "
-                "reduce the body again with this version"
+                "reduce the body again"
             )
         compliance += (1.0 - material["poisson_ratio"] ** 2) / material["youngs_modulus"]
     return 1.0 / compliance

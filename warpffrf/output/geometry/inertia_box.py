@@ -33,10 +33,8 @@ class InertiaBox:
         return points[SIDES.ravel()], (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
 
 
-def inertia_box(body: BodyView) -> InertiaBox | None:
-    """The box with the body's mass and inertia; None where the inertia is not known (an older results file)."""
-    if body.inertia is None:
-        return None
+def inertia_box(body: BodyView) -> InertiaBox:
+    """The box with the body's mass and inertia."""
     moments, axes = np.linalg.eigh(body.inertia)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] = -axes[:, 0]

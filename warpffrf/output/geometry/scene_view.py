@@ -22,14 +22,14 @@ GROUND = "ground"
 @dataclass(frozen=True)
 class BodyView:
     """One body: its name, its reduced body (None when rigid), mass [kg], centre of mass [m, user frame] and inertia
-    about it [kg m2, user axes]; None in an older results file. `shapes`: what a rigid one touches with, by name;
+    about it [kg m2, user axes]; `shapes`: what a rigid one touches with, by name;
     `stiffening`: whether loads stiffen it, and its deflections shorten it."""
 
     name: str
     reduced: Any
     mass: float
     center_of_mass: np.ndarray
-    inertia: np.ndarray | None = None
+    inertia: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
     shapes: dict[str, Any] = field(default_factory=dict)
     stiffening: bool = False
 
@@ -126,7 +126,7 @@ class LapView:
 @dataclass(frozen=True)
 class SceneView:
     """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued.
-    `description` is that of `Scene.describe`, empty in an older results file."""
+    `description` is that of `Scene.describe`."""
 
     content_hash: str
     bodies: dict[str, BodyView] = field(default_factory=dict)
@@ -206,4 +206,4 @@ def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:
 
 def ground_view(shapes: dict[str, Any]) -> BodyView:
     """The ground with its surfaces: it has no mass of its own and does not move."""
-    return BodyView(GROUND, None, 0.0, np.zeros(3), None, shapes)
+    return BodyView(GROUND, None, 0.0, np.zeros(3), shapes=shapes)

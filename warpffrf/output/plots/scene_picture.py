@@ -85,8 +85,7 @@ class ScenePicture:
         self.scale = field_scale(field, max(tops))
 
     def _boxes(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        found = {name: inertia_box(body) for name, body in self.result.view.bodies.items()}
-        return {name: box.mesh() for name, box in found.items() if box is not None}
+        return {name: inertia_box(body).mesh() for name, body in self.result.view.bodies.items()}
 
     def _undeformed(self) -> dict[str, np.ndarray]:
         shown = {name: skin.points for name, skin in self.skins.items()}

@@ -49,9 +49,9 @@ class Glyphs:
         recorder = self.recorder
         rr = recorder.rr
         for n, body in enumerate(self.result.view.bodies.values()):
-            box = inertia_box(body) if body.reduced is None else None
-            if box is None:
+            if body.reduced is not None:
                 continue
+            box = inertia_box(body)
             color = BODY_COLORS[n % len(BODY_COLORS)]
             shape = rr.Boxes3D(
                 centers=[box.center], half_sizes=[box.half], quaternions=[rr.Quaternion(xyzw=box.rotation)],
@@ -106,10 +106,8 @@ def force_text(value: float) -> str:
 
 
 def rigid_size(body: BodyView, anchors: tuple[Anchor, ...]) -> float:
-    """Largest extent [m] of a rigid body as drawn; 0 where nothing is known of it."""
+    """Largest extent [m] of a rigid body as drawn."""
     box = inertia_box(body)
-    points = [a.point for a in anchors if a.body == body.name]
-    if box is not None:
-        corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T * box.half
-        points += list(box.center + rotate(box.rotation, corners))
-    return float(np.ptp(np.array(points), axis=0).max()) if points else 0.0
+    corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T * box.half
+    points = [a.point for a in anchors if a.body == body.name] + list(box.center + rotate(box.rotation, corners))
+    return float(np.ptp(np.array(points), axis=0).max())
