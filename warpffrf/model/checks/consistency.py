@@ -61,11 +61,11 @@ def velocity_defects(scene: Scene) -> list[VelocityDefect]:
     asked = np.abs(prescribed / np.where(lengths, L, 1.0)).max()
     scale = max(moving / L + turning, asked)  # 1/s
     found: dict[tuple[str, bool], list[float]] = {}
-    for row, is_length, value in zip(rows, lengths, left, strict=True):
-        if abs(value) > TYPED * scale * (L if is_length else 1.0):
+    for row, is_length, rate in zip(rows, lengths, left, strict=True):
+        if abs(rate) > TYPED * scale * (L if is_length else 1.0):
             driven = row.drive is not None
             parts = found.setdefault((_owner(row), driven), [0.0, 0.0])
-            parts[0 if is_length else 1] = float(np.hypot(parts[0 if is_length else 1], value))
+            parts[0 if is_length else 1] = float(np.hypot(parts[0 if is_length else 1], rate))
     return [VelocityDefect(owner, parts[0], parts[1], driven) for (owner, driven), parts in found.items()]
 
 

@@ -163,11 +163,11 @@ def _about(
                     f"its nodes would have to move by up to {orbits.largest_move:.3g} m to be periodic in {N} sectors, "
                     f"{LARGEST_MOVE * R:.3g} m is accepted"
                 )
-            numbered, node = sector_numbering.numbered(mesh, orbits, origin, frame_N)
+            by_sector, node = sector_numbering.numbered(mesh, orbits, origin, frame_N)
         except NotPeriodic as fault:
             reason = fault
             continue
-        return Detection(numbered, f"{N} equal sectors", node, orbits.largest_move)
+        return Detection(by_sector, f"{N} equal sectors", node, orbits.largest_move)
     raise reason
 
 
@@ -208,12 +208,12 @@ def _orbits(mesh: Mesh, local: Array, N: int, close: float, whole: Sequence[str]
     from scipy.spatial import KDTree
 
     n = len(local)
-    turned = sector_numbering.turned(local, 1, N)
+    moved = sector_numbering.turned(local, 1, N)
     tree = KDTree(local)
     rng = np.random.default_rng(0)
     image = np.zeros(0, dtype=np.int64)
     for which in (rng.choice(n, min(n, PROBES), replace=False), np.arange(n)):
-        distance, nearest = tree.query(turned[which], distance_upper_bound=close)
+        distance, nearest = tree.query(moved[which], distance_upper_bound=close)
         image = np.asarray(nearest)
         missed = int(np.sum(~np.isfinite(distance)))
         if missed:

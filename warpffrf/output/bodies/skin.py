@@ -23,12 +23,9 @@ from warpffrf.model.reduced.second_order_motion import skin_displacement
 from warpffrf.output.bodies.lap_faces import lap_faces
 from warpffrf.output.bodies.lap_loads import LapLoads
 from warpffrf.output.bodies.normal_loads import film_loads, normal_loads
-from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
-from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
 from warpffrf.output.bodies.skin_stress import SkinStress
 from warpffrf.output.geometry.grid_places import SkinSurface
-from warpffrf.output.geometry.grid_places import rotate as rotate  # where it used to be
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
 
 CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts

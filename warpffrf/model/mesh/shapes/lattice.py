@@ -21,8 +21,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
-from warpffrf.model.mesh.data import FacetSet, Mesh
+from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import cell_kind
+from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.shapes.cell_count import require_cells
 
 Array = np.ndarray
