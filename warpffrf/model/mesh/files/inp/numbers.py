@@ -113,14 +113,14 @@ def set_members(block: Block) -> tuple[np.ndarray, list[tuple[str, Place]]]:
     found: list[np.ndarray] = []
     names: list[tuple[str, Place]] = []
     for fields, place in block.fields():
-        for field in fields:
-            number = _integers(field)
+        for word in fields:
+            number = _integers(word)
             if number is not None:
                 found.append(number)
-            elif field and not _looks_like_number(field):
-                names.append((field, place))
+            elif word and not _looks_like_number(word):
+                names.append((word, place))
             else:
-                raise place.fault(f"a member of a set is a whole positive number or a name, got {field!r}")
+                raise place.fault(f"a member of a set is a whole positive number or a name, got {word!r}")
     return np.concatenate([np.zeros(0, dtype=np.int64), *found]), names
 
 
