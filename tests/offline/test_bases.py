@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.offline.bases import BASES, build_basis
 from warpffrf.offline.bases.craig_bampton import hold_interfaces
-from warpffrf.offline.bases.global_basis import attachment_modes, deflated
+from warpffrf.offline.bases.global_basis import attachment_modes
 from warpffrf.offline.bases.gramians import hankel_values, modal_receptance, position_gramian, projected_receptance
 from warpffrf.offline.bases.problem import BasisProblem
 from warpffrf.offline.bases.shifted import SMALL_SYSTEM, shifted_solver
@@ -112,7 +112,8 @@ def test_static_response_is_exact(body, full, case):
     assert np.allclose(F, loads, atol=1e-14)
     scale = np.abs(exact).max(axis=0)
     q = (basis.Phi.T @ F) / (basis.omega**2)[:, None]
-    local, _ = deflated(model.flexibility(pressure), pressure, basis.omega, basis.Phi)
+    participation = basis.Phi.T @ pressure
+    local = model.flexibility(pressure) - basis.Phi @ (participation / (basis.omega**2)[:, None])  # residual responses
     assert np.all(np.abs(basis.Phi @ q[:, :12] - exact[:, :12]).max(axis=0) < EXACT * scale[:12])
     assert np.all(np.abs(basis.Phi @ q[:, 12:] + local - exact[:, 12:]).max(axis=0) < EXACT * scale[12:])
     moved = np.abs(system.loads.T @ local)

@@ -18,6 +18,7 @@ from shape_runs import contact_of, ellipsoid, grid_of, still
 from synthetic_run import HALF_WIDTH, PEAK, PITCH, STEPS, WIDTH, R
 
 from recordings import columns
+from references.pressure_wrench import traction_wrench
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
 from warpffrf.online.history.history import FrictionHistory
@@ -28,7 +29,6 @@ from warpffrf.output.budget.contacts import friction_lines
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
-from warpffrf.output.contact.pressure_wrench import traction_wrench
 from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.plots.friction import FRICTION_PLOTS

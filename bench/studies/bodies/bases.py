@@ -258,7 +258,7 @@ def _reading(rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> 
 
 def picture(rows: list[list[Entry]], path: Path) -> None:
     """Error against size."""
-    from warpffrf.output.plots.curves import save_curves
+    from studies.charts import save_curves
 
     names = list(dict.fromkeys(entry.name for row in rows for entry in row))
     curves = {}

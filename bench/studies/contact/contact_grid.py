@@ -17,11 +17,11 @@ import numpy as np
 from scipy.stats import qmc
 
 from references.half_space.compliances import EllipsePatch, LinePatch
+from studies.charts import ErrorPanel, error_charts
 from studies.contact.grid_errors import grid_errors, put_on_grid
 from studies.contact.grid_on_roller import FINEST_GROWTH, layer_states, roller_half_width, roller_states
 from studies.contact.tables import NAMES
 from warpffrf.offline.contact.grid_rule import PATCHES, QUANTITIES, RULES, contact_spacing
-from warpffrf.output.plots.error_chart import ErrorPanel, error_charts
 from warpffrf.study.markdown import table
 
 DEPTH = 10.0  # half-widths: depth of the half-plane, see `grid_rule`

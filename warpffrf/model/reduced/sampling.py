@@ -68,13 +68,6 @@ class Sampling:
         """Axial places (n,) [m] of the points between the rows z (rows,) [m] of the grid."""
         return z[self.row] + self.zeta * (z[self.row + 1] - z[self.row])
 
-    def row_weights(self, rows: int) -> np.ndarray:
-        """Sum of the weights by row (rows,) [m^2]: a hat of the row has twice half of it, so this is its area."""
-        out = np.zeros(rows)
-        np.add.at(out, self.row, self.weight * (1.0 - self.zeta))
-        np.add.at(out, self.row + 1, self.weight * self.zeta)
-        return out
-
     def arrays(self) -> dict[str, np.ndarray]:
         """What of it is arrays, for a file."""
         return {"fraction": self.fraction, "row": self.row, "zeta": self.zeta, "weight": self.weight}

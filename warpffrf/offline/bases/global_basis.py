@@ -87,15 +87,3 @@ def missing_energy(model: ElasticModel, V: Array, A: Array, *, dependent: float 
     A, V = _scaled(model, A), _independent(model, _scaled(model, V), None, dependent)
     rest = _freed(model, A, V)
     return float(np.sqrt(max(np.max(np.real(np.einsum("na,na->a", rest.conj(), model.K @ rest))), 0.0)))
-
-
-def deflated(response: Array, loads: Array, omega: Array, Phi: Array) -> tuple[Array, Array]:
-    """Residual responses (n, h) and residual compliance (h, h) of `loads` (n, h) with flexible `response` (n, h).
-
-    u_res = G f - Phi omega^-2 Phi^H f, C = f^H u_res, made exactly Hermitian.
-    """
-    participation = Phi.conj().T @ loads
-    residual = response - Phi @ (participation / (omega**2)[:, None])
-    return residual, _hermitian(
-        loads.conj().T @ response - participation.conj().T @ (participation / (omega**2)[:, None])
-    )

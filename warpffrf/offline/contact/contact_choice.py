@@ -6,7 +6,7 @@ error e of the integrals over training patches moves the gap of a patch by at mo
 is a power of at most 3/2 (an ellipse; 1 of a line), so that e = share/(3/2) keeps it. That is safe: on rollers the
 force moved by a tenth of it (`tests/offline/test_contact_choice.py`, `bench/evaluations.py`).
 
-The mesh must be as fine as the grid, see `grid_rule.mesh_advice`; `reduce` refuses a finer grid.
+The mesh must be as fine as the grid; `reduce` refuses a finer grid.
 """
 
 from __future__ import annotations

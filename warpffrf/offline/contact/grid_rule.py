@@ -31,7 +31,6 @@ from dataclasses import dataclass
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.offline.contact.cell_depth import DEEPEST
 
 FINER_BEHIND = "let its layers grow more slowly (mesh.roller: more layers, grading=1.2), or use quadratic cells"
 QUANTITIES = ("compliance", "force", "peak_pressure", "half_width", "pressure")
@@ -69,11 +68,6 @@ PATCHES = ("line", "ellipse")
 TRACTIONS = ("hats", "cells")
 ROUND_OFF = 1e-12  # a spacing of one half-width up to round-off is one half-width
 COARSEST = 1.0  # spacing in half-widths: beyond it a patch is a hat or two, and the errors follow no rate
-# Edges, in spacings of the grid, of meshes on which the force stays within the rule in the study's rollers: two linear
-# cells a spacing, half a quadratic one (hex27), whose nodes then are as far apart as the functions. Linear cells as
-# wide as the spacing, the least that the grid can stand on, add as much again.
-LINEAR_EDGE, QUADRATIC_EDGE, COARSEST_EDGE = 0.5, 2.0, 1.0
-FIRST_LAYER = 0.5  # of nodes behind the surface, in spacings, there
 
 
 @named_arguments
@@ -100,7 +94,7 @@ def contact_spacing(
     traction: "hats" (normal pressure) or "cells" (friction).
 
     `s = b (error/c)^(1/p)`, at most b; c and p in the module docstring. It is the error of the grid alone: the mesh
-    under it must be as fine, see `mesh_advice`. Raises `InputError` for impossible numbers and unknown names.
+    under it must be as fine, `reduce` refuses others. Raises `InputError` for impossible numbers and unknown names.
     """
     b = require_number(half_width, "contact_spacing: half_width", positive=True)
     error = require_number(error, "contact_spacing: error", positive=True)
@@ -130,33 +124,6 @@ def rule(quantity: str, patch: str, traction: str) -> tuple[float, float]:
     if traction not in TRACTIONS:
         raise InputError(f"contact_spacing: traction {traction!r} is not available, use one of {', '.join(TRACTIONS)}")
     return RULES[traction, patch][quantity]
-
-
-@dataclass(frozen=True)
-class MeshAdvice:
-    """Sizes [m] of a mesh for a contact grid.
-
-    `linear_edge` of facets with nodes at their corners and `quadratic_edge` of quad9 facets (hex27): with these the
-    force stays within the rule; other quadratic facets are not measured, take the linear edge. `coarsest_edge`: the
-    longest that the grid can stand on (quad9 facets excepted). `first_layer`: from the surface to the first nodes
-    behind it; `deepest_layer`: beyond it `reduce` warns.
-    """
-
-    linear_edge: float
-    quadratic_edge: float
-    coarsest_edge: float
-    first_layer: float
-    deepest_layer: float
-
-
-def mesh_advice(spacing: float) -> MeshAdvice:
-    """The mesh for a grid of `spacing` [m].
-
-    A grid finer than the surface nodes has dependent functions, and `reduce` refuses it. Cells deeper than they are
-    wide make the surface too stiff to short waves, see `warpffrf.offline.contact.cell_depth`.
-    """
-    s = require_number(spacing, "mesh_advice: spacing", positive=True)
-    return MeshAdvice(LINEAR_EDGE * s, QUADRATIC_EDGE * s, COARSEST_EDGE * s, FIRST_LAYER * s, DEEPEST * s)
 
 
 @dataclass(frozen=True)

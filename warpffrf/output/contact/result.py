@@ -39,15 +39,6 @@ __all__ = ["ContactResult", "HertzLine", "PatchPressure"]
 OWN = 1.0 / 6.0  # second moment of a hat about its node, over the square of the spacing
 
 
-def mid_width(z: np.ndarray) -> tuple[int, int, float]:
-    """Rows `k, k + 1` beside mid-width and the weight of the second, for linear interpolation in z."""
-    if len(z) == 1:
-        return 0, 0, 0.0
-    middle = 0.5 * (z[0] + z[-1])
-    k = int(np.clip(np.searchsorted(z, middle, side="right") - 1, 0, len(z) - 2))
-    return k, k + 1, float((middle - z[k]) / (z[k + 1] - z[k]))
-
-
 def line_moments(x: np.ndarray, p: np.ndarray, h: float) -> LineMoments:
     """Line load, centre and half-width of piecewise linear pressures p (T, n) [Pa] at x (T, n) or (n,) [m]; h: hat
     spacing [m]."""

@@ -30,11 +30,6 @@ class Axis:
         return np.unique(self.positions)
 
     @property
-    def varies(self) -> bool:
-        """Whether rows differ in it."""
-        return len(self.distinct) > 1
-
-    @property
     def is_log(self) -> bool:
         """Whether its values spread over a logarithmic scale: its middle value is nearer the geometric mean of its
         ends."""
