@@ -45,7 +45,7 @@ def _roller(**options: Any) -> Any:
 
 
 BODIES: dict[str, Callable[[], Any]] = {
-    "roller": lambda: _roller(modes=0, tangential=True, patch_grid=False),
+    "roller": lambda: _roller(modes=0, tangential=True, contact_fixed=False),
     "flexible": lambda: _roller(modes=6),
     "dynamic": lambda: _roller(modes=2, local_dynamics=True),
 }

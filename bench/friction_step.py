@@ -52,7 +52,7 @@ def body(pair: Rollers) -> wf.ReducedBody:
     mesh = wf.mesh.roller(RADIUS, BORE, pair.width, **pair.mesh)
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
-        patch_grid=pair.cells is not None, progress=False,
+        contact_fixed=pair.cells is not None, progress=False,
     )  # fmt: skip
 
 
@@ -71,7 +71,7 @@ def scene(pair: Rollers, roller: wf.ReducedBody, friction: float, saturation: fl
     found.add(wf.forces.PointForce(carriage.at((0, 0, 0)), (0.0, 0.0, -load)))
     found.add(wf.joints.Drive(first, SPEED, quantity="velocity"))
     found.add(wf.joints.Drive(second, slower, quantity="velocity"))
-    grid = "material" if pair.cells is None else "patch"
+    grid = "body_fixed" if pair.cells is None else "contact_fixed"
     found.add(wf.Contact(lower["rim"], upper["rim"], friction=friction, name="pair", grid=grid, cells=pair.cells))
     return found
 

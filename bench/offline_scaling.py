@@ -48,7 +48,7 @@ def measure(row: tuple[str, str, int, int, int, int]) -> dict:
         mesh, name = mesh.select("arc", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0])) < half), "arc"
     start = time.perf_counter()
     body = reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=MODES, patch_grid=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=MODES, contact_fixed=False,
         periodic=False if path == "general" else None, cache=False, progress=False,
     )  # fmt: skip
     seconds = time.perf_counter() - start

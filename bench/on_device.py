@@ -50,7 +50,7 @@ def pendulums() -> Scene:
 def scenes() -> dict[str, Callable[[], Scene]]:
     """What is timed, by name."""
     made: dict[str, Any] = {"layers": 3, "axial": 2, "order": 2, "grading": 1.6, "max_frequency": 15e3}
-    made |= {"tangential": True, "patch_grid": False}
+    made |= {"tangential": True, "contact_fixed": False}
     first, second = roller_body(90, **made), roller_body(84, outer_radius=0.0497, **made)
     return {
         "20 hinged rods": pendulums,

@@ -58,7 +58,7 @@ def fine(sectors: int, layers: int, axial: int, growth: float) -> ReducedBody:
         cr.R, cr.BORE, cr.WIDTH, sectors=sectors, layers=layers, axial=axial, grading=growth, order=2
     )  # fmt: skip
     return reduce(
-        mesh, cr.STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0, patch_grid=False,
+        mesh, cr.STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0, contact_fixed=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -68,9 +68,9 @@ def cases() -> dict[tuple[str, str], tuple[Callable[[], ReducedBody], dict[str, 
     found: dict[tuple[str, str], tuple[Callable[[], ReducedBody], dict[str, Any]]] = {}
     for size in MATERIAL:
         name = "hex27, {} sectors, {} layers, {} along".format(*size)
-        found["material", name] = (lambda size=size: fine(*size), {"grid": "material", "capacity": 6000})
+        found["material", name] = (lambda size=size: fine(*size), {"grid": "body_fixed", "capacity": 6000})
     for name, (mesh, cells) in PATCH.items():
-        found["patch", name] = (lambda mesh=mesh: cr.reduced(mesh()), {"grid": "patch", "cells": cells})
+        found["patch", name] = (lambda mesh=mesh: cr.reduced(mesh()), {"grid": "contact_fixed", "cells": cells})
     return found
 
 

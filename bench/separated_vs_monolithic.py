@@ -88,7 +88,7 @@ def main() -> None:
         if given.columns is None:
             scenes["demo"] = two_rollers.build(DEMO, progress=False)
             for contact in scenes["demo"].contacts:
-                contact.grid = "material"  # the reference has no other; its coarse mesh would get cells that travel
+                contact.grid = "body_fixed"  # the reference has no other; its coarse mesh would get cells that travel
         print(f"U = {about['unit_seconds'] * 1e6:.1f} us")
         how = given.steps, about["unit_seconds"], given.rounds, given.law or list(LAWS)
         found = {name: compare(name, scene, *how) for name, scene in scenes.items()}

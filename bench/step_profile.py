@@ -45,9 +45,9 @@ CHUNK = 200  # steps of a replay
 WARM_UP = 4  # steps that do not count
 COARSE = demo.Size(sectors=80, layers=8, axial=5)  # hexahedra of 4 mm
 SCENES: dict[str, tuple[demo.Size, str, tuple[int, int] | None]] = {
-    "hats of the mesh": (demo.QUICK, "material", None),
-    "cells, as many as are chosen": (demo.QUICK, "patch", None),
-    "9 x 7 cells over 4 mm": (COARSE, "patch", (9, 7)),
+    "hats of the mesh": (demo.QUICK, "body_fixed", None),
+    "cells, as many as are chosen": (demo.QUICK, "contact_fixed", None),
+    "9 x 7 cells over 4 mm": (COARSE, "contact_fixed", (9, 7)),
 }
 BETWEEN, COUNTER = ("between", "steps and chunks"), ("counter", "a launch that reads it")
 PHASES = {  # of `online.step.phases`, as a reader of docs/method.md knows them
@@ -150,7 +150,7 @@ def scene_of(roller: ReducedBody, grid: str, cells: tuple[int, int] | None) -> S
     scene = demo.machine(roller, load_step_at=LOAD_STEP)
     contact = scene.contacts[0]
     contact.grid = grid
-    if grid == "patch":
+    if grid == "contact_fixed":
         contact.cells = cells
     return scene
 
@@ -243,7 +243,7 @@ def main() -> None:
     about = machine()
     unit = about["unit_seconds"]
     sizes = {SCENES[name][0] for name in given.scenes}
-    bodies = {size: demo.roller_body(size, patch_grid=True, progress=False) for size in sizes}
+    bodies = {size: demo.roller_body(size, contact_fixed=True, progress=False) for size in sizes}
     print(f"U = {unit * 1e6:.1f} us")
     rows = []
     for name in given.scenes:

@@ -36,7 +36,7 @@ def body() -> ReducedBody:
     """A roller of eight-node hexahedra, its far field with it."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=SECTORS, layers=4, axial=3, order=1)
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=12e3, patch_grid=True,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=12e3, contact_fixed=True,
         progress=False,
     )  # fmt: skip
 
@@ -50,7 +50,7 @@ def rolling_pair(one: ReducedBody, cells: tuple[int, int]) -> Scene:
         axle = scene.add(joints.Revolute(scene.ground, placed["bore"], axis=(0, 1, 0)))
         ramp = signals.Ramp(0.0, sense * TURN, duration=10.0 * STEP)
         scene.add(joints.Drive(axle, ramp, quantity="velocity"))
-    scene.add(Contact(lower["rim"], upper["rim"], name=PAIR, grid="patch", cells=cells))
+    scene.add(Contact(lower["rim"], upper["rim"], name=PAIR, grid="contact_fixed", cells=cells))
     return scene
 
 

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model import forces, friction, joints, signals
-from warpffrf.model.bearings import Pockets
+from warpffrf.model.bearings import PocketCage
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
 from warpffrf.output.simulate import simulate
@@ -36,7 +36,7 @@ def bearing(count: int) -> Scene:
     scene = Scene()
     one = scene.add_roller_bearing(
         "b", elements=count, roller_diameter=DIAMETER, roller_length=LENGTH, pitch_diameter=count * SPACING / np.pi,
-        clearance=CLEARANCE, first=(0, 0, 1), outer=scene.ground, cage=Pockets(0.2e-3, friction=TRACTION),
+        clearance=CLEARANCE, first=(0, 0, 1), outer=scene.ground, cage=PocketCage(0.2e-3, friction=TRACTION),
         friction=TRACTION,
     )  # fmt: skip
     center = one.inner.at((0, 0, 0))

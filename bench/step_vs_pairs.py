@@ -35,7 +35,7 @@ def suns() -> dict[int, list[Callable[[float], Scene]]]:
     body = reduce(
         mesh.roller(RADIUS, 0.015, WIDTH, sectors=240, layers=5, axial=4, grading=1.6, order=1), STEEL,
         interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=20,
-        tangential=True, patch_grid=False, progress=False,
+        tangential=True, contact_fixed=False, progress=False,
     )  # fmt: skip
     return {
         pairs: [lambda mu, pairs=pairs: planets(body, pairs, LOAD, friction=mu, creepage=CREEPAGE)]
@@ -46,7 +46,7 @@ def suns() -> dict[int, list[Callable[[float], Scene]]]:
 def rings() -> dict[int, list[Callable[[float], Scene]]]:
     """The same of rollers between rings."""
     cells: dict[str, Any] = {"layers": 4, "axial": 4, "grading": 1.6, "order": 1}
-    options: dict[str, Any] = {"tangential": True, "patch_grid": False, "progress": False}
+    options: dict[str, Any] = {"tangential": True, "contact_fixed": False, "progress": False}
     bore = RADIUS + 2.0 * ROLLER - INTERFERENCE
     roller, inner = (
         reduce(

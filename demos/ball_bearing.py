@@ -72,7 +72,7 @@ def build() -> wf.Scene:
     scene = wf.Scene()
     bearing = scene.add_ball_bearing(
         NAME, elements=COUNT, ball_diameter=BALL, pitch_diameter=PITCH, osculation=GROOVE / BALL, clearance=CLEARANCE,
-        first=(0, 0, -1), outer=scene.ground, cage=wf.bearings.Pockets(PLAY, friction=TRACTION), friction=TRACTION,
+        first=(0, 0, -1), outer=scene.ground, cage=wf.bearings.PocketCage(PLAY, friction=TRACTION), friction=TRACTION,
         law=wf.laws.HertzPoint(STEEL, STEEL, damping=DAMPING), material=STEEL,
     )  # fmt: skip
     shaft: Any = bearing.inner

@@ -56,7 +56,7 @@ def build(*, progress: bool = True) -> wf.Scene:
     below = np.column_stack([0 * DEPTHS, 0 * DEPTHS, fine.OUTER_RADIUS - DEPTHS])
     roller = wf.reduce(
         wf.mesh.read(MESH, length_unit="mm"), STEEL, interfaces={"bore": "rigid"},
-        contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, patch_grid=True,
+        contact={"rim": wf.surfaces.Cylinder()}, stress={"below": below}, contact_fixed=True,
         max_frequency=fine.MAX_FREQUENCY, cache=False, progress=progress,
     )  # fmt: skip
     return fine.machine(roller, load_step_at=fine.LOAD_STEP_AT)

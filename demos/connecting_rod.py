@@ -156,7 +156,7 @@ def rod_body(material: wf.Material = STEEL, *, progress: bool = True) -> wf.Redu
     bore = wf.surfaces.Bore(radius=BIG, axis_point=(0, 0, 0), axis_direction=(0, -1, 0))
     return wf.reduce(
         rod_mesh(), material, interfaces={"eye": "rigid"}, contact={"bore": bore}, traction_spacing=SPACING, modes=12,
-        patch_grid=False, cache=False, progress=progress,
+        contact_fixed=False, cache=False, progress=progress,
     )  # fmt: skip
 
 
@@ -265,7 +265,7 @@ def machine(reduced: wf.ReducedBody) -> wf.Scene:
     theta = np.radians(np.arange(0.0, 360.0 * TURNS + 2.0))
     gas = wf.signals.Table(theta / SPEED, -gas_force(theta), cubic=True)
     scene.add(wf.forces.PointForce(piston.at((0, 0, 0)), (gas, (1, 0, 0)), name="gas"))
-    grooves = [wf.films.Groove(at, 1e-3, 0.0) for at in GROOVES]  # narrower than a column
+    grooves = [wf.films.AxialGroove(at, 1e-3, 0.0) for at in GROOVES]  # narrower than a column
     scene.add(wf.Film(rod["bore"], crank["pin"], oil=OIL, feeds=grooves, name=FILM))
     return scene
 

@@ -159,7 +159,7 @@ def reduced(*, progress: bool = True) -> wf.ReducedBody:
     )  # fmt: skip
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=CROWN)},
-        modes=0, tangential=True, patch_grid=True, progress=progress,
+        modes=0, tangential=True, contact_fixed=True, progress=progress,
     )  # fmt: skip
 
 
@@ -177,7 +177,12 @@ def build(
     upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * OUTER_RADIUS), angular_velocity=(0, TURN, 0))
     contact = scene.add(
         wf.Contact(
-            lower["rim"], upper["rim"], friction=FRICTION, grid="patch", cells=(size.cells, size.cells), name=PAIR
+            lower["rim"],
+            upper["rim"],
+            friction=FRICTION,
+            grid="contact_fixed",
+            cells=(size.cells, size.cells),
+            name=PAIR,
         )
     )
     scene.close_gap(contact)

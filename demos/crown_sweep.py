@@ -81,7 +81,7 @@ def roller(length: float, curvature: float) -> Any:
         axial=round(length / CELL), order=2, **crown,
     )  # fmt: skip
     return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": rim}, modes=0, patch_grid=True, progress=False
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": rim}, modes=0, contact_fixed=True, progress=False
     )
 
 
@@ -94,7 +94,7 @@ def build(curvature: float, load: float, tilt: float) -> wf.Scene:
         roller(LENGTHS[1], curvature), name="upper", position=(0.0, 0.0, 2.0 * RADIUS + lift(curvature, tilt)),
         rotation=(np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt)),
     )  # fmt: skip
-    scene.add(wf.Contact(upper["rim"], lower["rim"], gaps="points", name=PAIR))
+    scene.add(wf.Contact(upper["rim"], lower["rim"], kinematics="closest_point", name=PAIR))
     scene.add(wf.joints.Fixed(scene.ground, lower["bore"], name="seat"))
     scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0.0, 0.0, 1.0), name="guide"))
     scene.add(wf.forces.PointForce(upper["bore"], (0.0, 0.0, -load), name="press"))

@@ -129,7 +129,7 @@ def machine(reduced: wf.ReducedBody, running: Running) -> wf.Scene:
     plane = scene.add(wf.joints.Planar(scene.ground, axis, axis=(0, 1, 0), name="plane"))
     scene.add(wf.joints.Drive(plane, wf.signals.Constant(running.speed), quantity="velocity"))
     scene.add(wf.forces.PointForce(axis, (running.load, 0, 0), name="load"))
-    groove = wf.films.Groove(2.0 * np.pi * running.groove / COLUMNS, 1e-4, 0.0)  # narrower than a column
+    groove = wf.films.AxialGroove(2.0 * np.pi * running.groove / COLUMNS, 1e-4, 0.0)  # narrower than a column
     oil = wf.oils.Newtonian(running.viscosity)
     scene.add(wf.Film(outer["bore"], shaft["journal"], oil=oil, feeds=[groove], name=FILM))
     return scene

@@ -173,7 +173,7 @@ def piston_body(material: wf.Material = ALLOY, *, progress: bool = True) -> wf.R
     skirt = wf.surfaces.Cylinder(radius=BORE - CLEARANCE - OVAL, axis_point=(0, 0, 0), axis_direction=(1, 0, 0))
     return wf.reduce(
         piston_mesh(), material, interfaces={"pin": "rigid", "crown": "average"},
-        contact={THRUST: skirt, ANTI: skirt}, traction_spacing=SPACING, modes=20, patch_grid=False, cache=False,
+        contact={THRUST: skirt, ANTI: skirt}, traction_spacing=SPACING, modes=20, contact_fixed=False, cache=False,
         progress=progress,
     )  # fmt: skip
 
@@ -192,7 +192,7 @@ def liner_body(*, progress: bool = True) -> wf.ReducedBody:
     """The reduced liner: contact surface `bore`, rigid interface `seats`."""
     return wf.reduce(
         liner_mesh(), IRON, interfaces={"seats": "rigid"}, contact={"bore": wf.surfaces.Bore()}, modes=20,
-        patch_grid=False, cache=False, progress=progress,
+        contact_fixed=False, cache=False, progress=progress,
     )  # fmt: skip
 
 
@@ -212,7 +212,7 @@ def side_force(theta: np.ndarray, mass: float) -> np.ndarray:
 
 def skirt_form() -> wf.films.Form:
     """Barrel and oval of the skirt: nothing is missing in its middle across the pin."""
-    return wf.films.Barrel(BARREL, SKIRT[1] - SKIRT[0], 0.5 * sum(SKIRT)) + wf.films.Lobes(OVAL, 2)
+    return wf.films.BarrelForm(BARREL, SKIRT[1] - SKIRT[0], 0.5 * sum(SKIRT)) + wf.films.LobedForm(OVAL, 2)
 
 
 def build(*, progress: bool = True) -> wf.Scene:
@@ -253,7 +253,8 @@ def machine(piston_is: wf.ReducedBody, liner_is: wf.ReducedBody | None) -> wf.Sc
         bore = liner["bore"]
     for name in (THRUST, ANTI):
         scene.add(wf.Film(
-            piston[name], bore, oil=OIL, ambient_pressure=AMBIENT, form=skirt_form(), law=ROUGH, friction=FRICTION,
+            piston[name], bore, oil=OIL, ambient_pressure=AMBIENT, form_a=skirt_form(), asperities=ROUGH,
+                boundary_friction=FRICTION,
             name=name,
         ))  # fmt: skip
     return scene

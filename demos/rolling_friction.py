@@ -144,12 +144,12 @@ def build(size: Size = FULL, *, progress: bool = True) -> wf.Scene:
     )
     roller = wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, tangential=True,
-        patch_grid=size.patch is not None, progress=progress,
+        contact_fixed=size.patch is not None, progress=progress,
     )  # fmt: skip
     scene = wf.Scene()
     lower = scene.add_body(roller, name="lower")
     upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * OUTER_RADIUS))
-    grid: dict[str, Any] = {} if size.patch is None else {"grid": "patch", "cells": size.patch}
+    grid: dict[str, Any] = {} if size.patch is None else {"grid": "contact_fixed", "cells": size.patch}
     contact = scene.add(wf.Contact(lower["rim"], upper["rim"], friction=FRICTION, name=PAIR, **grid))
     scene.close_gap(contact)
     place = upper["bore"].world_point()

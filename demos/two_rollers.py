@@ -69,7 +69,7 @@ def build(size: Size = FULL, *, load: float = LOAD, load_after: float = LOAD_AFT
 
 
 def roller_body(
-    size: Size = FULL, *, patch_grid: bool | None = None, local_dynamics: bool = False, progress: bool = True
+    size: Size = FULL, *, contact_fixed: bool | None = None, local_dynamics: bool = False, progress: bool = True
 ) -> wf.ReducedBody:
     """The reduced roller, with interface `bore` and contact surface `rim`; the options as of `reduce`."""
     steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850, name="steel")
@@ -89,7 +89,7 @@ def roller_body(
         interfaces={"bore": "rigid"},
         contact={"rim": wf.surfaces.Cylinder()},
         max_frequency=MAX_FREQUENCY,
-        patch_grid=patch_grid,
+        contact_fixed=contact_fixed,
         local_dynamics=local_dynamics,
         cache=False,
         progress=progress,

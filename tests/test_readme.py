@@ -18,7 +18,8 @@ from printed import commands, python_blocks
 from warpffrf.cli import app
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = [ROOT / "README.md", *(ROOT / "docs" / f"{name}.md" for name in ("examples", "running", "features"))]
+README = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)  # the front page and what it leads to
 HALF_WIDTH_TOLERANCE = 0.04  # four elements a half-width
 
 
@@ -54,6 +55,8 @@ def test_examples_are_short() -> None:
 def test_the_two_rollers_run(tmp_path: Path) -> None:
     said = run_example(0, tmp_path)
     assert said.startswith("status            completed"), said
+    quoted = quoted_after(0)
+    assert len(quoted) > 10 and [line for line in quoted if not said_in(line, said)] == []
     width, hertz = (float(x) for x in said.strip().splitlines()[-1].split())
     assert abs(width / hertz - 1.0) < HALF_WIDTH_TOLERANCE
     assert {"rollers.h5", "rollers.rrd"} <= {p.name for p in tmp_path.iterdir()}
@@ -69,13 +72,13 @@ def test_the_deck_of_ones_own_runs(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("patch_grid", [False, True])
-def test_the_stress_under_the_pad_is_that_of_finer_cells(tmp_path: Path, patch_grid: bool) -> None:
+@pytest.mark.parametrize("contact_fixed", [False, True])
+def test_the_stress_under_the_pad_is_that_of_finer_cells(tmp_path: Path, contact_fixed: bool) -> None:
     """What `SHORT_LINE_CONTACT` is: cells half as large, by hats and by patches."""
     wf.examples.copy("machine", tmp_path)
     make = runpy.run_path(str(tmp_path / "make_machine.py"))
     (tmp_path / "machine.inp").write_text(make["deck"]((40, 40, 16)), encoding="utf-8")
-    said = run_example(1, tmp_path, ("max_frequency=50e3,", f"max_frequency=50e3, patch_grid={patch_grid},"))
+    said = run_example(1, tmp_path, ("max_frequency=50e3,", f"max_frequency=50e3, contact_fixed={contact_fixed},"))
     peak, stress = (float(x) for x in said.strip().splitlines()[-1].split())
     assert abs(stress / peak / SHORT_LINE_CONTACT - 1.0) < FINER_CELLS
 
@@ -97,7 +100,8 @@ def said_in(quoted: str, said: str) -> bool:
 def quoted_after(number: int) -> list[str]:
     """The lines of output that the README shows after an example, up to the next heading."""
     text = README.split(blocks()[number])[1].split("```")[1].split("\n## ")[0]
-    return [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
+    lines = [line.strip() for line in text.splitlines() if line.startswith("    ") and line.strip()]
+    return [line for line in lines if not line.startswith("warpffrf ")]
 
 
 @pytest.mark.parametrize(("number", "lines"), [(2, 6), (3, 10)])

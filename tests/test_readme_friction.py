@@ -1,4 +1,4 @@
-"""The README's example with friction: it runs as it stands, transmits what statics says, and prints what is quoted."""
+"""The page's example with friction: it runs as it stands, transmits what statics says, and prints what is quoted."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import warpffrf as wf
 from printed import python_blocks
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
+EXAMPLES = (ROOT / "docs" / "examples.md").read_text(encoding="utf-8")
 LONGEST = 25  # lines of an example that one still reads at a glance
 TORQUE, RADIUS, CARRIED, GRAVITY = 100.0, 0.05, 2000.0, 9.81  # N m, m, kg, m/s2: as in the example
 # the rail pushes at the deformed radius, 14 um of 50 mm inside, and the wheel still settles after the torque's rise
@@ -26,7 +26,7 @@ NUMBER = r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?"
 
 @pytest.fixture(scope="module")
 def code() -> str:
-    found = [code for code in python_blocks(README) if "friction=" in code and "Contact(" in code]
+    found = [code for code in python_blocks(EXAMPLES) if "friction=" in code and "Contact(" in code]
     assert len(found) == 1
     return found[0]
 
@@ -80,7 +80,7 @@ def test_the_rail_pushes_with_what_statics_says(said: str) -> None:
 
 
 def test_the_quoted_lines_are_those_of_the_report(said: str) -> None:
-    quoted = README.split("```py\n")[1].split("```")[1].split("\n## ")[0]
+    quoted = EXAMPLES.split("```py\n")[1].split("```")[1].split("\n## ")[0]
     for label in QUOTED_LINES:
         assert first_number(quoted, label) == pytest.approx(first_number(said, label), rel=QUOTED)
     assert "warning" not in said

@@ -8,7 +8,7 @@ import pytest
 
 from warpffrf.examples import path
 from warpffrf.model import films, forces, laws
-from warpffrf.model.bearings import Flanges, Pockets, PreloadForce
+from warpffrf.model.bearings import Flanges, PocketCage, PreloadForce
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -33,9 +33,9 @@ osculation = [0.52, 0.53]
 contact_angle = 0.4
 preload = { kind = "preload_force", force = 300.0 }
 inner = "shaft"
-cage = { kind = "pockets", clearance = 2e-4 }
+cage = { kind = "pocket_cage", clearance = 2e-4 }
 friction = { kind = "traction_curve", peak = 0.06, peak_velocity = 0.02, limit = 0.03, decay_velocity = 0.5 }
-outer_form = { kind = "lobes", amplitude = 2e-6, count = 2 }
+outer_form = { kind = "lobed_form", amplitude = 2e-6, count = 2 }
 material = "steel"
 
 [bearings.b]
@@ -67,8 +67,8 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
     shaft = scene.add_rigid_body(1.0, (1e-3,) * 3, name="shaft")
     scene.add_ball_bearing(
         "a", elements=8, ball_diameter=0.01, pitch_diameter=0.05, osculation=(0.52, 0.53), contact_angle=0.4,
-        preload=PreloadForce(300.0), inner=shaft, cage=Pockets(2e-4), material=steel,
-        friction=laws.TractionCurve(0.06, 0.02, 0.03, 0.5), outer_form=films.Lobes(2e-6, 2),
+        preload=PreloadForce(300.0), inner=shaft, cage=PocketCage(2e-4), material=steel,
+        friction=laws.TractionCurve(0.06, 0.02, 0.03, 0.5), outer_form=films.LobedForm(2e-6, 2),
     )  # fmt: skip
     b = scene.add_roller_bearing(
         "b", elements=10, roller_diameter=0.008, roller_length=0.01, pitch_diameter=0.05, position=(0, 0.05, 0),
@@ -84,7 +84,7 @@ REFUSED = [
     ("elements = 10", "elements = 30", r"scene.toml:\d+: \[bearings.b\]: bearing 'b': 30 elements .* overlap"),
     ('outer = "ground"', 'outer = "housing"', r"there is no body 'housing'"),
     ('"b inner ring"', '"b outer ring"', r"there is no body 'b outer ring'"),
-    ('"pockets"', '"pocket"', r"there is no kind 'pocket'; did you mean 'pockets'"),
+    ('"pocket_cage"', '"pocket"', r"there is no kind 'pocket'; did you mean 'pocket_cage'"),
     ("clearance = 5e-5", "clearance = -5e-5", r"\[bearings.b.*Flanges: clearance"),
     ("roller_length = 0.01", "length = 0.01", r"\[bearings.b\]: unknown key 'length'"),
 ]

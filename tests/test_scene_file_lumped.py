@@ -85,7 +85,7 @@ def test_the_same_scene_as_from_python(tmp_path: Path) -> None:
         (
             "rolling_resistance = { kind",
             "rolling_resistance = { kin",
-            "a table {kind = ...}, kind one of 'rolling_lever'",
+            "a table {kind = ...}, kind one of 'rolling_resistance_arm'",
         ),
         ("loss = 0.02", "loss = 2.0", "loss must be at most 1"),
         ("coefficient = 0.2", "coefficient = -0.2", "coefficient"),

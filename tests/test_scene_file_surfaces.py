@@ -139,11 +139,11 @@ def test_a_pair_with_its_options_is_that_of_python() -> None:
     assert loaded.scene.content_hash() == scene.content_hash()
 
 
-STRIBECK = 'kind = "stribeck_coulomb", static = 0.4, kinetic = 0.2, decay_velocity = 0.1, exponent = 1'
-TABLE = 'kind = "table_coulomb", speeds = [0, 0.1], coefficients = [0.4, 0.2]'
+STRIBECK = 'kind = "stribeck", static = 0.4, kinetic = 0.2, decay_velocity = 0.1, exponent = 1'
+TABLE = 'kind = "tabulated_friction", speeds = [0, 0.1], coefficients = [0.4, 0.2]'
 FALLING = {
-    STRIBECK: wf.laws.StribeckCoulomb(0.4, 0.2, 0.1, exponent=1.0),
-    TABLE: wf.laws.TableCoulomb((0.0, 0.1), (0.4, 0.2)),
+    STRIBECK: wf.laws.Stribeck(0.4, 0.2, 0.1, exponent=1.0),
+    TABLE: wf.laws.TabulatedFriction((0.0, 0.1), (0.4, 0.2)),
 }
 
 

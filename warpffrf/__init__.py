@@ -145,7 +145,9 @@ _WHERE: dict[str, tuple[str, str | None]] = {
 
 def __getattr__(name: str) -> Any:
     if name not in _WHERE:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        from warpffrf.model.errors import no_attribute
+
+        no_attribute(__name__, __all__)(name)
     module_name, attribute = _WHERE[name]
     module = importlib.import_module(module_name)
     value = module if attribute is None else getattr(module, attribute)

@@ -139,7 +139,7 @@ def make(scene: Scene, kind: str, a: Any, b: Any, far: Any, free: list, at: Plac
         scene.add(forces.Bushing(a, b, 5.0 * A @ A.T, 0.02 * A @ A.T, axes=at.turn @ axes, preload=rng.normal(size=6)))
     elif kind == "bearing":
         scene.add(
-            forces.Bearing(
+            forces.BearingSpring(
                 a, b, axis=at.vector(axes[0]), radial=k, axial=0.5 * k, tilt=0.05 * k, radial_tilt=0.1 * k,
                 radial_damping=0.01 * k, tilt_damping=0.001 * k,
                 spin_damping=0.001 * k,

@@ -70,7 +70,8 @@ def count_lanes(lanes: wp.array(dtype=int)):
 
 lanes = wp.zeros(1, dtype=int, device="cpu")
 wp.launch_tiled(count_lanes, dim=(1,), inputs=[lanes], block_dim=64, device="cpu")
-made = dict(layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, patch_grid=False, cache=False)
+made = dict(layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3, tangential=True, contact_fixed=False,
+    cache=False)
 first, second = roller_body(90, **made), roller_body(84, outer_radius=0.0497, **made)  # at equal speeds: 0.6 % of creep
 scene = guided_pair(first, second, load=200e3, speed=50.0, ramp=0.002, friction=FRICTION)
 history = run(scene, 0.004, step=1e-4, start="equilibrium", progress=False)
@@ -95,10 +96,10 @@ from scenes.planets import planets
 from scenes.rollers import roller_body
 
 body = roller_body(90, layers=3, axial=2, order=2, grading=1.6, max_frequency=15e3,
-                   tangential=True, patch_grid=False, cache=False)
+                   tangential=True, contact_fixed=False, cache=False)
 scene = planets(body, 3, 100e3, friction=0.3, creepage=2e-2)
 for contact in scene.contacts:
-    contact.friction = wf.laws.StribeckCoulomb(0.3, 0.2, 0.05)
+    contact.friction = wf.laws.Stribeck(0.3, 0.2, 0.05)
 history = run(scene, 0.003, step=1e-4, start="equilibrium", progress=False)
 made = {"status": history.status}
 for name, c in history.contacts.items():
@@ -128,7 +129,7 @@ bodies = [
     wf.reduce(
         wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, order=1), wf.Material(modulus, nu, 7850.0),
         interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3, tangential=True,
-        patch_grid=True, cache=False, progress=False,
+        contact_fixed=True, cache=False, progress=False,
     )
     for modulus, nu in ((210e9, 0.3), (70e9, 0.34))
 ]
@@ -149,7 +150,7 @@ for partner in ("roller", "ball"):
     for body, speed in turning:
         axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
         scene.add(wf.joints.Drive(axle, wf.signals.Table([0, 1], [speed, speed]), quantity="velocity"))
-    scene.add(wf.Contact(lower["rim"], face, friction=0.3, grid="patch", cells=(9, 7), name="pair"))
+    scene.add(wf.Contact(lower["rim"], face, friction=0.3, grid="contact_fixed", cells=(9, 7), name="pair"))
     history = run(scene, 20 * 2e-4, step=2e-4, start="equilibrium", progress=False)
     assert history.status == "completed"
     c = history.contacts["pair"]

@@ -38,7 +38,7 @@ PHYSICS = [
     "wf.laws.RollingHysteresis",
     "wf.GeneralizedAlpha", "wf.integrators.HHT", "wf.integrators.Newmark", "wf.integrators.EnergyMomentum",
     "wf.laws.GreenwoodTripp", "wf.laws.HertzPoint", "wf.laws.HuntCrossley", "wf.laws.IsoLamina",
-    "wf.laws.PalmgrenLine", "wf.laws.StribeckCoulomb", "wf.laws.TractionCurve", "wf.oils.Barus",
+    "wf.laws.PalmgrenLine", "wf.laws.Stribeck", "wf.laws.TractionCurve", "wf.oils.Barus",
     "wf.oils.DowsonHigginson", "wf.oils.Roelands", "wf.oils.iso_vg", "wf.oils.vogel", "wf.oils.walther",
     "wf.bases.Balanced", "wf.bases.CraigBampton", "wf.bases.CraigChang", "wf.bases.Krylov", "wf.bases.POD",
     "wf.bases.TrialVectorDerivatives", "wf.damping.Rayleigh", "wf.films.Roughness",
@@ -188,10 +188,10 @@ def test_published_physics_names_its_source(label: str) -> None:
 def test_laws_of_all_kinds_are_in_the_list_of_physics_or_are_definitions() -> None:
     """A new law must be sorted into one of the two."""
     definitions = {
-        "wf.laws.Coulomb", "wf.laws.RegularisedCoulomb", "wf.laws.TableCoulomb", "wf.laws.ExponentialAsperities",
-        "wf.laws.LinearLayer", "wf.laws.NonlinearLayer", "wf.laws.TableLayer", "wf.laws.Unilateral", "wf.laws.Law",
-        "wf.laws.FrictionLaw", "wf.laws.LumpedLaw", "wf.laws.ForceTable", "wf.laws.PowerForce", "wf.oils.Newtonian",
-        "wf.oils.Oil", "wf.laws.RollingLever", "wf.laws.RollingResistance",
+        "wf.laws.Coulomb", "wf.laws.RegularisedCoulomb", "wf.laws.TabulatedFriction", "wf.laws.ExponentialAsperities",
+        "wf.laws.LinearLayer", "wf.laws.NonlinearLayer", "wf.laws.TabulatedLayer", "wf.laws.Unilateral", "wf.laws.Law",
+        "wf.laws.FrictionLaw", "wf.laws.LumpedLaw", "wf.laws.TabulatedForce", "wf.laws.PowerForce", "wf.oils.Newtonian",
+        "wf.oils.Oil", "wf.laws.RollingResistanceArm", "wf.laws.RollingResistance",
     }  # fmt: skip
     laws = {one.label for one in EVERYTHING if re.match(r"wf\.(laws|oils)\.[A-Z]\w*[a-z]\w*$", one.label)}
     classes = {

@@ -144,7 +144,7 @@ def braked(turn: float) -> tuple[History, Place]:
         angular_velocity=at.vector((1.0, 0.0, 5.0)),
     )  # fmt: skip
     port = body.at((0.0, 0.0, 0.0))
-    scene.add(forces.Bearing(scene.ground.at((0, 0, 0)), port, axis=(0, 0, 1), radial=1e3, spin_damping=0.05))
+    scene.add(forces.BearingSpring(scene.ground.at((0, 0, 0)), port, axis=(0, 0, 1), radial=1e3, spin_damping=0.05))
     return run(scene, 0.1, step=STEP, integrator=GeneralizedAlpha(0.9), progress=False), at
 
 

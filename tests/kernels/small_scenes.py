@@ -13,7 +13,7 @@ from scenes.rollers import STEEL, Path, guided_pair, roller_body, solve_path
 from warpffrf.model import films, forces, joints, laws, mesh, oils, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.films import Film
-from warpffrf.model.friction import RegularisedCoulomb, StribeckCoulomb
+from warpffrf.model.friction import RegularisedCoulomb, Stribeck
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
@@ -30,7 +30,7 @@ from warpffrf.online.vibrations.eigenmodes import find_modes
 from warpffrf_kernels.core import control as k
 
 STEP, STEPS = 2e-5, 5
-RESISTANCE = laws.RollingLever(1e-4, 1.0)
+RESISTANCE = laws.RollingResistanceArm(1e-4, 1.0)
 RADIUS, BALL = 0.05, 0.02  # m
 ALUMINIUM = Material(70e9, 0.34, 2700.0)
 WIDE = Settings(window_strain=0.3)  # patches of many hats on coarse grids
@@ -47,7 +47,7 @@ def roller(**options: Any) -> ReducedBody:
 
 @functools.cache
 def rubbing() -> ReducedBody:
-    return roller(tangential=True, patch_grid=False)
+    return roller(tangential=True, contact_fixed=False)
 
 
 @functools.cache
@@ -56,7 +56,7 @@ def patched(**options: Any) -> ReducedBody:
     made = mesh.roller(RADIUS, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
     return reduce(
         made, options.pop("material", STEEL), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()},
-        max_frequency=12e3, patch_grid=True, cache=False, progress=False, **options,
+        max_frequency=12e3, contact_fixed=True, cache=False, progress=False, **options,
     )  # fmt: skip
 
 
@@ -109,7 +109,7 @@ def ring() -> ReducedBody:
     made = mesh.roller(0.075, 0.055, 0.024, sectors=42, layers=2, axial=3, grading=1.0)
     return reduce(
         made, STEEL, interfaces={"rim": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4,
-        tangential=True, patch_grid=False,
+        tangential=True, contact_fixed=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -120,7 +120,7 @@ def block() -> ReducedBody:
     made = mesh.box((0.02, 0.02, 0.01), (4, 4, 2))
     return reduce(
         made, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": surfaces.Plane()}, modes=2,
-        tangential=True, patch_grid=False,
+        tangential=True, contact_fixed=False,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -152,7 +152,9 @@ def chain() -> Scene:
     stiffness = np.diag([1e3, 2e3, 3e3, 10.0, 20.0, 30.0]) + 1.0
     scene.add(forces.Bushing(links[4].at((0.1, 0.0, 0.0)), links[5].at((-0.1, 0.0, 0.0)), stiffness, 1e-2 * stiffness))
     scene.add(
-        forces.Bearing(scene.ground, links[-1].at((0.1, 0.0, 0.0)), axis=(1, 0, 0), radial=1e3, axial=2e3, tilt=10.0)
+        forces.BearingSpring(
+            scene.ground, links[-1].at((0.1, 0.0, 0.0)), axis=(1, 0, 0), radial=1e3, axial=2e3, tilt=10.0
+        )
     )
     load = signals.Table([0.0, 1.0, 10.0], [0.0, 2.0, 1.0])
     scene.add(forces.PointForce(links[2].at((0.0, 0.0, 0.05)), (load, (0.0, 1.0, 0.0)), frame="body"))
@@ -223,7 +225,7 @@ def rollers(
     second: ReducedBody,
     *,
     evaluation: str = "semi",
-    grid: str = "material",
+    grid: str = "body_fixed",
     law: Any = None,
     **more: Any,
 ) -> Scene:
@@ -319,7 +321,7 @@ def journal(*, load: float = 2e3, feed: float = 1e5, speed: float = 300.0, yield
     plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
     scene.add(joints.Drive(plane, signals.Constant(speed), quantity="velocity"))
     scene.add(forces.PointForce(middle, (signals.Table((0.0, 1e-3, 1.0), (load, 2 * load, 0.0)), 0, 0)))
-    feeds = [films.Groove(np.pi, 1e-4, feed)]
+    feeds = [films.AxialGroove(np.pi, 1e-4, feed)]
     scene.add(Film(bore["bore"], shaft["rim"], **{"oil": oils.Newtonian(0.01), "feeds": feeds} | given))
     return scene
 
@@ -462,33 +464,33 @@ CASES: dict[str, Case] = {
         lambda: rollers(rubbing(), rubbing(), friction=RegularisedCoulomb(0.3, 1e-2)), options=REST
     ),
     "friction, falling with the speed": Case(
-        lambda: rollers(rubbing(), rubbing(), friction=StribeckCoulomb(0.4, 0.2, 1e-2)), options=REST
+        lambda: rollers(rubbing(), rubbing(), friction=Stribeck(0.4, 0.2, 1e-2)), options=REST
     ),
     "friction, damped layer": Case(lambda: rollers(rubbing(), rubbing(), friction=0.3, law=DAMPED), options=REST),
-    "rollers, patch": Case(lambda: rollers(patched(), patched(), grid="patch"), options=REST),
+    "rollers, patch": Case(lambda: rollers(patched(), patched(), grid="contact_fixed"), options=REST),
     "rollers, patch with a layer": Case(
-        lambda: rollers(patched(), patched(), grid="patch", law=laws.LinearLayer(1e14)), options=REST
+        lambda: rollers(patched(), patched(), grid="contact_fixed", law=laws.LinearLayer(1e14)), options=REST
     ),
-    "ball, patch": Case(lambda: ball_on(patched(), grid="patch"), 2e-6),
+    "ball, patch": Case(lambda: ball_on(patched(), grid="contact_fixed"), 2e-6),
     "rollers, patch with a damped layer": Case(
-        lambda: rollers(patched(), patched(), grid="patch", law=DAMPED), options=REST
+        lambda: rollers(patched(), patched(), grid="contact_fixed", law=DAMPED), options=REST
     ),
-    "three rollers, patches": Case(lambda: three_rollers(patched(), grid="patch"), options=REST),
+    "three rollers, patches": Case(lambda: three_rollers(patched(), grid="contact_fixed"), options=REST),
     "rollers, patch with friction": Case(
-        lambda: rollers(rubbing_patched(), rubbing_patched(), grid="patch", friction=0.3), options=REST
+        lambda: rollers(rubbing_patched(), rubbing_patched(), grid="contact_fixed", friction=0.3), options=REST
     ),
     "unlike rollers, patch with friction": Case(
-        lambda: rollers(rubbing_patched(), rubbing_patched(ALUMINIUM), grid="patch", friction=0.3), options=REST
+        lambda: rollers(rubbing_patched(), rubbing_patched(ALUMINIUM), grid="contact_fixed", friction=0.3), options=REST
     ),
     "rollers, patch with falling friction": Case(
         lambda: rollers(
-            rubbing_patched(), rubbing_patched(), grid="patch", friction=StribeckCoulomb(0.4, 0.2, 1e-2)
+            rubbing_patched(), rubbing_patched(), grid="contact_fixed", friction=Stribeck(0.4, 0.2, 1e-2)
         ),
         options=REST,
     ),
-    "ball, patch with friction": Case(lambda: ball_on(rubbing_patched(), grid="patch", friction=0.2), 2e-6),
+    "ball, patch with friction": Case(lambda: ball_on(rubbing_patched(), grid="contact_fixed", friction=0.2), 2e-6),
     "three rollers, patches with friction": Case(
-        lambda: three_rollers(rubbing_patched(), grid="patch", friction=0.2), options=REST
+        lambda: three_rollers(rubbing_patched(), grid="contact_fixed", friction=0.2), options=REST
     ),
     "three rollers": Case(lambda: three_rollers(roller()), options=REST),
     "three rollers, friction": Case(lambda: three_rollers(rubbing(), friction=0.2), options=REST),
@@ -507,26 +509,29 @@ CASES: dict[str, Case] = {
     "journal, piezoviscous": Case(
         lambda: journal(
             oil=oils.Roelands(0.01, coefficient=2e-8, density=oils.DowsonHigginson()),
-            form=films.Lobes(2e-6, 2), form_second=films.Lobes(2e-6, 3),
+            form_a=films.LobedForm(2e-6, 2), form_b=films.LobedForm(2e-6, 3),
         ),
         1e-4, {"start": "equilibrium"},
     ),
     "journal, rough": Case(
         lambda: journal(
-            load=20e3, law=laws.ExponentialAsperities(2e9, 1e-6), friction=0.1, roughness=films.Roughness(1e-6, 3.0),
-            roughness_second=films.Roughness(5e-7, 1 / 6),
+            load=20e3, asperities=laws.ExponentialAsperities(2e9, 1e-6), boundary_friction=0.1,
+                roughness_a=films.Roughness(1e-6, 3.0),
+            roughness_b=films.Roughness(5e-7, 1 / 6),
         ),
         1e-4, {"start": "equilibrium"},
     ),
     "journal, both yield": Case(
-        lambda: journal(yields=True, load=20e3, law=laws.ExponentialAsperities(2e9, 1e-6), friction=0.1), 1e-4,
+        lambda: journal(yields=True, load=20e3, asperities=laws.ExponentialAsperities(2e9, 1e-6),
+            boundary_friction=0.1), 1e-4,
         {"start": "equilibrium"},
     ),
     "journal, profiles, both yield": Case(
         lambda: journal(yields=True, evaluation="hyper"), 1e-4, {"start": "equilibrium"}
     ),
     "journal, profiles": Case(lambda: journal(evaluation="hyper"), 1e-4, {"start": "equilibrium"}),
-    "journal, other rules": Case(lambda: journal(cavitation="half", load=50.0), 1e-4, {"start": "equilibrium"}),
+    "journal, other rules": Case(lambda: journal(cavitation="half_sommerfeld", load=50.0), 1e-4,
+    {"start": "equilibrium"}),
     # runs that fail, each in another way
     "laps": Case(lapped, options=REST),
     "laps without friction": Case(lambda: lapped(0.0), options=REST),

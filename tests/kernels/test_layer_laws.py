@@ -45,7 +45,7 @@ class DampedAsperities(laws.Law):
 LAWS: list[Any] = [
     laws.NonlinearLayer(1e15, 1.5),
     laws.NonlinearLayer(1e12, 1.0),
-    laws.TableLayer((-4e-6, -2e-6, -1e-6, 0.5e-6), (9e6, 3e6, 1e6, 0.0)),
+    laws.TabulatedLayer((-4e-6, -2e-6, -1e-6, 0.5e-6), (9e6, 3e6, 1e6, 0.0)),
     laws.ExponentialAsperities(1e7, 1e-6),
     laws.HuntCrossley(1e15, 1.5, damping=2.0),
     DampedAsperities(),

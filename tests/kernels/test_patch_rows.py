@@ -20,7 +20,7 @@ def engine() -> Engine:
     """Two tilted rollers with a layer between them, rows that do not fill their lines, inside an iteration."""
     roller = wf.reduce(
         wf.mesh.roller(RADIUS, 0.015, 0.02, sectors=24, layers=3, axial=2, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3, patch_grid=True,
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3, contact_fixed=True,
         cache=False, progress=False,
     )  # fmt: skip
     scene = wf.Scene(gravity=(0, 0, 0))
@@ -30,7 +30,7 @@ def engine() -> Engine:
     for body in (lower, upper):
         scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
     law = wf.laws.LinearLayer(3e14)
-    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="patch", cells=(8, 11), law=law))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="contact_fixed", cells=(8, 11), law=law))
     engine = Engine(scene)
     engine.control(mode=int(k.STATIC), step=0, sub=0, level=0, target=1)
     engine.clock(user_step=1.0)

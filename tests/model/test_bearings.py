@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.bearings import Bearing, Flanges, Pockets, PreloadForce, Spaced
+from warpffrf.model.bearings import Bearing, Flanges, PocketCage, PreloadForce, PrescribedCage
 from warpffrf.model.bearings.geometry import RollerRaceways
 from warpffrf.model.bearings.rating import _of_rollers, edge_factor, reference_life
 from warpffrf.model.errors import InputError
@@ -83,10 +83,10 @@ def test_orbit_speed_is_that_of_rolling() -> None:
 
 
 def test_pockets_surround_elements() -> None:
-    bearing = ball(cage=Pockets(0.2e-3, friction=0.1))
+    bearing = ball(cage=PocketCage(0.2e-3, friction=0.1))
     for i in (1, 5):
         assert bearing.contacts[f"pocket_{i}"].nearest().gap == pytest.approx(0.1e-3)  # pyright: ignore[reportAttributeAccessIssue]
-    bearing = roller(cage=Pockets(0.2e-3))
+    bearing = roller(cage=PocketCage(0.2e-3))
     for name in ("front", "back"):
         contact: Any = bearing.contacts[f"pocket_3_{name}"]
         assert contact.gap() == pytest.approx(0.1e-3, rel=1e-9)
@@ -103,10 +103,10 @@ def test_pockets_surround_elements() -> None:
         (lambda: ball(contact_angle=0.3, clearance=1e-5), "not both; a clearance of 3.57e-05 m"),
         (lambda: ball(clearance=0.9e-3), r"beyond the geometry.* 0\.0008 m"),
         (lambda: roller(clearance=0.02), "beyond the geometry"),
-        (lambda: ball(cage=Pockets(-1e-4)), "pockets of 0.0099 m are smaller than the elements"),
-        (lambda: roller(cage=Pockets(6e-3)), "pockets of 0.016 m overlap"),
-        (lambda: roller(cage=Pockets(1e-4, guided=False)), "leave guided=True"),
-        (lambda: ball(cage="spaced"), "bearings.Spaced"),
+        (lambda: ball(cage=PocketCage(-1e-4)), "pockets of 0.0099 m are smaller than the elements"),
+        (lambda: roller(cage=PocketCage(6e-3)), "pockets of 0.016 m overlap"),
+        (lambda: roller(cage=PocketCage(1e-4, guided=False)), "leave guided=True"),
+        (lambda: ball(cage="prescribed_cage"), "bearings.PrescribedCage"),
         (lambda: ball(first=(0, 1, 0)), "perpendicular to the axis"),
         (lambda: ball(inner=3), "scene.ground, a contact surface of a flexible body"),
         (lambda: ball(bore=0.045), "bore 0.045 m leaves no ring under the raceway, which lies above 0.04 m"),
@@ -116,7 +116,7 @@ def test_pockets_surround_elements() -> None:
         (lambda: ball(preload=PreloadForce(-5.0)), "PreloadForce: force"),
         (lambda: ball(diameter_deviations=np.zeros(3)), "diameter_deviations"),
         (lambda: ball(diameter_deviations=np.full(8, 1e-3)), "some micrometres"),
-        (lambda: ball(outer_form=3), "outer_form: form must be one of films.Lobes"),
+        (lambda: ball(outer_form=3), "outer_form: form must be one of films.LobedForm"),
         (lambda: roller(flanges=1e-4), r"flanges must be bearings.Flanges\(...\)"),
         (lambda: roller(flanges=Flanges(1e-4, outer=None)), "neither outer nor inner has a rib"),
         (lambda: roller(flanges=Flanges(1e-4, outer="left")), "'both', 'front', 'back'"),
@@ -143,7 +143,7 @@ def test_names_are_taken_once() -> None:
 
 
 def test_a_frame_holds_without_a_clearance() -> None:
-    assert Spaced().speed == 0.0 and Spaced(speed=3.0).mass is None
+    assert PrescribedCage().speed == 0.0 and PrescribedCage(speed=3.0).mass is None
 
 
 def uniform(count: int, laminae: int, load: float) -> np.ndarray:

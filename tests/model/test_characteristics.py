@@ -129,7 +129,7 @@ REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
         lambda: forces.Bushing(*ends(), [CURVE] * 6, np.ones((6, 6)) + np.eye(6)), "characteristics are not coupled"
     ),
     "bushing of nothing": (lambda: forces.Bushing(*ends(), [forces.ForcePolynomial([0.0])] * 6), "both zero"),
-    "bearing": (lambda: forces.Bearing(*ends(), axis=(0, 0, 1), radial=CURVE), "radial must be a number"),
+    "bearing": (lambda: forces.BearingSpring(*ends(), axis=(0, 0, 1), radial=CURVE), "radial must be a number"),
 }  # fmt: skip
 
 

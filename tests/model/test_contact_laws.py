@@ -18,7 +18,7 @@ LAYERS = [
     laws.NonlinearLayer(1e15, 1.5),
     laws.NonlinearLayer(1e12, 1.0),
     laws.NonlinearLayer(1e25, 3.0),
-    laws.TableLayer((-4e-6, -2e-6, -1e-6, 0.5e-6), (9e6, 3e6, 1e6, 0.0)),
+    laws.TabulatedLayer((-4e-6, -2e-6, -1e-6, 0.5e-6), (9e6, 3e6, 1e6, 0.0)),
     laws.ExponentialAsperities(1e7, 1e-6),
     laws.ExponentialAsperities(1e7, 1e-6, cut=3e-6),
     laws.GreenwoodTripp(1e-6, 1e9, 5e-5, 1e11),
@@ -63,7 +63,7 @@ def test_uniform_pressure_on_asperities() -> None:
 
 
 def test_a_table_goes_on_beyond_its_smallest_gap() -> None:
-    law = laws.TableLayer((-2e-6, -1e-6, 0.0), (5e6, 1e6, 0.0))
+    law = laws.TabulatedLayer((-2e-6, -1e-6, 0.0), (5e6, 1e6, 0.0))
     assert float(law.pressure(-3e-6)) == pytest.approx(9e6)
     assert float(law.pressure(-0.5e-6)) == pytest.approx(0.5e6)
 
@@ -105,7 +105,7 @@ def test_damped_pressure_is_never_tensile() -> None:
 
 REFUSED = [
     (lambda: laws.NonlinearLayer(-1.0, 1.5), r"NonlinearLayer: stiffness .* greater than zero"),
-    (lambda: laws.NonlinearLayer(1.0, 0.5), r"NonlinearLayer: exponent must be at least 1, got 0.5; .*TableLayer"),
+    (lambda: laws.NonlinearLayer(1.0, 0.5), r"NonlinearLayer: exponent must be at least 1, got 0.5; .*TabulatedLayer"),
     (lambda: laws.NonlinearLayer(1.0, float("nan")), r"NonlinearLayer: exponent must be finite"),
     (lambda: laws.HuntCrossley(0.0, 1.5, damping=1.0), r"HuntCrossley: stiffness"),
     (lambda: laws.HuntCrossley(1.0, 1.5, damping=-1.0), r"HuntCrossley: damping .* must not be negative"),
@@ -118,11 +118,11 @@ REFUSED = [
     (lambda: laws.ExponentialAsperities(1e6, 0.0), r"decay_length \[m\] must be greater than zero"),
     (lambda: laws.ExponentialAsperities(1e6, 1e-6, cut=-1e-6), r"cut \[m\] must be greater than zero"),
     (lambda: laws.ExponentialAsperities(1e6, 1e-6, cut=1.0), r"cut must be at most 300 decay lengths"),
-    (lambda: laws.TableLayer((0.0,), (0.0,)), r"two at least"),
-    (lambda: laws.TableLayer((-1e-6, 0.0), (1e6, 5e5, 0.0)), r"as many pressures as gaps"),
-    (lambda: laws.TableLayer((0.0, -1e-6), (1e6, 0.0)), r"folds over itself, gaps must rise"),
-    (lambda: laws.TableLayer((-2e-6, -1e-6, 0.0), (1e6, 2e6, 0.0)), r"folds over itself, pressures must fall"),
-    (lambda: laws.TableLayer((-1e-6, 0.0), (1e6, 1e5)), r"last pressure must be 0"),
+    (lambda: laws.TabulatedLayer((0.0,), (0.0,)), r"two at least"),
+    (lambda: laws.TabulatedLayer((-1e-6, 0.0), (1e6, 5e5, 0.0)), r"as many pressures as gaps"),
+    (lambda: laws.TabulatedLayer((0.0, -1e-6), (1e6, 0.0)), r"folds over itself, gaps must rise"),
+    (lambda: laws.TabulatedLayer((-2e-6, -1e-6, 0.0), (1e6, 2e6, 0.0)), r"folds over itself, pressures must fall"),
+    (lambda: laws.TabulatedLayer((-1e-6, 0.0), (1e6, 1e5)), r"last pressure must be 0"),
 ]
 
 

@@ -85,21 +85,33 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
     _, bore, shaft = pair
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"oil": 0.04}, "film 'bearing': oil must be one of oils.Newtonian"),
-        ({"cavitation": "gumbel"}, "film 'bearing': cavitation 'gumbel' does not exist; known: 'mass_conserving'"),
+        ({"cavitation": "gumbel"}, "film 'bearing': cavitation 'gumbel' does not exist; known: 'jfo'"),
         ({"evaluation": "whole"}, "film 'bearing': evaluation 'whole' does not exist; known: 'semi', 'hyper', 'full'"),
-        ({"friction": 0.1}, "film 'bearing': friction is that of asperities.*law=laws.ExponentialAsperities"),
-        ({"friction": -0.1, "law": ASPERITIES}, "film 'bearing': friction must not be negative"),
+        (
+            {"boundary_friction": 0.1},
+            "film 'bearing': boundary_friction is that of asperities.*asperities=laws.ExponentialAsperities",
+        ),
+        (
+            {"boundary_friction": -0.1, "asperities": ASPERITIES},
+            "film 'bearing': boundary_friction must not be negative",
+        ),
         ({"ambient_pressure": -1.0}, r"film 'bearing': ambient_pressure \[Pa\] must not be negative"),
         ({"ambient_pressure": "1e5"}, "ambient_pressure.*must be a number"),
-        ({"ambient_pressure": 0.0}, r"would run dry.*feeds=\[films.Groove.*ambient_pressure above 0"),
-        ({"feeds": films.Groove(0.0, 0.01, 1e5)}, "feeds must be a list of films.Groove, films.Ring, films.Hole"),
-        ({"feeds": [1e5]}, "feeds must be a list of films.Groove.*number 1 is 100000"),
-        ({"form": 1e-6}, "film 'bearing': form must be one of films.Lobes, films.Barrel"),
-        ({"form_second": 1e-6}, "film 'bearing': form_second must be one of films.Lobes"),
-        ({"law": 1e12}, "film 'bearing': law must be one of"),
-        ({"law": laws.Unilateral()}, "unilateral has no pressure to a gap.*laws.ExponentialAsperities"),
-        ({"law": laws.LinearLayer(1e12)}, "linear_layer begins where the surfaces touch.*laws.ExponentialAsperities"),
-        ({"law": laws.HuntCrossley(1e12, 1.5, damping=1.0)}, "hunt_crossley begins where the surfaces touch"),
+        ({"ambient_pressure": 0.0}, r"would run dry.*feeds=\[films.AxialGroove.*ambient_pressure above 0"),
+        (
+            {"feeds": films.AxialGroove(0.0, 0.01, 1e5)},
+            "feeds must be a list of films.AxialGroove, films.CircumferentialGroove, films.SupplyHole",
+        ),
+        ({"feeds": [1e5]}, "feeds must be a list of films.AxialGroove.*number 1 is 100000"),
+        ({"form_a": 1e-6}, "film 'bearing': form_a must be one of films.LobedForm, films.BarrelForm"),
+        ({"form_b": 1e-6}, "film 'bearing': form_b must be one of films.LobedForm"),
+        ({"asperities": 1e12}, "film 'bearing': asperities must be one of"),
+        ({"asperities": laws.Unilateral()}, "unilateral has no pressure to a gap.*laws.ExponentialAsperities"),
+        (
+            {"asperities": laws.LinearLayer(1e12)},
+            "linear_layer begins where the surfaces touch.*laws.ExponentialAsperities",
+        ),
+        ({"asperities": laws.HuntCrossley(1e12, 1.5, damping=1.0)}, "hunt_crossley begins where the surfaces touch"),
     ]
     for options, words in wrong:
         refused(words, bore, shaft, **options)
@@ -109,29 +121,32 @@ def test_what_profiles_cannot_be_is_named(pair: Pair) -> None:
     _, bore, shaft = pair
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"ambient_pressure": 1e5}, "end without pressure, and ambient_pressure is 100000 Pa; take evaluation='semi'"),
-        ({"cavitation": "half"}, "cavitation 'half' cuts pressures at zero.*take evaluation='semi'"),
-        ({"law": ASPERITIES}, "asperities stand at hats.*take evaluation='semi'"),
-        ({"feeds": [films.Ring(0.0, 0.001, 1e5)]}, "must be a Groove over the whole length"),
-        ({"powers": (1, 2)}, r"powers must rise from 0 to 8 at most, as \(0, 2\).*got \(1, 2\)"),
-        ({"powers": 2}, "powers must rise from 0 to 8 at most.*got 2"),
-        ({"powers": (0, 2, 2)}, "powers must rise"),
-        ({"powers": (0, 10)}, "powers must rise"),
+        (
+            {"cavitation": "half_sommerfeld"},
+            "cavitation 'half_sommerfeld' cuts pressures at zero.*take evaluation='semi'",
+        ),
+        ({"asperities": ASPERITIES}, "asperities stand at hats.*take evaluation='semi'"),
+        ({"feeds": [films.CircumferentialGroove(0.0, 0.001, 1e5)]}, "must be a Groove over the whole length"),
+        ({"axial_degrees": (1, 2)}, r"axial_degrees must rise from 0 to 8 at most, as \(0, 2\).*got \(1, 2\)"),
+        ({"axial_degrees": 2}, "axial_degrees must rise from 0 to 8 at most.*got 2"),
+        ({"axial_degrees": (0, 2, 2)}, "axial_degrees must rise"),
+        ({"axial_degrees": (0, 10)}, "axial_degrees must rise"),
     ]
     for options, words in wrong:
-        given = {"evaluation": "hyper", "ambient_pressure": 0.0, "feeds": [films.Groove(0.0, 0.01, 1e5)]} | options
+        given = {"evaluation": "hyper", "ambient_pressure": 0.0, "feeds": [films.AxialGroove(0.0, 0.01, 1e5)]} | options
         refused(words, bore, shaft, **given)
 
 
 def test_laws_that_reach_out_are_taken(pair: Pair) -> None:
     _, bore, shaft = pair
-    for law in (ASPERITIES, laws.TableLayer((-1e-6, 2e-6), (1e8, 0.0))):
-        assert Film(bore, shaft, oil=OIL, ambient_pressure=1e5, law=law).law is law
+    for law in (ASPERITIES, laws.TabulatedLayer((-1e-6, 2e-6), (1e8, 0.0))):
+        assert Film(bore, shaft, oil=OIL, ambient_pressure=1e5, asperities=law).asperities is law
 
 
 def test_a_film_that_nothing_keeps_wet_is_taken_where_oil_is_not_counted(pair: Pair) -> None:
     _, bore, shaft = pair
     for cavitation in films.CAVITATIONS:
-        feeds = [films.Groove(0.0, 0.01, 0.0)] if cavitation == "mass_conserving" else []
+        feeds = [films.AxialGroove(0.0, 0.01, 0.0)] if cavitation == "jfo" else []
         assert Film(bore, shaft, oil=OIL, cavitation=cavitation, feeds=feeds).cavitation == cavitation
 
 
@@ -208,29 +223,33 @@ def given(pair: Pair, *feeds: Any) -> tuple[np.ndarray, list[str]]:
 
 def test_a_groove_holds_columns_but_not_the_ends(pair: Pair) -> None:
     pitch = 2.0 * np.pi / 16 * R
-    found, notes = given(pair, films.Groove(-np.pi / 8, 2.1 * pitch, 3e5))  # columns 14, 15 and 0
+    found, notes = given(pair, films.AxialGroove(-np.pi / 8, 2.1 * pitch, 3e5))  # columns 14, 15 and 0
     assert (found[[14, 15, 0], 1:-1] == 3e5).all() and (found[1:14, 1:-1] == -1.0).all()
     assert (found[:, [0, -1]] == 1e5).all() and not notes
-    found, _ = given(pair, films.Groove(0.0, 0.5 * pitch, 3e5, z=(-0.0034, 1.0)))
+    found, _ = given(pair, films.AxialGroove(0.0, 0.5 * pitch, 3e5, z=(-0.0034, 1.0)))
     assert (found[0, 2:] == 3e5).all() and found[0, 1] == -1.0
 
 
 def test_a_ring_holds_rows_and_a_hole_nodes(pair: Pair) -> None:
-    found, notes = given(pair, films.Ring(0.0, 0.007, 3e5), films.Hole(np.pi, 0.02 / 3.0, 0.002, 3e5))
+    found, notes = given(
+        pair, films.CircumferentialGroove(0.0, 0.007, 3e5), films.SupplyHole(np.pi, 0.02 / 3.0, 0.002, 3e5)
+    )
     assert (found[:, 2:5] == 3e5).all() and found[8, 5] == 3e5 and np.sum(found == 3e5) == 3 * 16 + 1
     assert not notes
-    flooded, _ = given(pair, films.Ring(-0.01, 1e-3, 4e5))
+    flooded, _ = given(pair, films.CircumferentialGroove(-0.01, 1e-3, 4e5))
     assert (flooded[:, 0] == 4e5).all() and (flooded[:, -1] == 1e5).all() and (flooded[:, 1:-1] == -1.0).all()
 
 
 def test_what_lies_between_nodes_takes_the_nearest_and_says_so(pair: Pair) -> None:
     between = 0.4 * 2.0 * np.pi / 16
-    found, notes = given(pair, films.Groove(between, 1e-3, 3e5))
+    found, notes = given(pair, films.AxialGroove(between, 1e-3, 3e5))
     assert (found[0, 1:-1] == 3e5).all() and np.sum(found == 3e5) == 5
     assert len(notes) == 1 and "film 'housing-shaft': feed 1, the groove at theta = 0.1571, lies between" in notes[0]
-    found, notes = given(pair, films.Groove(between, 1e-3, 3e5, z=(0.001, 0.002)), films.Ring(0.0098, 1e-4, 2e5))
+    found, notes = given(
+        pair, films.AxialGroove(between, 1e-3, 3e5, z=(0.001, 0.002)), films.CircumferentialGroove(0.0098, 1e-4, 2e5)
+    )
     assert found[0, 3] == 3e5 and (found[:, 5] == 2e5).all() and len(notes) == 2
-    found, notes = given(pair, films.Hole(np.pi + between, -0.0099, 1e-5, 3e5))
+    found, notes = given(pair, films.SupplyHole(np.pi + between, -0.0099, 1e-5, 3e5))
     assert found[8, 1] == 3e5 and np.sum(found == 3e5) == 1 and "nearest one has" in notes[0]
 
 
@@ -239,7 +258,7 @@ def test_theta_counts_from_the_shape_not_from_the_grid(body_maker) -> None:
     turned = np.cos(np.pi / 8) * BORE.e_0 + np.sin(np.pi / 8) * BORE.e_1  # by a column
     grid = ContactGrid(turned, 0.0, np.pi / 8, 16, True, np.linspace(-0.01, 0.01, 7), 1)
     bore = flexible(scene, body_maker, BORE, grid)
-    film = Film(bore, rigid(scene, SHAFT), oil=OIL, feeds=[films.Groove(np.pi / 2, 0.01, 1e5)])
+    film = Film(bore, rigid(scene, SHAFT), oil=OIL, feeds=[films.AxialGroove(np.pi / 2, 0.01, 1e5)])
     assert film.theta[3] == pytest.approx(np.pi / 2, abs=ROUND_OFF)
     assert film.held()[0][3].all() and np.sum(film.held()[0][:, 1:-1]) == 5
 
@@ -248,51 +267,56 @@ def test_feeds_of_an_arc(body_maker) -> None:
     scene = Scene()
     grid = ContactGrid(BORE.e_0, np.pi - 0.5, 0.1, 11, False, np.linspace(-0.01, 0.01, 7), 1)
     arc = scene, flexible(scene, body_maker, BORE, grid), rigid(scene, SHAFT)
-    found, _ = given(arc, films.Groove(0.5 - np.pi, 0.001, 3e5))  # the last column, past the seam
+    found, _ = given(arc, films.AxialGroove(0.5 - np.pi, 0.001, 3e5))  # the last column, past the seam
     assert (found[-1, 1:-1] == 3e5).all() and (found[0] == 1e5).all() and (found[1:-1, 1:-1] == -1.0).all()
     refused("feed 1, the groove at theta = 0, lies beside the grid of housing.*from theta = 2.642 to 3.642",
-            *arc[1:], feeds=[films.Groove(0.0, 0.01, 1e5)])  # fmt: skip
+            *arc[1:], feeds=[films.AxialGroove(0.0, 0.01, 1e5)])  # fmt: skip
     refused(
-        r"the ring at z = 0.02, lies beside .*from z = -0.01 to 0.01 m", *arc[1:], feeds=[films.Ring(0.02, 1e-3, 1e5)]
+        r"the ring at z = 0.02, lies beside .*from z = -0.01 to 0.01 m",
+        *arc[1:],
+        feeds=[films.CircumferentialGroove(0.02, 1e-3, 1e5)],
     )
 
 
 def test_feeds_of_a_pad(pad: Pair) -> None:
-    found, _ = given(pad, films.Groove(-0.01, 1e-3, 3e5), films.Hole(0.004, 0.0, 1e-3, 2e5))
+    found, _ = given(pad, films.AxialGroove(-0.01, 1e-3, 3e5), films.SupplyHole(0.004, 0.0, 1e-3, 2e5))
     assert (found[0, 1:-1] == 3e5).all() and (found[0, [0, -1]] == 1e5).all() and found[7, 3] == 2e5
 
 
 def test_feeds_that_share_nodes(pair: Pair) -> None:
-    groove, ring = films.Groove(0.0, 0.01, 2e5), films.Ring(0.0, 0.001, 3e5)
+    groove, ring = films.AxialGroove(0.0, 0.01, 2e5), films.CircumferentialGroove(0.0, 0.001, 3e5)
     words = re.escape("feed 1, the groove at theta = 0, and feed 2, the ring at z = 0, share nodes")
     refused(f"{words}.*200000 and 300000 Pa; move them apart", *pair[1:], feeds=[groove, ring])
     found, _ = given(pair, groove, replace(ring, pressure=2e5))
     assert np.sum(found == 2e5) == 5 + 15
-    refused("hold all nodes of the grid", *pair[1:], feeds=[films.Ring(0.0, 1.0, 2e5)])
+    refused("hold all nodes of the grid", *pair[1:], feeds=[films.CircumferentialGroove(0.0, 1.0, 2e5)])
 
 
 @pytest.mark.parametrize(
     ("make", "words"),
     [
-        (lambda: films.Groove(0.0, 0.0, 1e5), "films.Groove: width must be greater than zero"),
-        (lambda: films.Groove(0.0, 0.01, -1.0), "films.Groove: pressure must not be negative"),
-        (lambda: films.Groove(0.0, 0.01, 1e5, z=(0.01, 0.0)), r"films.Groove: z must be \(low, high\) with low < high"),
-        (lambda: films.Groove(0.0, 0.01, 1e5, z=0.01), "films.Groove: z .*shape"),  # pyright: ignore[reportArgumentType]
-        (lambda: films.Ring(np.nan, 0.01, 1e5), "films.Ring: z must be finite"),
-        (lambda: films.Hole(0.0, 0.0, -0.01, 1e5), "films.Hole: diameter must be greater than zero"),
-        (lambda: films.Lobes(np.inf, 2), "films.Lobes: amplitude .* must be finite"),
-        (lambda: films.Lobes(1e-6, 0), "films.Lobes: count must be a whole number of at least 1"),
-        (lambda: films.Lobes(1e-6, 2.5), "films.Lobes: count must be a whole number"),  # pyright: ignore[reportArgumentType]
-        (lambda: films.Barrel(1e-6, 0.0), "films.Barrel: length .* must be greater than zero"),
-        (lambda: films.Worn(1e-6, 0.0, 4.0), "films.Worn: width must be at most pi"),
-        (lambda: films.Measured([0.0, 0.0], [0.0], [[0.0], [0.0]]), "films.Measured: theta must rise.*places 0 and 1"),
-        (lambda: films.Measured([0.0], [0.1, 0.0], [[0.0, 0.0]]), "films.Measured: z must rise"),
-        (lambda: films.Measured([0.0], [0.0], [[0.0, 0.0]]), r"values must have shape \(1, 1\)"),
-        (lambda: films.Measured([0.0], [0.0], [[np.nan]]), "values .*NaN"),
-        (lambda: films.Measured([], [0.0], [[0.0]]), "theta is empty"),
-        (lambda: films.Measured([0.0, 2.0 * np.pi], [0.0], [[0.0], [0.0]]), "full turn or more; leave out the last"),
-        (lambda: films.Sum((films.Lobes(1e-6, 2), 1e-6)), "parts must be forms"),  # pyright: ignore[reportArgumentType]
-        (lambda: films.Sum(()), "parts is empty"),
+        (lambda: films.AxialGroove(0.0, 0.0, 1e5), "films.AxialGroove: width must be greater than zero"),
+        (lambda: films.AxialGroove(0.0, 0.01, -1.0), "films.AxialGroove: pressure must not be negative"),
+        (lambda: films.AxialGroove(0.0, 0.01, 1e5, z=(0.01, 0.0)),
+        r"films.AxialGroove: z must be \(low, high\) with low < high"),
+        (lambda: films.AxialGroove(0.0, 0.01, 1e5, z=0.01), "films.AxialGroove: z .*shape"),  # pyright: ignore[reportArgumentType]
+        (lambda: films.CircumferentialGroove(np.nan, 0.01, 1e5), "films.CircumferentialGroove: z must be finite"),
+        (lambda: films.SupplyHole(0.0, 0.0, -0.01, 1e5), "films.SupplyHole: diameter must be greater than zero"),
+        (lambda: films.LobedForm(np.inf, 2), "films.LobedForm: amplitude .* must be finite"),
+        (lambda: films.LobedForm(1e-6, 0), "films.LobedForm: count must be a whole number of at least 1"),
+        (lambda: films.LobedForm(1e-6, 2.5), "films.LobedForm: count must be a whole number"),  # pyright: ignore[reportArgumentType]
+        (lambda: films.BarrelForm(1e-6, 0.0), "films.BarrelForm: length .* must be greater than zero"),
+        (lambda: films.WornForm(1e-6, 0.0, 4.0), "films.WornForm: width must be at most pi"),
+        (lambda: films.MeasuredForm([0.0, 0.0], [0.0], [[0.0], [0.0]]),
+        "films.MeasuredForm: theta must rise.*places 0 and 1"),
+        (lambda: films.MeasuredForm([0.0], [0.1, 0.0], [[0.0, 0.0]]), "films.MeasuredForm: z must rise"),
+        (lambda: films.MeasuredForm([0.0], [0.0], [[0.0, 0.0]]), r"values must have shape \(1, 1\)"),
+        (lambda: films.MeasuredForm([0.0], [0.0], [[np.nan]]), "values .*NaN"),
+        (lambda: films.MeasuredForm([], [0.0], [[0.0]]), "theta is empty"),
+        (lambda: films.MeasuredForm([0.0, 2.0 * np.pi], [0.0], [[0.0], [0.0]]),
+        "full turn or more; leave out the last"),
+        (lambda: films.CompositeForm((films.LobedForm(1e-6, 2), 1e-6)), "parts must be forms"),  # pyright: ignore[reportArgumentType]
+        (lambda: films.CompositeForm(()), "parts is empty"),
     ],
 )  # fmt: skip
 def test_what_is_no_feed_or_form_is_named(make: Callable[[], Any], words: str) -> None:
@@ -305,14 +329,18 @@ def test_what_is_no_feed_or_form_is_named(make: Callable[[], Any], words: str) -
 
 def test_forms_have_their_closed_values() -> None:
     theta, z = np.linspace(-4.0, 4.0, 41)[:, None], np.linspace(-0.02, 0.02, 9)[None, :]
-    lobes, barrel, worn = films.Lobes(5e-6, 2, 0.3), films.Barrel(3e-6, 0.04, 0.002), films.Worn(8e-6, 3.0, 0.5)
+    lobes, barrel, worn = (
+        films.LobedForm(5e-6, 2, 0.3),
+        films.BarrelForm(3e-6, 0.04, 0.002),
+        films.WornForm(8e-6, 3.0, 0.5),
+    )
     np.testing.assert_allclose(lobes(theta, z), 5e-6 * np.cos(2.0 * (theta - 0.3)) + 0.0 * z, atol=1e-20)
     assert barrel(0.0, 0.022) == pytest.approx(3e-6) and barrel(1.0, 0.002) == 0.0
     assert barrel(0.0, -0.008) == pytest.approx(3e-6 / 4.0) and barrel(theta, z).shape == (41, 9)
     assert worn(3.0, 0.0) == 8e-6 and worn(3.25 - 2.0 * np.pi, 0.0) == pytest.approx(4e-6)
     assert worn(3.5, 0.0) == worn(0.0, 0.0) == 0.0
     both = lobes + barrel + worn
-    assert isinstance(both, films.Sum) and both.parts == (lobes, barrel, worn)
+    assert isinstance(both, films.CompositeForm) and both.parts == (lobes, barrel, worn)
     np.testing.assert_allclose(both(theta, z), lobes(theta, z) + barrel(theta, z) + worn(theta, z), atol=1e-20)
     with pytest.raises(TypeError):
         _ = lobes + 1e-6
@@ -321,7 +349,7 @@ def test_forms_have_their_closed_values() -> None:
 def test_measured_forms_are_straight_between_their_places() -> None:
     theta, z = np.array([0.0, 1.0, 2.0]), np.array([-0.01, 0.02])
     values = np.array([[1.0, 4.0], [2.0, 8.0], [0.0, 0.0]]) * 1e-6
-    turning, lying = (films.Measured(theta, z, values, periodic) for periodic in (True, False))
+    turning, lying = (films.MeasuredForm(theta, z, values, periodic) for periodic in (True, False))
     for form in (turning, lying):
         for i, k in np.ndindex(3, 2):
             assert form(theta[i], z[k]) == values[i, k]
@@ -330,15 +358,15 @@ def test_measured_forms_are_straight_between_their_places() -> None:
     assert lying(-1.0, -0.01) == values[0, 0] and lying(3.0, 0.02) == values[2, 1]
     assert turning(1.0 - 2.0 * np.pi, 0.02) == pytest.approx(8e-6)
     assert turning(1.0 + np.pi, -0.01) == pytest.approx(0.5e-6)  # half way from the last place to the first
-    single = films.Measured([0.0], z, values[:1])
+    single = films.MeasuredForm([0.0], z, values[:1])
     assert single(2.0, 0.005) == pytest.approx(2.5e-6)
 
 
 def test_forms_add_to_the_gap_of_their_surface(pair: Pair) -> None:
     _, bore, shaft = pair
-    oval, barrel = films.Lobes(5e-6, 2), films.Barrel(4e-6, WIDTH)
+    oval, barrel = films.LobedForm(5e-6, 2), films.BarrelForm(4e-6, WIDTH)
     plain = Film(bore, shaft, oil=OIL, ambient_pressure=1e5)
-    film = Film(bore, shaft, oil=OIL, ambient_pressure=1e5, form=oval, form_second=barrel)
+    film = Film(bore, shaft, oil=OIL, ambient_pressure=1e5, form_a=oval, form_b=barrel)
     theta, z = film.theta[:, None], film.grid.z[None, :]
     assert not plain.gap_form(theta, z).any() and plain.second_form(theta, z).shape == (16, 7)
     np.testing.assert_array_equal(film.gap_form(theta, z), oval(theta, z))
@@ -351,11 +379,13 @@ def test_forms_add_to_the_gap_of_their_surface(pair: Pair) -> None:
 
 
 def test_forms_that_turn_have_no_place_on_a_plane(pad: Pair) -> None:
-    for form in (films.Lobes(1e-6, 2), films.Barrel(1e-6, 0.02) + films.Worn(1e-6, 0.0, 0.1)):
-        refused(r"form repeats each turn, but housing\['rim'\] is a plane; take films.Barrel", *pad[1:], form=form)
-        refused(r"form_second repeats each turn, but ground\['floor'\]", *pad[1:], form_second=form)
-    flat = films.Measured([-0.01, 0.01], [0.0], [[0.0], [1e-6]], periodic=False)
-    assert Film(*pad[1:], oil=OIL, ambient_pressure=1e5, form=flat).form is flat
+    for form in (films.LobedForm(1e-6, 2), films.BarrelForm(1e-6, 0.02) + films.WornForm(1e-6, 0.0, 0.1)):
+        refused(
+            r"form_a repeats each turn, but housing\['rim'\] is a plane; take films.BarrelForm", *pad[1:], form_a=form
+        )
+        refused(r"form_b repeats each turn, but ground\['floor'\]", *pad[1:], form_b=form)
+    flat = films.MeasuredForm([-0.01, 0.01], [0.0], [[0.0], [1e-6]], periodic=False)
+    assert Film(*pad[1:], oil=OIL, ambient_pressure=1e5, form_a=flat).form_a is flat
 
 
 # --- scenes
@@ -363,16 +393,18 @@ def test_forms_that_turn_have_no_place_on_a_plane(pad: Pair) -> None:
 
 def test_every_parameter_is_part_of_the_hash(pair: Pair) -> None:
     scene, bore, shaft = pair
-    feeds = [films.Groove(0.0, 0.01, 1e5)]
+    feeds = [films.AxialGroove(0.0, 0.01, 1e5)]
     variants: list[dict[str, Any]] = [
         {}, {"oil": oils.Newtonian(0.05)}, {"oil": oils.Barus(0.04, coefficient=1e-8)}, {"feeds": feeds},
         {"feeds": [replace(feeds[0], pressure=2e5)]}, {"feeds": [replace(feeds[0], z=(-0.005, 0.005))]},
-        {"cavitation": "reynolds"}, {"ambient_pressure": 2e5}, {"law": ASPERITIES}, {"form": films.Lobes(1e-6, 2)},
-        {"form": films.Lobes(1e-6, 3)}, {"form_second": films.Lobes(1e-6, 2)},
-        {"form": films.Measured([0.0], [0.0], [[1e-6]])}, {"form": films.Measured([0.0], [0.0], [[2e-6]])},
-        {"form": films.Lobes(1e-6, 2) + films.Barrel(1e-6, 0.02)}, {"name": "other"},
-        {"law": ASPERITIES, "friction": 0.1}, {"evaluation": "hyper", "feeds": feeds, "ambient_pressure": 0.0},
-        {"evaluation": "hyper", "feeds": feeds, "ambient_pressure": 0.0, "powers": (0, 2)},
+        {"cavitation": "reynolds"}, {"ambient_pressure": 2e5}, {"asperities": ASPERITIES},
+            {"form_a": films.LobedForm(1e-6, 2)},
+        {"form_a": films.LobedForm(1e-6, 3)}, {"form_b": films.LobedForm(1e-6, 2)},
+        {"form_a": films.MeasuredForm([0.0], [0.0], [[1e-6]])}, {"form_a": films.MeasuredForm([0.0], [0.0], [[2e-6]])},
+        {"form_a": films.LobedForm(1e-6, 2) + films.BarrelForm(1e-6, 0.02)}, {"name": "other"},
+        {"asperities": ASPERITIES, "boundary_friction": 0.1}, {"evaluation": "hyper", "feeds": feeds,
+            "ambient_pressure": 0.0},
+        {"evaluation": "hyper", "feeds": feeds, "ambient_pressure": 0.0, "axial_degrees": (0, 2)},
     ]  # fmt: skip
     without, hashes = scene.content_hash(), set()
     for options in variants:
@@ -384,7 +416,7 @@ def test_every_parameter_is_part_of_the_hash(pair: Pair) -> None:
 
 def test_a_scene_takes_films_by_name(pair: Pair) -> None:
     scene, bore, shaft = pair
-    film = scene.add(Film(bore, shaft, oil=OIL, feeds=[films.Groove(0.1, 1e-3, 1e5)]))
+    film = scene.add(Film(bore, shaft, oil=OIL, feeds=[films.AxialGroove(0.1, 1e-3, 1e5)]))
     assert scene.films == [film] and film.name == "housing-shaft" and scene.film("housing-shaft") is film
     with pytest.raises(InputError, match="film 'housing-shaft' is in the scene already"):
         scene.add(film)
@@ -407,7 +439,7 @@ def test_a_film_holds_its_bodies_to_the_ground(pad: Pair) -> None:
 
 def test_a_film_has_its_surfaces_alone(pair: Pair, body_maker) -> None:
     scene, bore, shaft = pair
-    words = r"contact 'dry' and film 'wet' stand on the same two surfaces.*Film\(..., law=...\)"
+    words = r"contact 'dry' and film 'wet' stand on the same two surfaces.*Film\(..., asperities=...\)"
     film, contact = Film(bore, shaft, oil=OIL, ambient_pressure=1e5, name="wet"), Contact(bore, shaft, name="dry")
     for first, second in ((film, contact), (contact, film)):
         scene.add(first)
@@ -433,17 +465,21 @@ def test_a_film_has_its_surfaces_alone(pair: Pair, body_maker) -> None:
 
 def test_a_film_comes_back_from_arrays(pair: Pair) -> None:
     scene, bore, shaft = pair
-    form = films.Lobes(1e-6, 2) + films.Measured([0.0, 1.0], [0.0], [[0.0], [1e-6]])
+    form = films.LobedForm(1e-6, 2) + films.MeasuredForm([0.0, 1.0], [0.0], [[0.0], [1e-6]])
     oil = oils.Barus(0.04, coefficient=1e-8, density=oils.DowsonHigginson())
-    feeds = [films.Groove(0.0, 0.01, 1e5, z=(-0.005, 0.005)), films.Hole(2.0, 0.0, 0.004, 1e5)]
-    scene.add(Film(bore, shaft, oil=oil, feeds=feeds, law=ASPERITIES, form=form))
+    feeds = [films.AxialGroove(0.0, 0.01, 1e5, z=(-0.005, 0.005)), films.SupplyHole(2.0, 0.0, 0.004, 1e5)]
+    scene.add(Film(bore, shaft, oil=oil, feeds=feeds, asperities=ASPERITIES, form_a=form))
     found: Any = from_arrays(*to_arrays(scene))
     assert found.content_hash() == scene.content_hash() and found.films[0].a.body is found.bodies[0]
     np.testing.assert_array_equal(found.films[0].held()[1], scene.films[0].held()[1])
 
 
 def test_public_names() -> None:
-    assert wf.Film is Film is wf.films.Film and wf.films.Groove is films.Groove and wf.oils.Newtonian is oils.Newtonian
+    assert (
+        wf.Film is Film is wf.films.Film
+        and wf.films.AxialGroove is films.AxialGroove
+        and wf.oils.Newtonian is oils.Newtonian
+    )
 
 
 # --- scene files
@@ -478,10 +514,10 @@ position = [0, 0, 0.005]
 a = "pad.z_min"
 b = "ground.floor"
 oil = { kind = "barus", viscosity = 0.04, coefficient = 1e-8, density = { kind = "dowson_higginson" } }
-law = { kind = "exponential_asperities", pressure_at_zero = 1e8, decay_length = 1e-6 }
-feeds = [{ kind = "oil_hole", theta = 0.0, z = 0.0, diameter = 0.006, pressure = 2e5 }]
-form = { kind = "barrel", drop = 1e-6, length = 0.03 }
-roughness = { kind = "roughness", deviation = 4e-7, pattern = 3.0 }
+asperities = { kind = "exponential_asperities", pressure_at_zero = 1e8, decay_length = 1e-6 }
+feeds = [{ kind = "supply_hole", theta = 0.0, z = 0.0, diameter = 0.006, pressure = 2e5 }]
+form_a = { kind = "barrel_form", drop = 1e-6, length = 0.03 }
+roughness_a = { kind = "roughness", deviation = 4e-7, pattern = 3.0 }
 cavitation = "reynolds"
 """
 
@@ -497,9 +533,9 @@ def test_a_film_of_a_scene_file_is_that_of_python(tmp_path: Path) -> None:
     from_file, (film,) = scene.content_hash(), scene.films
     scene.films.clear()
     oil = oils.Barus(0.04, coefficient=1e-8, density=oils.DowsonHigginson())
-    hole, barrel = films.Hole(0.0, 0.0, 0.006, 2e5), films.Barrel(1e-6, 0.03)
-    options: dict[str, Any] = {"oil": oil, "law": ASPERITIES, "feeds": [hole], "form": barrel}
-    options["roughness"] = films.Roughness(4e-7, 3.0)
+    hole, barrel = films.SupplyHole(0.0, 0.0, 0.006, 2e5), films.BarrelForm(1e-6, 0.03)
+    options: dict[str, Any] = {"oil": oil, "asperities": ASPERITIES, "feeds": [hole], "form_a": barrel}
+    options["roughness_a"] = films.Roughness(4e-7, 3.0)
     scene.add(Film(film.a, film.b, **options, cavitation="reynolds", name="film"))
     assert scene.content_hash() == from_file
 
@@ -508,11 +544,12 @@ def test_a_film_of_a_scene_file_is_that_of_python(tmp_path: Path) -> None:
     ("old", "new", "said"),
     [
         ('kind = "barus"', 'kind = "linear_layer"', "linear_layer.*known: .*'barus'.*'iso_vg'"),
-        ('kind = "barrel"', 'kind = "oil_ring"', "oil_ring.*known: 'lobes'"),
+        ('kind = "barrel_form"', 'kind = "circumferential_groove"', "circumferential_groove.*known: 'lobed_form'"),
         ('kind = "exponential_asperities"', 'kind = "hertz_point"', "hertz_point"),
-        ('kind = "roughness"', 'kind = "oil_ring"', "oil_ring.*known: 'roughness'"),
+        ('kind = "roughness"', 'kind = "circumferential_groove"', "circumferential_groove.*known: 'roughness'"),
         ("pattern = 3.0", "pattern = 30.0", "pattern must lie from 1/9 to 9, where flow factors are known, got 30"),
-        ('kind = "oil_hole", theta = 0.0', 'kind = "oil_hole", theta = 1.0', "hole at theta = 1, z = 0, lies beside"),
+        ('kind = "supply_hole", theta = 0.0', 'kind = "supply_hole", theta = 1.0',
+        "hole at theta = 1, z = 0, lies beside"),
         ("diameter = 0.006", "diametre = 0.006", "diametre"),
         ('cavitation = "reynolds"', 'cavitation = "gumbel"', "gumbel"),
     ],

@@ -14,10 +14,10 @@ from warpffrf.model.friction import FRICTION_LAWS, as_friction, as_lumped_fricti
 from warpffrf.model.friction.pieces import TOLERANCE, cubic_pieces
 
 FALLING: list[Any] = [
-    laws.StribeckCoulomb(0.4, 0.2, 0.05),
-    laws.StribeckCoulomb(0.4, 0.2, 0.05, exponent=1.0),
-    laws.StribeckCoulomb(0.4, 0.2, 0.05, exponent=1.5),
-    laws.TableCoulomb((0.0, 0.01, 0.1, 0.5), (0.4, 0.3, 0.1, 0.25)),
+    laws.Stribeck(0.4, 0.2, 0.05),
+    laws.Stribeck(0.4, 0.2, 0.05, exponent=1.0),
+    laws.Stribeck(0.4, 0.2, 0.05, exponent=1.5),
+    laws.TabulatedFriction((0.0, 0.01, 0.1, 0.5), (0.4, 0.3, 0.1, 0.25)),
     laws.TractionCurve(0.06, 0.02, 0.03, 0.3),
 ]
 SAME: list[Any] = [laws.Coulomb(0.3), laws.RegularisedCoulomb(0.3, 1e-3)]
@@ -70,7 +70,7 @@ def test_pieces_are_the_law(law: Any) -> None:
     x = v - row[:, 0]
     value = row[:, 1] + x * (row[:, 2] + x * (row[:, 3] + x * row[:, 4]))
     assert np.abs(value - law.coefficient_at(v)).max() < 2.0 * TOLERANCE * law.largest_coefficient
-    assert len(pieces) == (len(law.breaks) if law.kind in ("table_coulomb", "viscous") else len(pieces)) < 1000
+    assert len(pieces) == (len(law.breaks) if law.kind in ("tabulated_friction", "viscous") else len(pieces)) < 1000
 
 
 def test_laws_that_do_not_depend_on_speed() -> None:
@@ -91,19 +91,19 @@ def test_every_law_is_registered_and_described() -> None:
 
 
 REFUSED: list[tuple[Any, str]] = [
-    (lambda: laws.StribeckCoulomb(0.2, 0.4, 0.1), r"kinetic must be at most static, .*; .*laws.TableCoulomb"),
-    (lambda: laws.StribeckCoulomb(0.4, 0.0, 0.1), r"StribeckCoulomb: kinetic must be greater than zero"),
-    (lambda: laws.StribeckCoulomb(0.4, 0.2, 0.0), r"decay_velocity \[m/s\] must be greater than zero"),
-    (lambda: laws.StribeckCoulomb(0.4, 0.2, 0.1, exponent=0.5), r"exponent must be at least 1, got 0.5"),
+    (lambda: laws.Stribeck(0.2, 0.4, 0.1), r"kinetic must be at most static, .*; .*laws.TabulatedFriction"),
+    (lambda: laws.Stribeck(0.4, 0.0, 0.1), r"Stribeck: kinetic must be greater than zero"),
+    (lambda: laws.Stribeck(0.4, 0.2, 0.0), r"decay_velocity \[m/s\] must be greater than zero"),
+    (lambda: laws.Stribeck(0.4, 0.2, 0.1, exponent=0.5), r"exponent must be at least 1, got 0.5"),
     (lambda: laws.TractionCurve(0.03, 0.1, 0.06, 0.1), r"limit must be at most peak"),
     (lambda: laws.TractionCurve(0.06, 0.0, 0.03, 0.1), r"peak_velocity \[m/s\] must be greater than zero"),
     (lambda: as_pair_friction(laws.TractionCurve(0.06, 0.1, 0.03, 0.1), "c"), r"c: laws.TractionCurve is a law"),
-    (lambda: as_lumped_friction(laws.StribeckCoulomb(0.4, 0.2, 0.1), "c"), r"on the slip speed, .*TractionCurve"),
-    (lambda: laws.TableCoulomb((0.0,), (0.3,)), r"two at least"),
-    (lambda: laws.TableCoulomb((0.0, 1.0), (0.3, 0.2, 0.1)), r"as many coefficients as speeds"),
-    (lambda: laws.TableCoulomb((0.1, 1.0), (0.3, 0.2)), r"first speed must be 0, got 0.1"),
-    (lambda: laws.TableCoulomb((0.0, 1.0, 0.5), (0.3, 0.2, 0.1)), r"folds over itself, speeds must rise"),
-    (lambda: laws.TableCoulomb((0.0, 1.0), (0.3, 0.0)), r"coefficients must be positive, got 0"),
+    (lambda: as_lumped_friction(laws.Stribeck(0.4, 0.2, 0.1), "c"), r"on the slip speed, .*TractionCurve"),
+    (lambda: laws.TabulatedFriction((0.0,), (0.3,)), r"two at least"),
+    (lambda: laws.TabulatedFriction((0.0, 1.0), (0.3, 0.2, 0.1)), r"as many coefficients as speeds"),
+    (lambda: laws.TabulatedFriction((0.1, 1.0), (0.3, 0.2)), r"first speed must be 0, got 0.1"),
+    (lambda: laws.TabulatedFriction((0.0, 1.0, 0.5), (0.3, 0.2, 0.1)), r"folds over itself, speeds must rise"),
+    (lambda: laws.TabulatedFriction((0.0, 1.0), (0.3, 0.0)), r"coefficients must be positive, got 0"),
     (lambda: cubic_pieces(Viscous(0.1, -0.5, 2.0), "contact 'a'"), r"contact 'a': viscous has a .* that is negative"),
 ]  # fmt: skip
 

@@ -31,7 +31,7 @@ EXAMPLES = {
     "palmgren_line": laws.PalmgrenLine(0.01),
     "iso_lamina": laws.IsoLamina(0.01),
     "power_force": laws.PowerForce(1e9, 1.2),
-    "force_table": laws.ForceTable((-1e-6, 1e-6, 4e-6), (0.0, 10.0, 60.0)),
+    "tabulated_force": laws.TabulatedForce((-1e-6, 1e-6, 4e-6), (0.0, 10.0, 60.0)),
 }
 
 
@@ -202,12 +202,12 @@ def test_a_pair_is_named_once() -> None:
     ("make", "message"),
     [
         (
-            lambda: laws.ForceTable((0.0, 1.0, 0.5), (0.0, 1.0, 2.0)),
+            lambda: laws.TabulatedForce((0.0, 1.0, 0.5), (0.0, 1.0, 2.0)),
             "approaches must rise strictly, got 1 and then 0.5",
         ),
-        (lambda: laws.ForceTable((0.0, 1.0), (0.0, -1.0)), "forces must rise strictly"),
-        (lambda: laws.ForceTable((0.0, 1.0), (1.0, 2.0)), "first force must be 0"),
-        (lambda: laws.ForceTable((0.0,), (0.0,)), "two at least"),
+        (lambda: laws.TabulatedForce((0.0, 1.0), (0.0, -1.0)), "forces must rise strictly"),
+        (lambda: laws.TabulatedForce((0.0, 1.0), (1.0, 2.0)), "first force must be 0"),
+        (lambda: laws.TabulatedForce((0.0,), (0.0,)), "two at least"),
         (lambda: laws.PowerForce(1e9, 0.5), "at least 1"),
         (lambda: laws.PowerForce(-1.0), "stiffness"),
         (lambda: laws.HertzPoint(210e9, STEEL), "material_a must be a Material"),  # pyright: ignore[reportArgumentType]
@@ -238,13 +238,13 @@ def test_what_only_lumped_contacts_see_is_refused_by_a_contact(body_maker: Calla
     soft = scene.add_body(body_maker(), name="soft")
     hard = scene.add_rigid_body(1.0, (1e-3,) * 3, name="hard")
     about: dict[str, Any] = {"axis_point": ORIGIN, "axis_direction": Y}
-    wavy = hard.surface(surfaces.Cylinder(radius=0.01, **about), name="wavy", form=films.Lobes(1e-6, 3))
+    wavy = hard.surface(surfaces.Cylinder(radius=0.01, **about), name="wavy", form=films.LobedForm(1e-6, 3))
     with pytest.raises(InputError, match=r"hard\['wavy'\] has a form deviation, which only lumped contacts see"):
         Contact(soft["rim"], wavy)
     disc = hard.surface(surfaces.Cone(radius=0.01, half_angle=1.55, **about), name="disc")
     with pytest.raises(InputError, match=r"hard\['disc'\] is a cone so flat that only lumped contacts take it"):
         Contact(soft["rim"], disc)
-    losses = Losses(0.0, laws.RollingLever(1e-5, 1.0))
+    losses = Losses(0.0, laws.RollingResistanceArm(1e-5, 1.0))
     with pytest.raises(InputError, match=r"soft\['rim'\] is flexible, and distributed contact has no rolling_res"):
         contact_of(hard.surface(ball(), name="skin"), soft["rim"], HERTZ, losses, "pair")
 

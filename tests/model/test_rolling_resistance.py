@@ -53,7 +53,7 @@ def slope(resistance: Any, F: np.ndarray) -> np.ndarray:
 
 
 def test_a_lever_times_the_load() -> None:
-    rolling, pivoting = on_plane(rolling_resistance=laws.RollingLever(2e-5, 0.1)).moments() or (None, None)
+    rolling, pivoting = on_plane(rolling_resistance=laws.RollingResistanceArm(2e-5, 0.1)).moments() or (None, None)
     np.testing.assert_allclose(bound(rolling, LOADS), 2e-5 * LOADS)
     np.testing.assert_allclose(slope(rolling, LOADS), 2e-4 * LOADS)
     np.testing.assert_array_equal(bound(pivoting, LOADS), 0.0)
@@ -108,14 +108,18 @@ def test_spin_on_a_circle() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ({"rolling_resistance": 0.001}, "must be one of laws.RollingLever, laws.RollingHysteresis, or None, got 0.001"),
+        (
+            {"rolling_resistance": 0.001},
+            "must be one of laws.RollingResistanceArm, laws.RollingHysteresis, or None, got 0.001",
+        ),
         ({"spin": 1}, "spin must be True or False, got 1"),
         ({"spin": True}, "spin=True needs friction that answers the velocity"),
         ({"spin": True, "friction": 0.1}, "laws.RegularisedCoulomb or laws.TractionCurve"),
         ({"spin": True, "friction": CREEP, "law": laws.PowerForce(1e9)}, "that of laws.HertzPoint"),
         (
             {"rolling_resistance": laws.RollingHysteresis(0.1, 1.0), "law": laws.PowerForce(1e9)},
-            "only laws.HertzPoint, laws.PalmgrenLine and laws.IsoLamina know; take one of these, or laws.RollingLever",
+            "only laws.HertzPoint, laws.PalmgrenLine and laws.IsoLamina know; take one of these, or "
+            "laws.RollingResistanceArm",
         ),
     ],
 )
@@ -127,8 +131,8 @@ def test_moments_that_cannot_be_are_named(options: dict[str, Any], words: str) -
 @pytest.mark.parametrize(
     ("law", "words"),
     [
-        (lambda: laws.RollingLever(-1e-6, 1.0), "lever"),
-        (lambda: laws.RollingLever(1e-6, 0.0), "rolling_speed"),
+        (lambda: laws.RollingResistanceArm(-1e-6, 1.0), "lever"),
+        (lambda: laws.RollingResistanceArm(1e-6, 0.0), "rolling_speed"),
         (lambda: laws.RollingHysteresis(1.5, 1.0), "loss must be at most 1"),
         (lambda: laws.RollingHysteresis(0.1, -1.0), "rolling_speed"),
     ],

@@ -127,7 +127,7 @@ def dynamic_roller() -> Any:
     mesh = roller(0.05, 0.015, 0.02, sectors=60, layers=3, axial=2, grading=1.6, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": Cylinder()},
-        max_frequency=15e3, cache=False, progress=False, local_dynamics=True, patch_grid=False,
+        max_frequency=15e3, cache=False, progress=False, local_dynamics=True, contact_fixed=False,
     )  # fmt: skip
 
 

@@ -46,7 +46,7 @@ def test_true_shapes_and_line_of_centres(approach: float, fine_roller: ReducedBo
     """A layer given as a table goes by the true shapes, the same one as a number along the line of centres. Both gaps
     agree but for the angle between normal and line of centres, up to a/2R: a part (a/2R)^2 of them, a^2 = R d."""
     k = 0.3 * default_layer(fine_roller.contact_surfaces["rim"])
-    table = laws.TableLayer((-1e-2, 0.0), (1e-2 * k, 0.0))
+    table = laws.TabulatedLayer((-1e-2, 0.0), (1e-2 * k, 0.0))
     scenes = [prescribed_pair(fine_roller, fine_roller, Path.of([approach, approach], 0.01)) for _ in range(2)]
     shapes, line = (rest(s, "full", law) for s, law in zip(scenes, (table, laws.LinearLayer(k)), strict=True))
     off = abs(np.linalg.norm(shapes.force[0]) / np.linalg.norm(line.force[0]) - 1.0)

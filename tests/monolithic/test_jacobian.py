@@ -106,7 +106,7 @@ def springs(scene: Scene, a: Any, b: Any) -> dict[str, Any]:
         ),
         "torsional_spring_damper": lambda: forces.TorsionalSpringDamper(hinge("revolute"), 20.0, 0.3, reference=0.2),
         "bushing": lambda: forces.Bushing(a["right"], port, K, D, axes=AXES, preload=np.arange(6.0)),
-        "bearing": lambda: forces.Bearing(
+        "bearing": lambda: forces.BearingSpring(
             a["right"], port, axis=(0, 1, 0), radial=500.0, axial=200.0, tilt=30.0, radial_tilt=50.0,
             radial_damping=2.0, axial_damping=1.0, tilt_damping=0.2, spin_damping=0.1, cross=40.0,
         ),

@@ -38,7 +38,7 @@ LOAD, MASS = 600.0, 0.1  # N, kg
 LAYERS = {
     "linear_layer": laws.LinearLayer(1e13),
     "nonlinear_layer": laws.NonlinearLayer(1e16, 1.5),
-    "table_layer": laws.TableLayer((-4e-6, -1e-6, 0.5e-6), (9e7, 1e7, 0.0)),
+    "tabulated_layer": laws.TabulatedLayer((-4e-6, -1e-6, 0.5e-6), (9e7, 1e7, 0.0)),
     "exponential_asperities": laws.ExponentialAsperities(1e8, 3e-7),
     "greenwood_tripp": laws.GreenwoodTripp(1e-7, 1e10, 5e-5, 1e11),
     "hunt_crossley": laws.HuntCrossley(1e16, 1.5, damping=20.0),
@@ -116,7 +116,7 @@ def test_a_punch_sticks_on_its_stretch(rigid_space: ReducedBody) -> None:
 def test_a_punch_sticks_and_slips(rigid_space: ReducedBody) -> None:
     """Pulled by a spring whose other end runs ahead: amplitude and period of an event-driven solution."""
     k, V, step, end = 1e5, 0.5, 1e-4, 0.017
-    law = laws.StribeckCoulomb(0.4, 0.2, 0.5)
+    law = laws.Stribeck(0.4, 0.2, 0.5)
     scene, punch = on_half_space(rigid_space, FLAT, LOAD, law=laws.LinearLayer(1e13), friction=law)
     scene.add(forces.JointSpringDamper(guided(scene, punch), stiffness=k))
     pull = signals.Ramp(0.0, k * V * end, duration=end)  # with the spring together k (V t - x)
@@ -206,7 +206,7 @@ def test_energy_of_a_ball_that_bounces_askew(steel_space: ReducedBody) -> None:
 @pytest.mark.slow
 def test_momentum_of_two_free_bodies() -> None:
     """Flexible rollers that meet askew with friction: linear and angular momentum stay."""
-    body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, patch_grid=False, cache=False)
+    body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, contact_fixed=False, cache=False)
     scene = Scene()
     scene.add_body(body, name="lower", inertia="constant")
     scene.add_body(
@@ -240,7 +240,7 @@ def test_momentum_of_two_free_bodies() -> None:
 def test_two_wheels_on_the_ground_in_stages() -> None:
     """One at rest, one that slides with spin: while it slides, tractions are mu p all over its patch and slow it down;
     two stages are one run."""
-    body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, patch_grid=False, cache=False)
+    body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, contact_fixed=False, cache=False)
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     plane = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
     floor = scene.ground.surface(plane, name="floor")
@@ -315,8 +315,8 @@ def test_what_it_refuses(steel_space: ReducedBody, rigid_space: ReducedBody) -> 
     refused(scene, "has no unilateral; use laws.LinearLayer")
     scene.contacts[0].evaluation = "semi"
     refused(scene, "a rigid partner, partner\\['face'\\], with the law at nodes only; use evaluation='full'")
-    scene.contacts[0].gaps = "points"
-    refused(scene, 'has gaps="points" with the law at nodes only')
+    scene.contacts[0].kinematics = "closest_point"
+    refused(scene, 'has kinematics="closest_point" with the law at nodes only')
     scene.contacts[0].friction = 0.1
     refused(scene, "has friction with the law at nodes only; use evaluation='full'")
     scene, _ = on_half_space(steel_space, BALL, 1.0, law=laws.LinearLayer(1e16), friction=0.1)

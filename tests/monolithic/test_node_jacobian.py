@@ -41,7 +41,7 @@ TURNED = np.array([1e-3, 0.3, -2e-3, 1.0]) / np.linalg.norm([1e-3, 0.3, -2e-3, 1
 
 @pytest.fixture(scope="module")
 def rubbing_roller() -> ReducedBody:
-    return roller_body(30, layers=2, axial=2, grading=1.6, modes=4, tangential=True, patch_grid=False, cache=False)
+    return roller_body(30, layers=2, axial=2, grading=1.6, modes=4, tangential=True, contact_fixed=False, cache=False)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ def rubbing_bore() -> ReducedBody:
     mesh = sleeve(0.0503, 0.08, 0.024, sectors=30, axial=2, layers=2, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=4,
-        tangential=True, cache=False, progress=False, patch_grid=False,
+        tangential=True, cache=False, progress=False, contact_fixed=False,
     )  # fmt: skip
 
 

@@ -16,7 +16,7 @@ from warpffrf.monolithic.nodal.layer_slopes import layer_pressure, reach
 LAYERS = {
     "linear_layer": laws.LinearLayer(1e13),
     "nonlinear_layer": laws.NonlinearLayer(1e16, 1.5),
-    "table_layer": laws.TableLayer((-4e-6, -1e-6, 0.5e-6), (9e7, 1e7, 0.0)),
+    "tabulated_layer": laws.TabulatedLayer((-4e-6, -1e-6, 0.5e-6), (9e7, 1e7, 0.0)),
     "exponential_asperities": laws.ExponentialAsperities(1e7, 3e-7),
     "greenwood_tripp": laws.GreenwoodTripp(1e-7, 1e10, 5e-5, 1e11),
     "hunt_crossley": laws.HuntCrossley(1e16, 1.5, damping=20.0),
@@ -25,8 +25,8 @@ K_T, H = 3e13, 1e-4  # Pa/m, s
 FRICTION: list[Any] = [
     Coulomb(0.3),
     RegularisedCoulomb(0.3, 5e-3),
-    laws.StribeckCoulomb(0.3, 0.2, 2.0),  # p |mu'|/(h k_t) at most 0.009
-    laws.TableCoulomb((0.0, 0.01, 0.03), (0.3, 0.25, 0.28)),
+    laws.Stribeck(0.3, 0.2, 2.0),  # p |mu'|/(h k_t) at most 0.009
+    laws.TabulatedFriction((0.0, 0.01, 0.03), (0.3, 0.25, 0.28)),
 ]
 
 

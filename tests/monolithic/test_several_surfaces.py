@@ -43,7 +43,7 @@ def ring() -> ReducedBody:
     return reduce(
         mesh, STEEL, contact={"rim": Cylinder(), "bore": Bore()}, modes=6,
         tangential=True, local_dynamics=True,
-        cache=False, progress=False, patch_grid=False,
+        cache=False, progress=False, contact_fixed=False,
     )  # fmt: skip
 
 
@@ -89,7 +89,7 @@ def test_normals_that_lean_keep_the_compliance() -> None:
         modes=6,
         cache=False,
         progress=False,
-        patch_grid=False,
+        contact_fixed=False,
     )
     found = static_coordinates(body, [Loaded("rim", False, 1.0), Loaded("bore", False)], "ring")
     rim, cross = body.contact_surfaces["rim"], body.cross_compliance("rim", "bore")
@@ -107,7 +107,7 @@ def sheet(modes: int, width: float) -> ReducedBody:
     mesh = mesh.select("spot", "z_max", lambda c: np.hypot(c[:, 0], c[:, 1]) < 0.008)
     return reduce(
         mesh, STEEL, contact={"z_min": None, "z_max": None}, interfaces={"x_min": "average", "spot": "average"},
-        modes=modes, cache=False, progress=False, patch_grid=False,
+        modes=modes, cache=False, progress=False, contact_fixed=False,
     )  # fmt: skip
 
 
@@ -164,7 +164,7 @@ def rollers() -> dict[str, ReducedBody]:
     return {
         what: reduce(
             mesh, STEEL, interfaces={"bore": "rigid"}, contact=dict.fromkeys(names, Cylinder()), max_frequency=15e3,
-            tangential=True, cache=False, progress=False, patch_grid=False,
+            tangential=True, cache=False, progress=False, contact_fixed=False,
         )
         for what, names in (("whole", ("rim",)), ("parts", ("upper", "lower")))
     }  # fmt: skip

@@ -12,9 +12,10 @@ STEEL = Material(210e9, 0.3, 7850.0)
 
 
 def reduced(mesh, *, general: bool = False, **settings):
-    """`reduce` with a rigid bore and a contact rim, without cache and patch grid; `general` forbids the cyclic path."""
+    """`reduce` with a rigid bore and a contact rim, without cache and contact-fixed grid; `general` forbids the cyclic
+    path."""
     given = {"interfaces": {"bore": "rigid"}, "contact": {"rim": Cylinder()}, "cache": False, "progress": False}
-    given["patch_grid"] = False
+    given["contact_fixed"] = False
     if general:
         given["periodic"] = False
     return reduce(mesh, STEEL, **{**given, **settings})

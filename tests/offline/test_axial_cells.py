@@ -23,7 +23,7 @@ def line_load(body: wf.ReducedBody) -> float:
     scene = wf.Scene(gravity=(0, 0, 0))
     roll = scene.add_body(body, name="roll", position=(0, 0, -1e-4))
     floor = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, -0.05), outward=(0, 0, 1)), name="floor")
-    scene.add(wf.Contact(roll["rim"], floor, name="nip", grid="material", overlap=3e-3))
+    scene.add(wf.Contact(roll["rim"], floor, name="nip", grid="body_fixed", overlap=3e-3))
     scene.add(wf.joints.Fixed(scene.ground, roll["bore"]))
     rest = wf.equilibrium(scene)
     assert rest.status == "completed", rest.message

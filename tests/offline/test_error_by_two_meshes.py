@@ -54,8 +54,8 @@ def test_nothing_between_a_mesh_and_itself(fine) -> None:
 
 
 def test_bad_input(fine) -> None:
-    plain = cr.reduced(cr.hexahedra(8e-3, 1), patch_grid=False)
-    with pytest.raises(InputError, match="patch_grid=True"):
+    plain = cr.reduced(cr.hexahedra(8e-3, 1), contact_fixed=False)
+    with pytest.raises(InputError, match="contact_fixed=True"):
         fine.mesh_error(plain)
     with pytest.raises(InputError, match="interface"):
         fine.mesh_error(fine, interface="hub")

@@ -43,7 +43,7 @@ def far_of(body):
 
 @pytest.fixture(scope="module")
 def hex8():
-    return reduced(roller(), max_frequency=20e3, patch_grid=True)
+    return reduced(roller(), max_frequency=20e3, contact_fixed=True)
 
 
 def means(body, lags):
@@ -151,11 +151,11 @@ def test_far_field_is_the_meshs_no_more(hex8, order) -> None:
     """On the same hats the whole compliance of 4 mm cells and of finer ones differs by a sixth at a load, the
     difference from the half-space by less than a hundredth."""
     fine = reduced(
-        roller(sectors=160, layers=11, axial=10, order=2), max_frequency=20e3, patch_grid=True, traction_spacing=4e-3
+        roller(sectors=160, layers=11, axial=10, order=2), max_frequency=20e3, contact_fixed=True, traction_spacing=4e-3
     )
     coarse = hex8
     if order == 2:
-        coarse = reduced(roller(order=2), max_frequency=20e3, patch_grid=True, traction_spacing=4e-3)
+        coarse = reduced(roller(order=2), max_frequency=20e3, contact_fixed=True, traction_spacing=4e-3)
     a, b = (body.contact_surfaces["rim"] for body in (coarse, fine))
     assert (a.grid.columns, a.grid.rows) == (b.grid.columns, b.grid.rows)
     whole = means(fine, b.lags)
@@ -179,7 +179,7 @@ def _along_middle(body, surface) -> np.ndarray:
 
 def test_paths_agree(hex8) -> None:
     """The windows of one sector, and those of clusters of the general path."""
-    general = reduced(roller(), general=True, max_frequency=20e3, patch_grid=True)
+    general = reduced(roller(), general=True, max_frequency=20e3, contact_fixed=True)
     a, b = (body.contact_surfaces["rim"] for body in (hex8, general))
     numbers = np.arange(a.grid.columns * a.grid.rows)
     whole = np.max(np.abs(a.compliance(np.arange(a.grid.columns))))
@@ -241,7 +241,7 @@ def test_ends_of_a_crowned_rim(hex8) -> None:
     loads are spread: 1e-3 of the compliance. At a slope of 0.07 the edge is none, and a note says so."""
     crowned = reduced(
         roller(crown_radius=2.0), contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=2.0)}, max_frequency=20e3,
-        patch_grid=True,
+        contact_fixed=True,
     )  # fmt: skip
     assert [end.z for end in far_of(crowned).ends] == pytest.approx([-0.01, 0.01])
     a, b = (_along_middle(body, body.contact_surfaces["rim"]) for body in (hex8, crowned))
@@ -250,7 +250,7 @@ def test_ends_of_a_crowned_rim(hex8) -> None:
     assert np.max(np.abs(a - b)) < CROWNED * whole
     steep = reduced(
         roller(sectors=40, layers=3, axial=3, crown_radius=0.14),
-        contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=0.14)}, patch_grid=True,
+        contact={"rim": wf.surfaces.CrownedCylinder(crown_radius=0.14)}, contact_fixed=True,
     )  # fmt: skip
     assert far_of(steep).ends == ()
     assert any("is no right angle" in note for note in steep.report["notes"])
@@ -258,10 +258,10 @@ def test_ends_of_a_crowned_rim(hex8) -> None:
 
 def test_what_cannot_have_a_patch_is_refused() -> None:
     mesh = roller(sectors=24, layers=3, axial=2)
-    with pytest.raises(InputError, match="'rim': no patch grid: its tractions are constant on cells; use"):
-        reduced(mesh, patch_grid=True, traction="cells")
-    with pytest.raises(InputError, match="patch_grid must be True, False or None"):
-        reduced(mesh, patch_grid="yes")
+    with pytest.raises(InputError, match="'rim': no contact-fixed grid: its tractions are constant on cells; use"):
+        reduced(mesh, contact_fixed=True, traction="cells")
+    with pytest.raises(InputError, match="contact_fixed must be True, False or None"):
+        reduced(mesh, contact_fixed="yes")
 
 
 @pytest.mark.parametrize("order", [1, 2])
@@ -271,7 +271,7 @@ def test_few_cells_on_the_radius(cells, order) -> None:
     mesh = wf.mesh.roller(0.05, 0, 0.05, sectors=8 * cells, layers=1, axial=2, order=order)
     body = wf.reduce(
         mesh, STEEL, interfaces={"end_low": "average"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0,
-        patch_grid=True, cache=False, progress=False,
+        contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
     far = far_of(body)
     assert np.all(np.isfinite(far.lags)) and far.asymmetry < 0.05
@@ -281,7 +281,7 @@ def test_a_plane_has_a_far_field() -> None:
     """Clusters of functions on a surface that is curved in no direction are as wide as their number allows."""
     mesh = wf.mesh.box((0.02, 0.02, 0.01), (4, 4, 2), order=1)
     body = wf.reduce(
-        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0, patch_grid=True,
+        mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0, contact_fixed=True,
         cache=False, progress=False,
     )  # fmt: skip
     far = body.contact_surfaces["z_max"].far
@@ -290,8 +290,10 @@ def test_a_plane_has_a_far_field() -> None:
 
 def test_facets_that_cannot_be_laid_flat_are_refused() -> None:
     mesh = roller(sectors=4, layers=1, axial=2)
-    with pytest.raises(InputError, match="no patch grid: its facets .* too large beside the curvature.*three or more"):
-        reduced(mesh, patch_grid=True)
+    with pytest.raises(
+        InputError, match="no contact-fixed grid: its facets .* too large beside the curvature.*three or more"
+    ):
+        reduced(mesh, contact_fixed=True)
 
 
 def test_coatings_are_refused() -> None:
@@ -309,7 +311,7 @@ def test_coatings_are_refused() -> None:
             {"coat": soft, "core": STEEL},
             interfaces={"bore": "rigid"},
             contact={"rim": wf.surfaces.Cylinder()},
-            patch_grid=True,
+            contact_fixed=True,
             cache=False,
             progress=False,
         )
@@ -323,7 +325,7 @@ def test_walls_as_thin_as_their_cells(order, thickness, said) -> None:
     mesh = wf.mesh.roller(
         0.05, 0.05 - thickness, 0.02, sectors=80, layers=round(thickness / 4e-3), axial=5, order=order
     )
-    body = reduced(mesh, modes=0, patch_grid=True)
+    body = reduced(mesh, modes=0, contact_fixed=True)
     found = [line for line in body.report["warnings"] if "the wall behind it" in line]
     assert bool(found) == (said is not None)
     assert said is None or re.search(said, found[0])
@@ -332,8 +334,8 @@ def test_walls_as_thin_as_their_cells(order, thickness, said) -> None:
 def test_fine_meshes_need_none() -> None:
     """None decides by the mesh: nodes 2.6 mm apart are coarse, but not for an expected half-width of 2 cm."""
     mesh = roller(sectors=120)
-    assert reduced(mesh, patch_grid=None).contact_surfaces["rim"].far is not None
-    soft = reduced(mesh, patch_grid=None, expected_half_width=0.02, contact_error=0.1)
+    assert reduced(mesh, contact_fixed=None).contact_surfaces["rim"].far is not None
+    soft = reduced(mesh, contact_fixed=None, expected_half_width=0.02, contact_error=0.1)
     assert soft.contact_surfaces["rim"].far is None
 
 
@@ -347,7 +349,8 @@ def test_an_arc_of_an_even_number_of_columns_is_as_symmetric_as_one_of_an_odd_nu
     pitch = 2.0 * np.pi / 120
     mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0]) - 0.25 * pitch) < half * pitch)
     body = wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.Cylinder()}, modes=0, patch_grid=True,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": wf.surfaces.Cylinder()}, modes=0,
+            contact_fixed=True,
         cache=False, progress=False,
     )  # fmt: skip
     surface = body.contact_surfaces["tread"]

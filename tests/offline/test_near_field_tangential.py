@@ -162,7 +162,7 @@ def test_window_of_a_plane_is_the_half_space() -> None:
     mesh = wf.mesh.box((0.02, 0.02, 0.01), (8, 8, 4), order=2)
     body = wf.reduce(
         mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": wf.surfaces.Plane()}, modes=0, tangential=True,
-        traction_spacing=5e-3, patch_grid=False, cache=False, progress=False,
+        traction_spacing=5e-3, contact_fixed=False, cache=False, progress=False,
     )  # fmt: skip
     s = body.contact_surfaces["z_max"]
     t = s.tangential
@@ -246,7 +246,7 @@ MESHES = {
 
 def roller(name: str):
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, **MESHES[name])
-    return reduced(mesh, max_frequency=20e3, tangential=True, patch_grid=True)
+    return reduced(mesh, max_frequency=20e3, tangential=True, contact_fixed=True)
 
 
 @pytest.fixture(scope="module")
@@ -353,7 +353,7 @@ def test_far_field_is_symmetric(bodies) -> None:
 
 def test_normal_far_field_is_the_same_without_tangential_tractions(bodies) -> None:
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, **MESHES["hex8 8 mm"])
-    alone = reduced(mesh, max_frequency=20e3, patch_grid=True).contact_surfaces["rim"].far
+    alone = reduced(mesh, max_frequency=20e3, contact_fixed=True).contact_surfaces["rim"].far
     both = bodies["hex8 8 mm"].contact_surfaces["rim"].far
     assert alone is not None and both is not None and alone.tangential is None
     assert np.max(np.abs(alone.lags - both.lags)) < ROUNDING * np.max(np.abs(alone.lags))
@@ -362,7 +362,7 @@ def test_normal_far_field_is_the_same_without_tangential_tractions(bodies) -> No
 def test_paths_agree(bodies) -> None:
     """The windows of one sector, and those of clusters of the general path, on the same hats and cells."""
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, **MESHES["hex8 8 mm"])
-    general = reduced(mesh, general=True, max_frequency=20e3, tangential=True, patch_grid=True)
+    general = reduced(mesh, general=True, max_frequency=20e3, tangential=True, contact_fixed=True)
     a, b = bodies["hex8 8 mm"].contact_surfaces["rim"], general.contact_surfaces["rim"]
     for key, directions in (("lags_tt", (2, 2)), ("lags_nt", (1, 2))):
         one, other = (
@@ -391,7 +391,7 @@ def test_saved_and_loaded(bodies, tmp_path) -> None:
 
 def test_hats_have_none() -> None:
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=24, layers=3, axial=2, order=1)
-    body = reduced(mesh, modes=0, tangential="hats", patch_grid=True)
+    body = reduced(mesh, modes=0, tangential="hats", contact_fixed=True)
     far = body.contact_surfaces["rim"].far
     assert far is not None and far.tangential is None
     assert any("knows normal pressures only" in note for note in body.report["notes"])

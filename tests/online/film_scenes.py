@@ -22,7 +22,7 @@ STEEL = Material(210e9, 0.3, 7850.0)
 RADIUS, WALL, LENGTH, CLEARANCE = 0.025, 0.0125, 0.025, 25e-6  # m
 VISCOSITY, SPEED = 0.01, 300.0  # Pa s, rad/s
 COLUMNS, ROWS = 32, 7
-GROOVE = films.Groove(np.pi, 1e-4, 0.0)
+GROOVE = films.AxialGroove(np.pi, 1e-4, 0.0)
 SHEAR = 3e-3  # of the load: what shear does to the shaft, which the reference leaves out, is c/R of it and some
 
 Array = np.ndarray

@@ -42,7 +42,9 @@ MEETINGS: dict[str, tuple[Any, Any, tuple[float, float, float], tuple[float, flo
     "roller by laminae on shaft": (ROLLER, SHAFT, (0.031, 0.0, 0.0), (1e-4, 0.3, 2e-4)),
     "roller by laminae in bore": (ROLLER, BORE, (0.031, 0.0, 0.0), (1e-4, 0.3, 2e-4)),
 }
-FORMS = {"in wavy": films.Lobes(4e-6, 9, 0.4) + films.Lobes(10e-6, 2)}  # words of a name -> form of the second surface
+FORMS = {
+    "in wavy": films.LobedForm(4e-6, 9, 0.4) + films.LobedForm(10e-6, 2)
+}  # words of a name -> form of the second surface
 MEETINGS |= {
     name.replace(" in ", " in wavy "): MEETINGS[name] for name in ("ball in ring", "roller by laminae in bore")
 }

@@ -108,7 +108,7 @@ def test_beside_another_patch(straight, monkeypatch) -> None:
         place = (cr.R + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
         shape = wf.surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
         port = scene.ground.surface(shape, name=f"small {n}")
-        scene.add(wf.Contact(body["rim"], port, grid="patch", name=f"pair {n}", cells=(11, 21)))
+        scene.add(wf.Contact(body["rim"], port, grid="contact_fixed", name=f"pair {n}", cells=(11, 21)))
     history, engine = find_equilibrium(scene), Engine(scene)
     few = check_cells(engine, history)
     monkeypatch.setattr(cell_check, "FEW", (11, 21))

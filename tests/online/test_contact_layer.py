@@ -142,7 +142,7 @@ CASES: dict[str, tuple[Any, Curve, str, str, float, float]] = {
         laws.ExponentialAsperities(1e8, 60e-6), exponential(1e8, 60e-6), "other_body", "plain_body", 3e-3, 500e-6,
     ),
     "table": (
-        laws.TableLayer((-400e-6, -100e-6, -50e-6, 30e-6), (2e9, 2e8, 4e7, 0.0)),
+        laws.TabulatedLayer((-400e-6, -100e-6, -50e-6, 30e-6), (2e9, 2e8, 4e7, 0.0)),
         table((-30e-6, 50e-6, 100e-6, 400e-6), (0.0, 4e7, 2e8, 2e9)), "plain_body", "other_body", 0.0, 1000e-6,
     ),
     "asperities, Gaussian": (
@@ -184,7 +184,7 @@ def test_pressures_are_the_minimum_of_the_energy(case: str, request: pytest.Fixt
 
 def test_the_first_power_is_the_linear_layer(plain_body: Any, other_body: Any) -> None:
     found = []
-    for law in (laws.LinearLayer(2e12), laws.NonlinearLayer(2e12, 1.0), laws.TableLayer((-1e-6, 0.0), (2e6, 0.0))):
+    for law in (laws.LinearLayer(2e12), laws.NonlinearLayer(2e12, 1.0), laws.TabulatedLayer((-1e-6, 0.0), (2e6, 0.0))):
         scene = prescribed_pair(plain_body, other_body, Path.of([800e-6], 0.021, -0.013))
         scene.contacts[0].law = law
         found.append(StaticPath(scene, settings=SETTINGS).solve(1))

@@ -46,7 +46,7 @@ def tilted(body: ReducedBody, tilt: float = TILT, **contact: Any) -> wf.Scene:
     height = 2.0 * R + 0.25 * CROWN * tilt**2 - APPROACH
     turn = (np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt))
     upper = scene.add_body(body, name="upper", position=(0, 0, height), rotation=turn)
-    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="patch", name="pair", **contact))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="contact_fixed", name="pair", **contact))
     scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
     return scene
 
@@ -156,7 +156,7 @@ def test_straight_rollers_that_touch_at_an_end(straight: ReducedBody) -> None:
     lower = scene.add_body(straight, name="lower")
     turn = (np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt))
     upper = scene.add_body(straight, name="upper", position=(0, 0, height), rotation=turn)
-    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="patch", cells=(11, 41), name="pair"))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="contact_fixed", cells=(11, 41), name="pair"))
     for body in (lower, upper):
         scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
     rest = find_equilibrium(scene)
@@ -176,7 +176,7 @@ def test_no_crown_of_axes_that_hardly_cross(straight: ReducedBody, axis: tuple[f
     lower = scene.add_body(straight, name="lower")
     turn = np.append(np.sin(0.5 * angle) * np.array(axis), np.cos(0.5 * angle))
     upper = scene.add_body(straight, name="upper", position=(0.0, 0.0, 2.0 * R), rotation=turn)
-    contact = scene.add(wf.Contact(lower["rim"], upper["rim"], grid="patch", name="pair"))
+    contact = scene.add(wf.Contact(lower["rim"], upper["rim"], grid="contact_fixed", name="pair"))
     assert 0.5 * HALF**2 * angle**2 / R < 1e-6 * WIDTH
     assert not is_crowned(contact)
 
@@ -206,7 +206,7 @@ def test_on_a_plane(crowned: ReducedBody) -> None:
         body = scene.add_body(crowned, name="roller", position=(0, 0, height), rotation=turn)
         plane = wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1), direction=(0, 1, 0))
         port = scene.ground.surface(plane, name="plane")
-        scene.add(wf.Contact(body["rim"], port, grid="patch", cells=cells, name="pair"))
+        scene.add(wf.Contact(body["rim"], port, grid="contact_fixed", cells=cells, name="pair"))
         scene.add(wf.joints.Fixed(scene.ground, body["bore"]))
         found[cells] = find_equilibrium(scene)
         assert found[cells].status == "completed", found[cells].message

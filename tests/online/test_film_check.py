@@ -42,7 +42,8 @@ def compared(semi: History, hyper: History) -> tuple[float, float]:
 def test_the_check_of_an_equilibrium_is_what_all_hats_change(load: float, powers: tuple[int, ...]) -> None:
     """Of another equilibrium, with the shaft where the load moves it."""
     semi, hyper = (
-        found(bearing(bore(HATS), (load, 0.0), feeds=[GROOVE], evaluation=e, powers=powers)) for e in ("semi", "hyper")
+        found(bearing(bore(HATS), (load, 0.0), feeds=[GROOVE], evaluation=e, axial_degrees=powers))
+        for e in ("semi", "hyper")
     )
     check: FilmCheck = hyper.film_checks["film"]
     gap, pressure = compared(semi, hyper)
@@ -82,7 +83,7 @@ def test_a_shaft_that_tilts_needs_odd_powers() -> None:
     semi = found(tilted(tilt))
     wrong = {}
     for powers in ((0, 2, 4), (0, 1, 2)):
-        hyper = found(tilted(tilt, evaluation="hyper", powers=powers))
+        hyper = found(tilted(tilt, evaluation="hyper", axial_degrees=powers))
         check = hyper.film_checks["film"]
         gap, pressure = compared(semi, hyper)
         assert check.held_gaps[0] == pytest.approx(gap, abs=SAME)
@@ -90,7 +91,9 @@ def test_a_shaft_that_tilts_needs_odd_powers() -> None:
         wrong[powers] = check
     even, odd = wrong[0, 2, 4], wrong[0, 1, 2]
     assert even.too_large and even.force > 0.1 and even.pressure > 0.1
-    assert "odd ones too where the shaft tilts" in even.note(tilted(tilt, evaluation="hyper", powers=(0, 2)).films[0])
+    assert "odd ones too where the shaft tilts" in even.note(
+        tilted(tilt, evaluation="hyper", axial_degrees=(0, 2)).films[0]
+    )
     assert odd.force < 0.1 * even.force and abs(odd.held_pressures[0]) < 0.1 * abs(even.held_pressures[0])
 
 
@@ -99,9 +102,9 @@ def test_a_film_that_nearly_closes_at_its_ends_needs_more_powers() -> None:
     there is none."""
     gaps = {}
     for powers in ((0, 2), (0, 2, 4), (0,)):
-        history = found(bearing(bore((64, 17)), (60e3, 0.0), feeds=[GROOVE], evaluation="hyper", powers=powers))
+        history = found(bearing(bore((64, 17)), (60e3, 0.0), feeds=[GROOVE], evaluation="hyper", axial_degrees=powers))
         gaps[powers] = history.film_checks["film"]
-        (note,) = [n for n in history.notes if "evaluation 'hyper', powers" in n]
+        (note,) = [n for n in history.notes if "evaluation 'hyper', axial_degrees" in n]
         assert "or evaluation='semi'" in note
     assert gaps[0, 2].gap > 20.0 * gaps[0, 2, 4].gap and gaps[0, 2, 4].gap < 0.01
     assert gaps[0, 2].too_large and gaps[0, 2, 4].too_large  # the force where the shaft is: 0.5 and 1.8 %
@@ -124,7 +127,7 @@ def test_states_of_a_run_are_looked_at_where_it_was() -> None:
     )  # fmt: skip
     for evaluation in ("semi", "hyper"):
         scene = bearing(
-            bore(HATS), (along, across), mass=1e-3, feeds=[GROOVE], evaluation=evaluation, powers=(0,)
+            bore(HATS), (along, across), mass=1e-3, feeds=[GROOVE], evaluation=evaluation, axial_degrees=(0,)
         )  # fmt: skip
         histories[evaluation] = run(scene, steps * step, step=step, start="equilibrium", progress=False)
         assert histories[evaluation].status == "completed", histories[evaluation].message
@@ -146,8 +149,9 @@ def test_a_pad_is_looked_at_too() -> None:
     for evaluation in ("semi", "hyper"):
         form = of_x(body, lambda x: low * (0.5 - x / length))
         scene, guide = above(
-            body, FACE, height=low, velocity=(speed, 0, 0), cavitation="none", form=form, evaluation=evaluation,
-            powers=(0,), feeds=[films.Groove(-0.5 * length, 1e-4, 0.0)],
+            body, FACE, height=low, velocity=(speed, 0, 0), cavitation="full_sommerfeld", form_a=form,
+                evaluation=evaluation,
+            axial_degrees=(0,), feeds=[films.AxialGroove(-0.5 * length, 1e-4, 0.0)],
         )  # fmt: skip
         states[evaluation] = sliding(scene, guide, speed)
     semi, hyper = (history.films["film"] for history in states.values())

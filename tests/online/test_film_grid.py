@@ -48,11 +48,11 @@ def test_every_rule_of_cavities_has_an_estimate() -> None:
     """Of rules that differ little, errors that do; profiles have no rows."""
     found = {
         rule: find_equilibrium(bearing((300.0, 0.0), cavitation=rule), progress=False).film_grids["film"]
-        for rule in ("mass_conserving", "reynolds", "half")
+        for rule in ("jfo", "reynolds", "half_sommerfeld")
     }
     loads = np.array([errors.load for errors in found.values()])
     assert np.all((loads > 1e-3) & (loads < 0.2))
-    wide = films.Groove(np.pi, 0.01, 1e5)
+    wide = films.AxialGroove(np.pi, 0.01, 1e5)
     fed = find_equilibrium(bearing((300.0, 0.0), feeds=[wide]), progress=False).film_grids["film"]
     assert np.isfinite([fed.load, fed.flow, fed.torque]).all()
     assert not find_equilibrium(bearing((300.0, 0.0), evaluation="hyper"), progress=False).film_grids

@@ -56,7 +56,7 @@ def oscillator(element: str, i: int, rate: float) -> tuple[Scene, float]:
         scene.add(forces.Bushing(scene.ground, port, K, D, name="element"))
     elif element == "bearing":
         along, spring = np.eye(3)[(i + 1) % 3], dict(radial=K[i], tilt=K[i], radial_damping=D[i], tilt_damping=D[i])
-        scene.add(forces.Bearing(scene.ground, port, axis=along, name="element", **spring))
+        scene.add(forces.BearingSpring(scene.ground, port, axis=along, name="element", **spring))
     else:
         kinds = {"revolute": joints.Revolute, "prismatic": joints.Prismatic, "cylindrical": joints.Cylindrical}
         joint = scene.add(kinds[element](scene.ground, port, axis=axis))
@@ -235,7 +235,7 @@ def test_bearing_holds_a_spinning_rotor_still() -> None:
     k, d, g, speed = 2e5, 0.02, 9.81, 250.0
     scene = Scene(gravity=(0.0, 0.0, -g))
     body = scene.add_rigid_body(MASS, INERTIA, name="rotor", angular_velocity=(0.0, speed, 0.0))
-    scene.add(forces.Bearing(
+    scene.add(forces.BearingSpring(
         scene.ground, body.at((0, 0, 0)), axis=(0, 1, 0), radial=k, axial=k, tilt=1e3, radial_damping=50.0,
         spin_damping=d, name="bearing",
     ))  # fmt: skip
@@ -260,7 +260,7 @@ def test_cross_stiffness_drives_forward_whirl() -> None:
         x0 = 1e-3
         rate = grow * x0
         body = scene.add_rigid_body(MASS, INERTIA, name="body", velocity=(rate.real, rate.imag, 0.0))
-        scene.add(forces.Bearing(
+        scene.add(forces.BearingSpring(
             scene.ground, body.at((-x0, 0, 0)), axis=(0, 0, 1), radial=k, cross=c, radial_damping=d, tilt=1e3,
             point=(0, 0, 0),
         ))  # fmt: skip
@@ -490,9 +490,9 @@ def refused() -> dict[str, tuple[Any, str]]:
         ),
         "same body": (lambda: forces.Bushing(port, body.at((1, 0, 0)), STIFFNESS), "which does not deform"),
         "shape": (lambda: forces.Bushing(scene.ground, port, np.ones(3)), r"must have shape \(6"),
-        "no axis": (lambda: forces.Bearing(scene.ground, port, axis=(0, 0, 0), radial=1.0), "zero length"),
+        "no axis": (lambda: forces.BearingSpring(scene.ground, port, axis=(0, 0, 0), radial=1.0), "zero length"),
         "coupling": (
-            lambda: forces.Bearing(scene.ground, port, axis=(0, 0, 1), radial=1.0, tilt=1.0, radial_tilt=2.0),
+            lambda: forces.BearingSpring(scene.ground, port, axis=(0, 0, 1), radial=1.0, tilt=1.0, radial_tilt=2.0),
             "must be below",
         ),
         "no coordinate": (lambda: forces.TorsionalSpringDamper(ball, 1.0), "has none"),

@@ -28,7 +28,7 @@ def body() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.01, sectors=240, layers=5, axial=2, grading=1.6, order=1)
     return wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        modes=0, tangential=True, patch_grid=False, cache=False, progress=False,
+        modes=0, tangential=True, contact_fixed=False, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -136,9 +136,9 @@ def test_tractions_stay_within_the_bounds_and_against_the_slip(body) -> None:
 
 
 SPEEDS: dict[str, Any] = {  # slip in this patch is up to 5 mm/s
-    "falls": wf.laws.StribeckCoulomb(0.4, 0.2, 0.2, exponent=1.0),
-    "rises": wf.laws.TableCoulomb((0.0, 0.01, 0.02), (0.1, 0.3, 0.5)),
-    "rises late": wf.laws.TableCoulomb((0.0, 0.001, 0.002), (0.3, 0.3, 0.5)),
+    "falls": wf.laws.Stribeck(0.4, 0.2, 0.2, exponent=1.0),
+    "rises": wf.laws.TabulatedFriction((0.0, 0.01, 0.02), (0.1, 0.3, 0.5)),
+    "rises late": wf.laws.TabulatedFriction((0.0, 0.001, 0.002), (0.3, 0.3, 0.5)),
 }
 
 
@@ -256,7 +256,7 @@ def test_friction_with_dynamic_local_modes_is_refused() -> None:
     soft, stiff = (
         wf.reduce(
             mesh, wf.Material(E, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-            modes=0, tangential=True, patch_grid=False, local_dynamics=True, cache=False, progress=False,
+            modes=0, tangential=True, contact_fixed=False, local_dynamics=True, cache=False, progress=False,
         )
         for E in (210e9, 2100e9)
     )  # fmt: skip
@@ -293,7 +293,7 @@ def soft_roller():
         contact={"rim": wf.surfaces.Cylinder()},
         modes=0,
         tangential=True,
-        patch_grid=False,
+        contact_fixed=False,
         cache=False,
         progress=False,
     )

@@ -19,7 +19,7 @@ SECTORS = 120
 @pytest.fixture(scope="module")
 def body() -> ReducedBody:
     return roller_body(
-        SECTORS, layers=3, axial=2, grading=1.6, width=0.01, modes=0, tangential=True, patch_grid=False, cache=False
+        SECTORS, layers=3, axial=2, grading=1.6, width=0.01, modes=0, tangential=True, contact_fixed=False, cache=False
     )  # fmt: skip
 
 
@@ -29,7 +29,7 @@ def slab() -> ReducedBody:
     top = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
     return wf.reduce(
         mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0,
-        tangential=True, patch_grid=False, cache=False,
+        tangential=True, contact_fixed=False, cache=False,
         progress=False,
     )  # fmt: skip
 

@@ -7,7 +7,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.online import History, run
-from warpffrf.online.compile.patches.tables import tables as patches
+from warpffrf.online.compile.patches import tables as patches
 
 STEEL = wf.Material(210e9, 0.3, 7850.0)
 LOAD, IDLE = 2e4, 5.0  # N
@@ -18,7 +18,7 @@ BALANCED = 1e-8  # of the largest force: what both runs leave unbalanced, each t
 def ring() -> wf.ReducedBody:
     mesh = wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, grading=1.6, order=1)
     return wf.reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, patch_grid=True,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=True,
         cache=False, progress=False,
     )  # fmt: skip
 

@@ -8,7 +8,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.online import run
 from warpffrf.online.checkpoint import restore
-from warpffrf.online.compile.patches.tables import tables as patches
+from warpffrf.online.compile.patches import tables as patches
 from warpffrf.online.engine import Engine
 from warpffrf_kernels.normal.lasting import AGE
 
@@ -28,7 +28,7 @@ def roller() -> wf.ReducedBody:
     mesh = wf.mesh.roller(RADIUS, 0.015, 0.02, sectors=40, layers=4, axial=3, order=1)
     return wf.reduce(
         mesh, wf.Material(210e9, 0.3, 7800.0), interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()},
-        max_frequency=12e3, patch_grid=True, cache=False, progress=False,
+        max_frequency=12e3, contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -37,7 +37,7 @@ def scene_of(roller: wf.ReducedBody, cells: tuple[int, int]) -> wf.Scene:
     scene = wf.Scene(gravity=(0, 0, 0))
     lower = scene.add_body(roller, name="lower")
     upper = scene.add_body(roller, name="upper", position=(0, 0, 2 * RADIUS))
-    contact = scene.add(wf.Contact(lower["rim"], upper["rim"], name=NAME, grid="patch", cells=cells))
+    contact = scene.add(wf.Contact(lower["rim"], upper["rim"], name=NAME, grid="contact_fixed", cells=cells))
     scene.close_gap(contact)
     slide = scene.add_rigid_body(5.0, (0.01,) * 3, name="slide", position=upper["bore"].world_point())
     center = slide.at((0, 0, 0))
@@ -112,5 +112,5 @@ def test_scenes_with_layers_or_hats_make_them_anew(roller) -> None:
     scene.contacts[0].law = wf.laws.HuntCrossley(1e20, 1.5, 0.1)
     assert Engine(scene).compiled.elements.patches.lasting == 0
     scene.contacts[0].law = wf.laws.Unilateral()
-    scene.contacts[0].grid = "material"
+    scene.contacts[0].grid = "body_fixed"
     assert Engine(scene).compiled.elements.patches.lasting == 0

@@ -29,7 +29,7 @@ STEP = 1e-4
 LAWS: dict[str, Any] = {
     "power": laws.NonlinearLayer(1e15, 1.5),
     "asperities": laws.ExponentialAsperities(1e8, 20e-6),
-    "table": laws.TableLayer((-400e-6, -100e-6, -50e-6, 30e-6), (2e9, 2e8, 4e7, 0.0)),
+    "table": laws.TabulatedLayer((-400e-6, -100e-6, -50e-6, 30e-6), (2e9, 2e8, 4e7, 0.0)),
 }
 
 

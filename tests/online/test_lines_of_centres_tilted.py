@@ -21,7 +21,7 @@ SAID = "gaps along the line of centres leave about"
 def test_moments_that_are_left_out_are_named(skew: float, points: bool) -> None:
     """R_B tilt F on the line of centres, and a note; nothing at points, whether asked for or because of the skew."""
     scene = scene_of(skew)
-    scene.contacts[0].gaps = "points" if points else "auto"
+    scene.contacts[0].kinematics = "closest_point" if points else "auto"
     history = run(scene, 0.06, step=1e-4, progress=False)
     pair, surface = history.contacts[PAIR], history.scene.contacts[0].a.surface
     loads = surface.gram_z @ pair.pressure[-1].sum(axis=0)
@@ -35,7 +35,7 @@ def test_moments_that_are_left_out_are_named(skew: float, points: bool) -> None:
         assert abs(off) == pytest.approx(left, rel=0.05)
         assert len(noted) == 1
         largest = TILT * RADIUS * float(np.linalg.norm(pair.force, axis=1).max())  # of the run, which swings at first
-        assert 'gaps="points"' in noted[0]
+        assert 'kinematics="closest_point"' in noted[0]
         assert float(noted[0].split(f"{SAID} ")[1].split()[0]) == pytest.approx(largest, rel=0.05)
 
 
@@ -47,11 +47,13 @@ def test_the_budget_says_what_is_left_out_and_accuracy_asks_for_points() -> None
     pair = result.history.contacts[PAIR]
     moment = np.linalg.norm(pair.torque, axis=1)[np.linalg.norm(pair.force, axis=1).argmax()]
     assert line.size == pytest.approx(TILT * RADIUS * np.linalg.norm(pair.force, axis=1).max() / moment, rel=0.05)
-    asked = [choice for choice in contact_choices(scene, result, lines, Limits.of(1e-3)) if choice.option == "gaps"]
-    assert [(choice.name, choice.value) for choice in asked] == [(PAIR, "points")]
-    assert not [c for c in contact_choices(scene, result, lines, Limits.of(0.2)) if c.option == "gaps"]
+    asked = [
+        choice for choice in contact_choices(scene, result, lines, Limits.of(1e-3)) if choice.option == "kinematics"
+    ]
+    assert [(choice.name, choice.value) for choice in asked] == [(PAIR, "closest_point")]
+    assert not [c for c in contact_choices(scene, result, lines, Limits.of(0.2)) if c.option == "kinematics"]
     before = scene.content_hash()
-    scene.contacts[0].gaps = "points"
+    scene.contacts[0].kinematics = "closest_point"
     assert scene.content_hash() != before
-    with pytest.raises(InputError, match="gaps"):
-        scene.contacts[0].gaps = "lines"
+    with pytest.raises(InputError, match="kinematics"):
+        scene.contacts[0].kinematics = "lines"

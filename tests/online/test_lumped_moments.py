@@ -61,7 +61,7 @@ def kinetic(history: History) -> np.ndarray:
 def test_a_roller_rolls_out(friction: Any) -> None:
     """It slows down by e g/(r (1 + J/(m r^2))) until it rests, and friction has taken what it had."""
     speed, slows = 0.02, LEVER * GRAVITY / (RADIUS * (1.0 + TURN / (MASS * RADIUS**2)))
-    resistance = laws.RollingLever(LEVER, 0.02)
+    resistance = laws.RollingResistanceArm(LEVER, 0.02)
     history = done(rolling(on_floor(LINE, friction=friction, rolling_resistance=resistance), speed), 0.4, 100)
     v, t = history.bodies["body"].velocity[:, 0], history.time
     way = t < 0.8 * speed / slows
@@ -78,7 +78,7 @@ def test_a_roller_rolls_out(friction: Any) -> None:
 
 def test_a_roller_that_is_pushed_to_and_fro() -> None:
     """Its moment changes sign twice; against the equation of motion."""
-    duration, resistance = 0.16, laws.RollingLever(LEVER, 0.5)
+    duration, resistance = 0.16, laws.RollingResistanceArm(LEVER, 0.5)
     scene = on_floor(LINE, friction=CREEP, rolling_resistance=resistance)
     push = signals.Table((0.0, 0.02, 0.06, 0.1, 0.16), (0.0, 0.02, -0.03, 0.03, 0.0))
     scene.add(forces.PointForce(scene.bodies[0].at(ORIGIN), (push, 0.0, 0.0), name="push"))
@@ -138,7 +138,7 @@ def test_a_run_with_moments_goes_on_bit_for_bit() -> None:
 
 
 def test_rest_says_that_rolling_resistance_does_not_act() -> None:
-    scene = on_floor(LINE, friction=0.3, rolling_resistance=laws.RollingLever(LEVER, 1.0))
+    scene = on_floor(LINE, friction=0.3, rolling_resistance=laws.RollingResistanceArm(LEVER, 1.0))
     found = find_equilibrium(scene)
     assert found.status == "completed", found.message
     assert "rolling resistance of 'contact' does not act in the equilibrium: nothing turns" in found.notes
@@ -147,7 +147,7 @@ def test_rest_says_that_rolling_resistance_does_not_act() -> None:
 
 
 def test_a_static_run_says_that_rolling_resistance_does_not_act() -> None:
-    scene = on_floor(LINE, friction=CREEP, rolling_resistance=laws.RollingLever(LEVER, 1.0))
+    scene = on_floor(LINE, friction=CREEP, rolling_resistance=laws.RollingResistanceArm(LEVER, 1.0))
     found = run_static(scene, 1.0, step=1.0, progress=False)
     assert found.status == "completed", found.message
     assert [note for note in found.notes if "nothing turns" in note] == [
@@ -164,7 +164,9 @@ def test_modes_of_a_roller_that_rolls_have_its_moment() -> None:
     exact = np.linalg.eigvals(-D / np.array([[MASS], [TURN]]))
 
     def scene() -> Scene:
-        return rolling(on_floor(LINE, friction=CREEP, rolling_resistance=laws.RollingLever(lever, beyond)), 0.02)
+        return rolling(
+            on_floor(LINE, friction=CREEP, rolling_resistance=laws.RollingResistanceArm(lever, beyond)), 0.02
+        )
 
     for about in ("initial", done(scene(), 1e-4, 5)):
         found = find_modes(scene(), about=about)

@@ -37,7 +37,7 @@ def engine_of(name: str, regime: str) -> tuple[Engine, np.ndarray, np.ndarray]:
     if regime in MOMENTS:
         lever, rolling_speed, creep = MOMENTS[regime]
         mu, fast = 0.3, 3.0
-        options = {"rolling_resistance": laws.RollingLever(lever, rolling_speed), "spin": "laminae" not in name}
+        options = {"rolling_resistance": laws.RollingResistanceArm(lever, rolling_speed), "spin": "laminae" not in name}
     else:
         mu, fast, creep = REGIMES[regime]
     friction = laws.RegularisedCoulomb(mu, creep) if creep else mu

@@ -45,7 +45,7 @@ def body(sectors: int, radius: float, width: float, modulus: float, axial: int =
     mesh = roller(radius, 0.015, width, sectors=sectors, layers=2, axial=axial, grading=1.4, order=1)
     return reduce(
         mesh, Material(modulus, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()},
-        max_frequency=15e3, patch_grid=False, cache=False, progress=False, **more,
+        max_frequency=15e3, contact_fixed=False, cache=False, progress=False, **more,
     )  # fmt: skip
 
 

@@ -25,7 +25,7 @@ RADIUS, WIDTH = 0.05, 0.02
 NAME = "lower-upper"
 LAWS = [
     wf.laws.LinearLayer(3e14), wf.laws.NonlinearLayer(1e21, 1.5), wf.laws.HuntCrossley(1e20, 1.5, 0.1),
-    wf.laws.TableLayer((-3e-6, -1e-6, 0.0), (1e9, 2e8, 0.0)), wf.laws.ExponentialAsperities(3e8, 5e-7),
+    wf.laws.TabulatedLayer((-3e-6, -1e-6, 0.0), (1e9, 2e8, 0.0)), wf.laws.ExponentialAsperities(3e8, 5e-7),
 ]  # fmt: skip
 # Forces of the run and of the reference on the same cells; tables between levels of W err by 5e-5.
 SAME = 2e-4
@@ -48,7 +48,7 @@ def roller():
     mesh = wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=40, layers=4, axial=3, order=1)
     return wf.reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
-        patch_grid=True, tangential=True, cache=False, progress=False,
+        contact_fixed=True, tangential=True, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -66,7 +66,7 @@ def pair(roller, approach, *, turning: float | None = None, tilt: float = 0.0, *
             continue
         axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
         scene.add(wf.joints.Drive(axle, wf.signals.Ramp(0.0, sense * turning, duration=1e-3), quantity="velocity"))
-    scene.add(wf.Contact(lower["rim"], upper["rim"], **{"grid": "patch", **contact}))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], **{"grid": "contact_fixed", **contact}))
     return scene
 
 
@@ -181,7 +181,9 @@ def test_two_rollers_beside_each_other(roller, apart) -> None:
     for n, angle in enumerate((-0.5 * apart, 0.5 * apart)):
         place = (RADIUS + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
         shape = wf.surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
-        scene.add(wf.Contact(body["rim"], scene.ground.surface(shape, name=f"{n}"), grid="patch", name=f"pair {n}"))
+        scene.add(
+            wf.Contact(body["rim"], scene.ground.surface(shape, name=f"{n}"), grid="contact_fixed", name=f"pair {n}")
+        )
     found = [find_equilibrium(scene).contacts[f"pair {n}"] for n in (0, 1)]
     grid = roller.contact_surfaces["rim"].grid
     patches = []
@@ -218,7 +220,7 @@ def test_partner_that_travels_along_the_axis(roller) -> None:
     scene.add(wf.joints.Fixed(scene.ground, lower["bore"]))
     slide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 1, 0)))
     scene.add(wf.joints.Drive(slide, wf.signals.Ramp(0.0, 1.0, duration=1e-3), quantity="velocity"))
-    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="patch"))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="contact_fixed"))
     history = run(scene, 1e-3, step=1e-4, start="equilibrium", progress=False)
     assert history.status == "completed"
     assert any("moved 0.0005 m along the axis" in note for note in history.notes)
@@ -243,7 +245,7 @@ def ball():
     mesh = wf.mesh.ball(0.01, patch_half_width=0.0039, cell=0.0026, order=1, growth=2.0)
     return wf.reduce(
         mesh, STEEL, interfaces={"outside": "average"}, contact={"patch": wf.surfaces.Sphere()}, modes=0,
-        patch_grid=True, cache=False, progress=False,
+        contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -254,7 +256,7 @@ def on_floor(ball, height, velocity=(0.0, 0.0, 0.0), **contact):
     scene = wf.Scene(gravity=(0, 0, 0))
     floor = scene.ground.surface(wf.surfaces.Plane(origin=(0, 0, 0), outward=(0, 0, 1)), name="floor")
     body = scene.add_body(ball, name="ball", position=(0, 0, 0.01 + height), rotation=DOWN, velocity=velocity)
-    scene.add(wf.Contact(body["patch"], floor, grid="patch", name="pair", **contact))
+    scene.add(wf.Contact(body["patch"], floor, grid="contact_fixed", name="pair", **contact))
     return scene, body
 
 
@@ -265,7 +267,7 @@ def test_rows_end_where_a_narrower_plane_ends(roller) -> None:
     def plans(direction) -> list[PatchPlan]:
         block = wf.reduce(
             wf.mesh.box((0.03, 0.014, 0.02), (6, 4, 3), order=1), STEEL, interfaces={"z_min": "rigid"},
-            contact={"z_max": wf.surfaces.Plane(direction=direction)}, patch_grid=True, cache=False, progress=False,
+            contact={"z_max": wf.surfaces.Plane(direction=direction)}, contact_fixed=True, cache=False, progress=False,
         )  # fmt: skip
         scene = wf.Scene(gravity=(0, 0, 0))
         below = scene.add_body(block, name="block")
@@ -322,12 +324,15 @@ def without_tangential_field(body: wf.ReducedBody) -> wf.ReducedBody:
 def test_what_a_patch_cannot_is_refused(roller) -> None:
     plain = wf.reduce(
         wf.mesh.roller(RADIUS, 0.015, WIDTH, sectors=24, layers=2, axial=2, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, patch_grid=False, cache=False,
+        interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=False,
+            cache=False,
         progress=False,
     )  # fmt: skip
-    with pytest.raises(InputError, match="grid='patch' needs the far field of .*reduce\\(..., patch_grid=True\\)"):
+    with pytest.raises(
+        InputError, match="grid='contact_fixed' needs the far field of .*reduce\\(..., contact_fixed=True\\)"
+    ):
         pair(plain, 1e-5)
-    with pytest.raises(InputError, match="grid 'mesh' does not exist; known: 'auto', 'material', 'patch'"):
+    with pytest.raises(InputError, match="grid 'mesh' does not exist; known: 'auto', 'body_fixed', 'contact_fixed'"):
         pair(roller, 1e-5, grid="mesh")
     with pytest.raises(InputError, match="friction on a patch needs the tangential far field of .*tangential=True"):
         pair(without_tangential_field(roller), 1e-5, friction=0.1)
@@ -335,12 +340,12 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
         pair(roller, 1e-5, cells=12)
     layered = pair(roller, 1e-5, law=wf.laws.LinearLayer(1e14))
     lower, upper = layered.bodies
-    layered.add(wf.Contact(lower["rim"], upper["rim"], law=wf.laws.LinearLayer(1e13), name="second", grid="material"))
-    with pytest.raises(InputError, match="'second' stands on the same surfaces, .* use grid=\"material\""):
+    layered.add(wf.Contact(lower["rim"], upper["rim"], law=wf.laws.LinearLayer(1e13), name="second", grid="body_fixed"))
+    with pytest.raises(InputError, match="'second' stands on the same surfaces, .* use grid=\"body_fixed\""):
         find_equilibrium(layered)
     scene = pair(roller, 1e-5)
     third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
-    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="material"))
+    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="body_fixed"))
     with pytest.raises(InputError, match="body 'lower' is loaded by 'third-lower' too, .*give both the same grid="):
         find_equilibrium(scene)
 
@@ -374,11 +379,11 @@ def test_the_grid_is_chosen(roller) -> None:
     history = find_equilibrium(pair(roller, 10e-6, grid="auto"))
     assert history.contacts[NAME].cells is not None
     assert any("cells that travel with the patch, for which its bodies were reduced" in note for note in history.notes)
-    assert find_equilibrium(pair(roller, 10e-6, grid="material")).contacts[NAME].cells is None
+    assert find_equilibrium(pair(roller, 10e-6, grid="body_fixed")).contacts[NAME].cells is None
     scene = pair(roller, 10e-6, grid="auto")
     third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
     scene.add(wf.joints.Fixed(scene.ground, third["bore"]))
-    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="material"))
+    scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="body_fixed"))
     history = find_equilibrium(scene)
     assert history.contacts[NAME].cells is None
     assert any("material grid, as those of 'third-lower' on body 'lower' are" in note for note in history.notes)
@@ -427,7 +432,7 @@ def test_rollers_beside_each_other_stay_on_the_material_grid(roller) -> None:
     scene.bodies[1].position = np.array([0.0, 1.1 * WIDTH, 2 * RADIUS - 1e-5])
     notes = Engine(scene).compiled.notes
     assert any("no width in common: pressures on the material grid" in note for note in notes)
-    scene.contacts[0].grid = "patch"
+    scene.contacts[0].grid = "contact_fixed"
     with pytest.raises(InputError, match="no width in common"):
         Engine(scene)
 

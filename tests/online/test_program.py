@@ -14,7 +14,7 @@ import warp as wp
 import warpffrf as wf
 from scenes.rollers import guided_pair, roller_body
 from warpffrf.model import laws
-from warpffrf.model.friction import StribeckCoulomb
+from warpffrf.model.friction import Stribeck
 from warpffrf.model.integrators import GeneralizedAlpha
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.offline.contact.cubature import choose_sampling
@@ -48,13 +48,14 @@ def bodies(plain_body: ReducedBody, other_body: ReducedBody, crowned_body: Reduc
     rim = plain_body.contact_surfaces["rim"]
     few = replace(plain_body, contact_surfaces={"rim": replace(rim, sampling=choose_sampling(rim, 0.01))})
     rubbing = roller_body(
-        120, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=False, cache=False
+        120, layers=4, axial=2, grading=1.6, order=1, max_frequency=15e3, tangential=True, contact_fixed=False,
+            cache=False
     )  # fmt: skip
     patched = {
         name: wf.reduce(
             wf.mesh.roller(0.05, 0.015, 0.02, sectors=36, layers=2, axial=2, order=1), wf.Material(modulus, nu, 7850.0),
             interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
-            tangential=True, patch_grid=True, cache=False, progress=False,
+            tangential=True, contact_fixed=True, cache=False, progress=False,
         )
         for name, modulus, nu in (("patched", 210e9, 0.3), ("softer", 70e9, 0.34))
     }  # fmt: skip
@@ -107,7 +108,7 @@ def few_points(bodies: Bodies) -> wf.Scene:
 def rolling(bodies: Bodies, second: str, friction: Any = 0.3) -> wf.Scene:
     """Friction on cells that travel with the patch, soon by half a strip a step."""
     scene = guided_pair(bodies["patched"], bodies[second], load=20e3, speed=60.0, ramp=1e-4, friction=friction)
-    scene.contacts[0].grid, scene.contacts[0].cells = "patch", (7, 7)
+    scene.contacts[0].grid, scene.contacts[0].cells = "contact_fixed", (7, 7)
     return scene
 
 
@@ -124,7 +125,7 @@ def rolling_ball(bodies: Bodies) -> wf.Scene:
     scene.add(wf.joints.Spherical(scene.ground, ball.at((0, 0, 0))))
     shape = wf.surfaces.Sphere(radius=0.02, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     face = ball.surface(shape, name="face")
-    scene.add(wf.Contact(roller["rim"], face, friction=0.3, grid="patch", cells=(7, 7)))
+    scene.add(wf.Contact(roller["rim"], face, friction=0.3, grid="contact_fixed", cells=(7, 7)))
     return scene
 
 
@@ -143,7 +144,7 @@ def oiled(bodies: Bodies, yields: bool = False) -> wf.Scene:
     plane = scene.add(wf.joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
     scene.add(wf.joints.Drive(plane, wf.signals.Constant(300.0), quantity="velocity"))
     scene.add(wf.forces.PointForce(middle, (wf.signals.Table((0.0, 1e-4, 1.0), (2e3, 4e3, 0.0)), 0, 0)))
-    feeds = [wf.films.Groove(np.pi, 1e-4, 1e5)]
+    feeds = [wf.films.AxialGroove(np.pi, 1e-4, 1e5)]
     scene.add(wf.Film(bore["bore"], shaft["rim"], oil=wf.oils.Newtonian(0.01), feeds=feeds))
     return scene
 
@@ -157,7 +158,7 @@ SCENES: dict[str, Callable[[Bodies], wf.Scene]] = {
     "friction": lambda b: guided_pair(b["rubbing"], b["rubbing"], load=60e3, speed=60.0, ramp=0.02, friction=0.3),
     "rolling": lambda b: rolling(b, "patched"),
     "unlike rolling": lambda b: rolling(b, "softer"),
-    "rolling, falling friction": lambda b: rolling(b, "patched", StribeckCoulomb(0.4, 0.2, 1e-2)),
+    "rolling, falling friction": lambda b: rolling(b, "patched", Stribeck(0.4, 0.2, 1e-2)),
     "rolling ball": rolling_ball,
     "sparse": pendulum,
     "joint friction": rubbing_pendulum,

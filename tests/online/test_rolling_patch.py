@@ -46,7 +46,7 @@ def bodies() -> dict[str, ReducedBody]:
     return {
         name: wf.reduce(
             mesh, material, interfaces={"bore": "rigid"}, contact={"rim": wf.surfaces.Cylinder()}, max_frequency=12e3,
-            patch_grid=True, tangential=True, cache=False, progress=False,
+            contact_fixed=True, tangential=True, cache=False, progress=False,
         )
         for name, material in (("steel", STEEL), ("aluminium", ALUMINIUM))
     }  # fmt: skip
@@ -73,7 +73,7 @@ def scene_of(kind: str, bodies: dict[str, ReducedBody]) -> wf.Scene:
         at = (0.0, 1e-3, RADIUS + BALL - APPROACH)
         shape = wf.surfaces.Sphere(radius=BALL, axis_point=at, axis_direction=(0, 1, 0))
         partner = scene.ground.surface(shape, name="partner")
-    scene.add(wf.Contact(lower["rim"], partner, friction=MU, grid="patch", cells=(COLUMNS, ROWS), name="pair"))
+    scene.add(wf.Contact(lower["rim"], partner, friction=MU, grid="contact_fixed", cells=(COLUMNS, ROWS), name="pair"))
     return scene
 
 
@@ -428,7 +428,7 @@ def moved(bodies: dict[str, ReducedBody], angle: float, turning: float) -> tuple
         scene.add(wf.joints.Drive(joint, wf.signals.SmoothStep(0.0, final, duration=long), quantity="velocity"))
     shape = wf.surfaces.Plane(origin=(0, 0, RADIUS - APPROACH), outward=(0, 0, -1), direction=(0, 1, 0))
     floor = scene.ground.surface(shape, name="floor")
-    scene.add(wf.Contact(lower["rim"], floor, friction=MU, grid="patch", cells=(7, 7), name="pair"))
+    scene.add(wf.Contact(lower["rim"], floor, friction=MU, grid="contact_fixed", cells=(7, 7), name="pair"))
     history = run(scene, 60 * step, step=step, start="equilibrium", progress=False)
     assert history.status == "completed"
     assert np.diff(history.energy["friction"]).max() <= 0.0
@@ -458,11 +458,13 @@ def driven(bodies: dict[str, ReducedBody], creepage: float, friction: Any, strip
         axle = scene.add(wf.joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
         scene.add(wf.joints.Drive(axle, wf.signals.Table([0, 100], [speed, speed]), quantity="velocity"))
     lower, upper = scene.bodies
-    scene.add(wf.Contact(lower["rim"], upper["rim"], friction=friction, grid="patch", cells=(strips, 7), name="pair"))
+    scene.add(
+        wf.Contact(lower["rim"], upper["rim"], friction=friction, grid="contact_fixed", cells=(strips, 7), name="pair")
+    )
     return scene
 
 
-@pytest.mark.parametrize("law", [MU, wf.laws.StribeckCoulomb(0.3, 0.2, 5e-3)], ids=["Coulomb", "Stribeck"])
+@pytest.mark.parametrize("law", [MU, wf.laws.Stribeck(0.3, 0.2, 5e-3)], ids=["Coulomb", "Stribeck"])
 def test_a_run_is_continued_bit_for_bit(bodies, law: Any) -> None:
     """With compliances and factors that serve for many steps."""
     scene, step = driven(bodies, 2e-3, law, COLUMNS), 0.7 * 1.1e-3 / COLUMNS / (SPEED * RADIUS)
@@ -505,7 +507,7 @@ def rolled(bodies: dict[str, ReducedBody], approaches: tuple[float, ...]) -> Any
             scene.add(wf.joints.Drive(joint, signal, quantity="velocity"))
         shape = wf.surfaces.Plane(origin=(0, 0, RADIUS - approach), outward=(0, 0, -1), direction=(0, 1, 0))
         floor = scene.ground.surface(shape, name=f"floor {i}")
-        scene.add(wf.Contact(roller["rim"], floor, friction=MU, grid="patch", cells=(7, 5), name=f"pair {i}"))
+        scene.add(wf.Contact(roller["rim"], floor, friction=MU, grid="contact_fixed", cells=(7, 5), name=f"pair {i}"))
     return run(scene, 10 * step, step=step, start="equilibrium", progress=False)
 
 

@@ -154,7 +154,7 @@ def rubbing_body() -> ReducedBody:
     mesh = roller(0.05, 0.015, 0.01, sectors=120, layers=4, axial=2, grading=1.6, order=1)
     return reduce(
         mesh, Material(210e9, 0.3, 7850.0), interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4,
-        tangential=True, patch_grid=False, cache=False, progress=False,
+        tangential=True, contact_fixed=False, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -322,7 +322,7 @@ def test_two_surfaces_of_one_body_are_named(rubbing_body: ReducedBody) -> None:
     body = scene.add_body(twice, name="body")
     for name, height in (("rim", -0.05), ("other", 0.05)):
         plane = surfaces.Plane(origin=(0.0, 0.0, height), outward=(0.0, 0.0, -np.sign(height)))
-        scene.add(Contact(body[name], scene.ground.surface(plane, name=f"under {name}"), name=name, grid="material"))
+        scene.add(Contact(body[name], scene.ground.surface(plane, name=f"under {name}"), name=name, grid="body_fixed"))
     assert any("'body': its contact surfaces other, rim" in note for note in Engine(scene).compiled.notes)
 
 

@@ -154,7 +154,7 @@ def test_rolling_resistance_hinders_no_jump() -> None:
     ball = wf.surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     apex = scene.add_rigid_body(1.0, (1e-3,) * 3, name="apex", position=(0, 0, height), surfaces={"ball": ball})
     steel = wf.Material(210e9, 0.3, 7850.0)
-    law, resistance = wf.laws.HertzPoint(steel, steel), wf.laws.RollingLever(1e-4, 1.0)
+    law, resistance = wf.laws.HertzPoint(steel, steel), wf.laws.RollingResistanceArm(1e-4, 1.0)
     scene.add(wf.LumpedContact(apex["ball"], floor, law=law, rolling_resistance=resistance))
     scene.add(wf.joints.Prismatic(scene.ground.at((0, 0, 0)), apex.at((0, 0, 0)), axis=(0, 0, 1), name="guide"))
     length = float(np.hypot(half, height))

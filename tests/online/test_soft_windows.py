@@ -23,7 +23,7 @@ def nip(cover: wf.ReducedBody, force: float, **options) -> wf.Scene:
     roll = scene.add_body(cover, name="roll")
     face = wf.surfaces.Cylinder(radius=0.06, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
     plate = scene.add_rigid_body(20, (0.1, 0.1, 0.1), name="plate", position=(0, 0, 0.1101), surfaces={"face": face})
-    pair = scene.add(wf.Contact(roll["rim"], plate["face"], name="nip", grid="material", **options))
+    pair = scene.add(wf.Contact(roll["rim"], plate["face"], name="nip", grid="body_fixed", **options))
     scene.close_gap(pair)
     scene.add(wf.joints.Fixed(scene.ground, roll["bore"]))
     guide = scene.add(wf.joints.Prismatic(scene.ground, plate.at((0, 0, 0)), axis=(0, 0, 1)))

@@ -130,13 +130,13 @@ def test_a_lumped_contact_sticks_and_slips_by_displacements() -> None:
     assert np.abs(defect).max() < 1e-6 * result.energy["drive_work"].max()
 
 
-@pytest.fixture(scope="module", params=["material", "patch"])
+@pytest.fixture(scope="module", params=["body_fixed", "contact_fixed"])
 def rubbing(request: pytest.FixtureRequest) -> Scene:
     """Two flexible rollers on each other: pressed together, then the lower one turned to and fro. Pressures and
     tractions are on the grid of the material, or on cells that travel with the patch."""
     body = roller_body(
         120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True,
-        patch_grid=request.param == "patch", cache=False,
+        contact_fixed=request.param == "contact_fixed", cache=False,
     )  # fmt: skip
     scene = Scene()
     lower = scene.add_body(body, name="lower")
@@ -174,7 +174,7 @@ def test_surfaces_that_rub_go_round_a_loop(rubbing: Scene) -> None:
     assert abs(np.trapezoid(torque, turned)) == pytest.approx(lost[1] + other[0], rel=2e-2)
 
 
-@pytest.mark.parametrize("rubbing", ["material"], indirect=True)
+@pytest.mark.parametrize("rubbing", ["body_fixed"], indirect=True)
 def test_a_static_run_with_friction_goes_on_bit_for_bit(rubbing: Scene) -> None:
     """The state at the end, tractions and their history included, is that of the run in one go."""
     whole = static(rubbing, 1.8, 0.1)
@@ -186,7 +186,7 @@ def test_a_static_run_with_friction_goes_on_bit_for_bit(rubbing: Scene) -> None:
     assert abs(forces_of[0][0]) > 0.1 * abs(forces_of[0][2])
 
 
-@pytest.mark.parametrize("rubbing", ["material"], indirect=True)
+@pytest.mark.parametrize("rubbing", ["body_fixed"], indirect=True)
 def test_tractions_stay_when_a_run_in_time_begins(rubbing: Scene) -> None:
     """Loads go on without a jump, drives stand: the tangential force is what the static run has left."""
     stages = [wf.Stage("load", 7.0, 0.1, kind="static"), wf.Stage("wait", 0.002, 1e-4)]
@@ -222,7 +222,15 @@ def pulled_roller(press: float, friction: float, most: float) -> Scene:
     scene = Scene(gravity=ORIGIN)
     floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, -RADIUS), outward=(0, 0, 1)), name="floor")
     body = roller_body(
-        120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=False, cache=True
+        120,
+        layers=4,
+        axial=3,
+        grading=1.6,
+        order=1,
+        max_frequency=15e3,
+        tangential=True,
+        contact_fixed=False,
+        cache=True,
     )
     roller = scene.add_body(body, name="roller")
     place = roller["bore"].world_point()
@@ -232,7 +240,7 @@ def pulled_roller(press: float, friction: float, most: float) -> Scene:
     scene.add(joints.Prismatic(scene.ground.at(place), slide.at(ORIGIN), axis=(0, 0, 1), name="lift"))
     scene.add(joints.Prismatic(slide.at(ORIGIN), cart.at(ORIGIN), axis=(1, 0, 0), name="way"))
     scene.add(joints.Fixed(cart.at(ORIGIN), roller["bore"], name="grip"))
-    scene.add(Contact(roller["rim"], floor, friction=friction, name="nip", grid="material"))
+    scene.add(Contact(roller["rim"], floor, friction=friction, name="nip", grid="body_fixed"))
     scene.add(forces.PointForce(cart.at(ORIGIN), (Table([0.0, 1.0], [0.0, most * friction * press]), 0.0, -press)))
     return scene
 

@@ -24,11 +24,18 @@ STAYS = 1e-9  # m: a run in time comes to rest anew, to its own tolerance; penet
 @functools.cache
 def rim(grid: Any) -> Any:
     return roller_body(
-        120, layers=4, axial=3, grading=1.6, order=1, max_frequency=15e3, tangential=True, patch_grid=grid == "patch"
+        120,
+        layers=4,
+        axial=3,
+        grading=1.6,
+        order=1,
+        max_frequency=15e3,
+        tangential=True,
+        contact_fixed=grid == "contact_fixed",
     )
 
 
-def on_floor(force: Any, *, gravity: Any = ORIGIN, grid: Any = "material", spring: float = 0.0) -> tuple[Scene, Any]:
+def on_floor(force: Any, *, gravity: Any = ORIGIN, grid: Any = "body_fixed", spring: float = 0.0) -> tuple[Scene, Any]:
     """A roller on a plane, its bore on an axle in a cart on guides along z and x; and the axle. force: on the cart."""
     scene = Scene(gravity=gravity)
     floor = scene.ground.surface(surfaces.Plane(origin=(0, 0, -RADIUS), outward=(0, 0, 1)), name="floor")
@@ -54,7 +61,7 @@ def pulled(share: float, **options: Any) -> Scene:
     return scene
 
 
-def incline(tangent: float, grid: Any = "material", *, brake: bool = True) -> Scene:
+def incline(tangent: float, grid: Any = "body_fixed", *, brake: bool = True) -> Scene:
     """A wheel on an incline, its brake a joint that rubs. tangent: of the force on the patch, tangential over normal;
     the slide, which the guide holds, presses but does not pull."""
     weight = rim(grid).mass + 1.0
@@ -137,7 +144,7 @@ def test_a_spring_takes_what_friction_does_not() -> None:
     assert rest.history.bodies["cart"].position[0, 0] == pytest.approx(FRICTION * PRESS / stiffness, rel=1e-6)
 
 
-@pytest.mark.parametrize("grid", ["material", "patch"])
+@pytest.mark.parametrize("grid", ["body_fixed", "contact_fixed"])
 def test_a_braked_wheel_rests_on_an_incline_below_the_angle_of_friction(grid: Any) -> None:
     scene = incline(0.95 * FRICTION, grid)
     rest = at_rest(scene)
@@ -146,7 +153,7 @@ def test_a_braked_wheel_rests_on_an_incline_below_the_angle_of_friction(grid: An
     stays(scene, rest, "roller")
 
 
-@pytest.mark.parametrize("grid", ["material", "patch"])
+@pytest.mark.parametrize("grid", ["body_fixed", "contact_fixed"])
 def test_beyond_the_angle_it_slides(grid: Any) -> None:
     rest = wf.equilibrium(incline(1.05 * FRICTION, grid), friction=True)
     assert rest.status == "no_equilibrium" and "friction of 'nip' holds" in rest.history.message
@@ -158,7 +165,7 @@ def test_without_a_brake_it_rolls() -> None:
     assert "body 'roller' is free to turn about (0, 1, 0)" in rest.history.message
 
 
-@pytest.mark.parametrize("grid", ["material", "patch"])
+@pytest.mark.parametrize("grid", ["body_fixed", "contact_fixed"])
 def test_two_rollers_hold_a_torque_up_to_what_friction_bears(grid: Any) -> None:
     """The force is the torque over the distance of the patch from the axle."""
     scene = twisted(0.9, grid)
@@ -202,7 +209,7 @@ def stacked(grid: Any, off: float = 0.0) -> tuple[Scene, Any, Any]:
 @pytest.mark.parametrize("off", [1e-5, 1e-3])
 def test_friction_holds_what_is_pressed_off_the_top(off: float) -> None:
     """Nothing else acts along the guide, so that the pull is the push: T/N is the slope of the line of centres."""
-    scene, _, _ = stacked("material", off)
+    scene, _, _ = stacked("body_fixed", off)
     rest = at_rest(scene)
     nip = rest.contact("nip")
     line = np.subtract(*(rest.history.bodies[name].position[0] for name in ("upper", "lower")))
@@ -228,7 +235,7 @@ def pushed_over(grid: Any, pull: Any = None, way: Any = None) -> wf.Result:
 OVER = np.array([0.0, 0.4, 0.7, 0.9, 0.2, -0.5, -0.9])  # of what friction bears at the least
 
 
-@pytest.mark.parametrize("grid", ["material", pytest.param("patch", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("grid", ["body_fixed", pytest.param("contact_fixed", marks=pytest.mark.slow)])
 def test_a_force_finds_what_a_displacement_finds(grid: Any) -> None:
     """To and fro by 0.9 of what friction bears, without a step halved, although slips of 20 um tilt the line of centres
     by 2e-4; a drive to the same places asks for the same forces."""
@@ -256,6 +263,6 @@ def test_sliding_ends_a_static_run_at_once() -> None:
 @pytest.mark.parametrize("share", [0.3, 0.5, 0.8])
 def test_the_stick_zone_is_that_of_cattaneo_and_mindlin(share: float) -> None:
     """Its half-width over that of the patch is sqrt(1 - Q/(mu P)), to half a cell of the nine or so across."""
-    friction = at_rest(twisted(share, "patch")).contact("nip").friction
+    friction = at_rest(twisted(share, "contact_fixed")).contact("nip").friction
     stick, slip = (float(np.ravel(area)[-1]) for area in (friction.stick_area, friction.slip_area))
     assert stick / (stick + slip) == pytest.approx(np.sqrt(1.0 - share), abs=0.07)

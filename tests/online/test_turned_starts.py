@@ -60,7 +60,7 @@ def oiled(R: Rotation, t: Array, speed: float = 43.0) -> Scene:
     plane = scene.add(joints.Planar(scene.ground.at(t), middle, axis=axis))
     scene.add(joints.Drive(plane, signals.Constant(speed), quantity="velocity"))
     scene.add(forces.PointForce(middle, tuple(R.apply([1300.0, 0.0, 300.0]))))
-    groove = films.Groove(np.pi, 1e-4, 2e5)
+    groove = films.AxialGroove(np.pi, 1e-4, 2e5)
     oil = oils.Newtonian(0.01)
     scene.add(Film(held["bore"], shaft["rim"], oil=oil, feeds=[groove], ambient_pressure=1e5, name="film"))
     return scene

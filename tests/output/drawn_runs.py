@@ -19,7 +19,7 @@ RADIUS, CLEARANCE = 0.025, 25e-6  # m, of the bore, and of the shaft in it
 def rolling() -> Result:
     """Two rollers on cells that travel, finer than the mesh, pressed and turned from rest against each other."""
     body = roller_body(
-        48, layers=2, axial=2, grading=2.0, order=1, modes=2, max_frequency=None, tangential=True, patch_grid=True,
+        48, layers=2, axial=2, grading=2.0, order=1, modes=2, max_frequency=None, tangential=True, contact_fixed=True,
         cache=False,
     )  # fmt: skip
     scene = guided_pair(body, body, load=2e4, speed=SPEED, ramp=STEPS * STEP, friction=0.2)
@@ -45,7 +45,7 @@ def oiled() -> Result:
     plane = scene.add(joints.Planar(scene.ground.at((0, 0, 0)), middle, axis=(0, 1, 0)))
     scene.add(joints.Drive(plane, 300.0, quantity="velocity"))
     scene.add(forces.PointForce(middle, (0.0, 0.0, -2e3)))
-    groove = films.Groove(np.pi, 1e-4, 0.0)
+    groove = films.AxialGroove(np.pi, 1e-4, 0.0)
     scene.add(wf.Film(held["bore"], shaft["rim"], oil=oils.Newtonian(0.01), feeds=[groove], name="film"))
     return wf.simulate(scene, 2e-3, step=2e-4, progress=False)
 

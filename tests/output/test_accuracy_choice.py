@@ -50,16 +50,16 @@ def off(result: wf.Result, scene: Any, duration: float, **options: Any) -> dict[
 
 
 @lru_cache
-def roller(patch_grid: bool) -> wf.ReducedBody:
+def roller(contact_fixed: bool) -> wf.ReducedBody:
     """A coarse roller, with cells or without."""
     return roller_body(
-        120 if patch_grid else 180, layers=4, axial=2, grading=1.6, order=1, modes=4, patch_grid=patch_grid
+        120 if contact_fixed else 180, layers=4, axial=2, grading=1.6, order=1, modes=4, contact_fixed=contact_fixed
     )
 
 
-def pressed(patch_grid: bool = False, **options: Any) -> wf.Scene:
+def pressed(contact_fixed: bool = False, **options: Any) -> wf.Scene:
     """A pair of rollers pressed by 20 kN."""
-    scene = guided_pair(roller(patch_grid), roller(patch_grid), load=20e3, speed=0.0, ramp=0.02)
+    scene = guided_pair(roller(contact_fixed), roller(contact_fixed), load=20e3, speed=0.0, ramp=0.02)
     for name, value in options.items():
         setattr(scene.contact(PAIR), name, value)
     return scene
@@ -262,9 +262,9 @@ def test_a_scene_that_turns_begins_with_shorter_steps() -> None:
 
 def test_cells_are_never_forced() -> None:
     """What the program takes by itself, or hats: other contacts and conformal surfaces may rule cells out."""
-    scene = pressed(patch_grid=True)
+    scene = pressed(contact_fixed=True)
     result = simulate(scene, 0.01, accuracy=0.1, start="equilibrium", progress=False)
-    assert result.scene.contact(PAIR).grid in ("auto", "material")
+    assert result.scene.contact(PAIR).grid in ("auto", "body_fixed")
 
 
 def test_what_signals_do_too_quickly_is_told() -> None:

@@ -10,7 +10,7 @@ import pytest
 
 from references.closed_forms.elliptic import EllipticContact
 from warpffrf.model import forces, laws
-from warpffrf.model.bearings import Pockets
+from warpffrf.model.bearings import PocketCage
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -184,7 +184,7 @@ def test_a_cage_with_pockets_comes_to_rest() -> None:
     scene = Scene()
     bearing = scene.add_ball_bearing(
         "b", elements=7, ball_diameter=11.5 * MM, pitch_diameter=43.5 * MM, first=(0, 0, 1), outer=scene.ground,
-        cage=Pockets(0.1 * MM), clearance=10e-6,
+        cage=PocketCage(0.1 * MM), clearance=10e-6,
     )  # fmt: skip
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (0.0, 0.0, 1e3), name="load"))
     result = equilibrium(scene, progress=False)

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 from patch_rubbing_run import CELL_ROWS, STRIPS, TURNING, cell_widths, make_patch_history, patch_contact
+from recordings import columns
 from rubbing_run import CREEPAGE, MU, SPEED, STICK, carter_traction, make_rubbing_history
 from shape_runs import contact_of, ellipsoid, grid_of, still
 from synthetic_run import HALF_WIDTH, PEAK, PITCH, STEPS, WIDTH, R
 
-from recordings import columns
 from references.pressure_wrench import traction_wrench
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere

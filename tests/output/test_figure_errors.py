@@ -169,7 +169,9 @@ def test_micro_slip_is_not_rolling() -> None:
     guide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 1, 0)))
     shift = wf.signals.Table(np.arange(4.0), 1e-6 * np.array([0.0, 1.0, 0.0, -1.0]))
     scene.add(wf.joints.Drive(guide, shift, quantity="position"))
-    scene.add(wf.Contact(lower["rim"], upper["rim"], friction=0.3, grid="patch", cells=(7, 7), name=rollers.PAIR))
+    scene.add(
+        wf.Contact(lower["rim"], upper["rim"], friction=0.3, grid="contact_fixed", cells=(7, 7), name=rollers.PAIR)
+    )
     lines = wf.simulate(scene, 3.0, step=1.0, kind="static", progress=False).error_budget()
     for name in ("work of friction", f"friction power of {PAIR}"):
         assert [line.source for line in lines if line.of == name and not line.found] == [UNKNOWN], name

@@ -11,8 +11,8 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-
 from recordings import columns
+
 from warpffrf.model import films, oils, surfaces
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
@@ -81,7 +81,7 @@ def bearing() -> Scene:
         1.0, (1e-3,) * 3, name="shaft", position=CENTER - np.array(SHAFT.axis_point), center_of_mass=SHAFT_CENTER,
         surfaces={"journal": SHAFT},
     )["journal"]  # fmt: skip
-    feeds = [films.Groove(0.0, 1e-3, 2e5)]
+    feeds = [films.AxialGroove(0.0, 1e-3, 2e5)]
     scene.add(Film(bore, journal, oil=oils.Newtonian(0.04), feeds=feeds, ambient_pressure=1e5, name="bearing"))
     return scene
 

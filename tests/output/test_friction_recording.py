@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
+from recordings import columns
 from rubbing_run import MU, make_rubbing_history
 from shape_runs import on_the_floor
 from synthetic_run import ROWS, STEPS, WINDOW, R
 
-from recordings import columns
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Groove, Plane, Sphere
 from warpffrf.output.plots.colors import STATE_COLORS, ColorClasses, legend_picture, legend_rows

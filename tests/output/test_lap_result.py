@@ -10,8 +10,8 @@ import h5py
 import numpy as np
 import pytest
 from lap_runs import CELLS, FRICTION, PERIOD, PRESSED, PUSHED, SIZE, STEPS, static_run
-
 from recordings import columns
+
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.sealed_file import seal

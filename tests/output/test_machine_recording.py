@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from recordings import columns
 
 import warpffrf as wf
-from recordings import columns
 from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
 from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.inertia_box import inertia_box

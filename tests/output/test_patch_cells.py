@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from recordings import columns
 
 import warpffrf as wf
-from recordings import columns
 from references.closed_forms import LineContact
 from references.pressure_wrench import pressure_wrench
 from warpffrf.model.errors import InputError
@@ -49,7 +49,7 @@ def body() -> Any:
     across = R * np.stack([np.sin([0.0, 0.004, -0.004]), [0.0, 0.0, 0.0], np.cos([0.0, 0.004, -0.004])], axis=1)
     stress = {"top": top, "below": -top, "surface": across, "opposite": -across}
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=10e3, patch_grid=True,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, max_frequency=10e3, contact_fixed=True,
         stress=stress, progress=False,
     )  # fmt: skip
 
@@ -62,7 +62,7 @@ def result(body: Any) -> Result:
     for roller, speed in ((lower, 20.0), (upper, -20.0)):
         joint = scene.add(wf.joints.Revolute(scene.ground, roller["bore"], axis=(0.0, 1.0, 0.0)))
         scene.add(wf.joints.Drive(joint, wf.signals.Ramp(0.0, speed, duration=0.001), quantity="velocity"))
-    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="patch"))
+    scene.add(wf.Contact(lower["rim"], upper["rim"], grid="contact_fixed"))
     return wf.simulate(scene, 0.002, step=2e-4, start="equilibrium", progress=False)
 
 

@@ -10,9 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from recordings import columns
 from synthetic_run import STEPS
 
-from recordings import columns
 from warpffrf.model.errors import InputError
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result

@@ -37,7 +37,7 @@ def rotor(shaft: ReducedBody, torque: float, off: float = OFF, damping: float = 
     disc = scene.add_rigid_body(DISC, (J_P, 0.5 * J_P, 0.5 * J_P), name="disc", position=(0, 0, off))
     scene.add(wf.joints.Fixed(body["y_max"], disc.at((0, 0.5 * SIDE, -off))))
     center = disc.at((0, 0, -off))
-    scene.add(wf.forces.Bearing(scene.ground, center, axis=(1, 0, 0), radial=1.0, radial_damping=damping))
+    scene.add(wf.forces.BearingSpring(scene.ground, center, axis=(1, 0, 0), radial=1.0, radial_damping=damping))
     scene.add(wf.forces.PointTorque(center, (torque, 0, 0), name="motor"))
     return scene
 

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-
 from recordings import columns
+
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import PointForce, PointTorque

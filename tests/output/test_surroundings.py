@@ -60,8 +60,8 @@ def test_a_recording_that_fails_leaves_no_threads(
 
 def test_recordings_of_the_user_stay_open(result: Result, tmp_path: Path) -> None:
     import rerun as rr
-
     from recordings import columns
+
     from warpffrf.output.recording.recorder import record
 
     own = rr.RecordingStream("own")

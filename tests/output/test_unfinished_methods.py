@@ -58,7 +58,7 @@ def test_a_monolithic_run_goes_on_bit_for_bit(name: str, roller: Any, tmp_path: 
 @pytest.mark.parametrize("variant", ["low_rank", "full"])
 def test_friction_at_nodes_goes_on_bit_for_bit(variant: str, tmp_path: Path) -> None:
     """A wheel that slides with spin on the ground: what nodes remember, and what was lost."""
-    body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, patch_grid=False, cache=False)
+    body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, contact_fixed=False, cache=False)
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     plane = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
     floor = scene.ground.surface(plane, name="floor")

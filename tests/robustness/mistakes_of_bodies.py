@@ -72,7 +72,7 @@ REDUCTIONS = (
     Mistake(
         "half-width below the mesh",
         lambda w: reduce_roller(modes=0, expected_half_width=5e-6),
-        ("times smaller than the facets", "patch_grid=True"),
+        ("times smaller than the facets", "contact_fixed=True"),
     ),
     Mistake("interfaces as a list", lambda w: reduce_roller(interfaces=["bore"]), ('{"bore": "rigid"}',)),
     Mistake("a kind of interface", lambda w: reduce_roller(interfaces={"bore": "rigit"}), ("'rigit'", "known: rigid")),

@@ -47,17 +47,17 @@ class Bearing:
         return INNER / (INNER + self.outer)
 
 
-def rings(bearing: Bearing, half_width: float, *, patch_grid: bool | None = None) -> tuple[ReducedBody, ReducedBody]:
-    """Inner ring and outer ring in linear cells of half of `half_width` [m]; patch_grid: as of `reduce`."""
+def rings(bearing: Bearing, half_width: float, *, contact_fixed: bool | None = None) -> tuple[ReducedBody, ReducedBody]:
+    """Inner ring and outer ring in linear cells of half of `half_width` [m]; contact_fixed: as of `reduce`."""
     sectors = int(2.0 * np.pi * bearing.outer / (0.5 * half_width))
     inner = reduce(
         roller(INNER, BORE, WIDTH, half_width=half_width, order=1, axial=4), STEEL, interfaces={"bore": "rigid"},
-        contact={"rim": surfaces.Cylinder()}, modes=10, patch_grid=patch_grid, cache=False,
+        contact={"rim": surfaces.Cylinder()}, modes=10, contact_fixed=contact_fixed, cache=False,
         progress=False,
     )  # fmt: skip
     outer = reduce(
         sleeve(bearing.outer, bearing.outer + WALL, WIDTH, sectors=sectors, order=1, axial=4), STEEL,
-        interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=10, patch_grid=patch_grid,
+        interfaces={"outside": "rigid"}, contact={"bore": surfaces.Bore()}, modes=10, contact_fixed=contact_fixed,
         cache=False, progress=False,
     )  # fmt: skip
     return inner, outer

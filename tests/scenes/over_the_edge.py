@@ -27,7 +27,7 @@ def slab_body() -> ReducedBody:
     top = surfaces.Plane(origin=_HERE, outward=(0.0, 0.0, 1.0), direction=ACROSS)
     return reduce(
         mesh, STEEL, interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=0,
-        tangential=True, patch_grid=False, cache=False, progress=False,
+        tangential=True, contact_fixed=False, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -54,7 +54,7 @@ def long_roller_body() -> ReducedBody:
     mesh = roller(0.05, 0.015, 0.02, sectors=180, layers=4, axial=10, grading=1.6, order=1)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        tangential=True, patch_grid=False, cache=False, progress=False,
+        tangential=True, contact_fixed=False, cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -53,11 +53,11 @@ def roller_body(
     modes: int | None = None,
     material: Material = STEEL,
     tangential: bool = False,
-    patch_grid: bool = False,
+    contact_fixed: bool = False,
     cache: bool = True,
 ) -> ReducedBody:
     """A hollow roller (lengths in m, frequencies in Hz) with a rigid bore and a contact rim, reduced for pressures on
-    its contact grid, with `patch_grid` on cells that travel; tangential: for friction."""
+    its contact grid, with `contact_fixed` on cells that travel; tangential: for friction."""
     mesh = roller(
         outer_radius, inner_radius, width, crown_radius=crown_radius, sectors=sectors, layers=layers, axial=axial,
         grading=grading, order=order,
@@ -66,7 +66,7 @@ def roller_body(
     limit = max_frequency if modes is None else None
     return reduce(
         mesh, material, interfaces={"bore": "rigid"}, contact={"rim": shape}, max_frequency=limit, modes=modes,
-        tangential=tangential, patch_grid=patch_grid, cache=cache, progress=False,
+        tangential=tangential, contact_fixed=contact_fixed, cache=cache, progress=False,
     )  # fmt: skip
 
 

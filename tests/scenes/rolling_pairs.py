@@ -60,7 +60,7 @@ def roller(
 def reduced(mesh: Mesh, material: Material = STEEL, *, crowned: bool = False, **options: Any) -> ReducedBody:
     """A roller for friction on cells of a patch, its bore rigid, its inertia that of a rigid body."""
     shape = surfaces.CrownedCylinder() if crowned else surfaces.Cylinder()
-    given = {"modes": 0, "patch_grid": True, "tangential": True, "progress": False, **options}
+    given = {"modes": 0, "contact_fixed": True, "tangential": True, "progress": False, **options}
     return reduce(mesh, material, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
 
 
@@ -122,7 +122,7 @@ def pair(
     if not drives.free:
         turns = above_ratio.scaled(-turning)
         scene.add(joints.Drive(above, turns, quantity="velocity", coordinate="rotation"))
-    scene.add(Contact(first["rim"], second["rim"], friction=friction, grid="patch", cells=cells, name=PAIR))
+    scene.add(Contact(first["rim"], second["rim"], friction=friction, grid="contact_fixed", cells=cells, name=PAIR))
     return scene
 
 

@@ -22,7 +22,7 @@ SYMMETRY = 1e-6  # of the load: the iteration stops at 1e-8 of the forces, and l
 def body():
     return reduce(
         mesh.roller(0.05, 0.015, 0.01, sectors=120, layers=4, axial=2, grading=1.6, order=1), STEEL,
-        interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=6, tangential=True, patch_grid=False,
+        interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=6, tangential=True, contact_fixed=False,
         cache=False, progress=False,
     )  # fmt: skip
 

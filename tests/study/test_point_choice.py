@@ -20,7 +20,7 @@ CLOSED = 1e-4  # of the work in a cycle of 400 steps: forces linear by pieces, e
 def surface():
     mesh = roller(0.05, 0.015, 0.02, sectors=90, layers=3, axial=4, order=1)
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0, patch_grid=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0, contact_fixed=False,
         progress=False,
     ).contact_surfaces["rim"]  # fmt: skip
 

@@ -99,7 +99,7 @@ def test_hats_over_intervals_are_their_integrals() -> None:
 
 def test_cells_that_travel_carry_the_force_and_come_to_the_law() -> None:
     """Bodies that hardly yield: p = k (delta - x^2/R), whose force is 4/3 k delta b times the width."""
-    pressing = Pressing(tread(30, sectors=480, layers=8, axial=2, patch_grid=True), 29)
+    pressing = Pressing(tread(30, sectors=480, layers=8, axial=2, contact_fixed=True), 29)
     k = 1e-7 * layer_of(pressing.body).stiffness
     b = np.sqrt(APPROACH * RADIUS)
     off = []

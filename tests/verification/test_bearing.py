@@ -59,7 +59,7 @@ def test_rest_on_many_cells() -> None:
     """Cells as wide as the step before asked for change the energy by more than the last steps towards rest do: such a
     step does not lead uphill."""
     bearing = Bearing(6)
-    scene = run_up(bearing, rings(bearing, 4e-4, patch_grid=True), FAST)
+    scene = run_up(bearing, rings(bearing, 4e-4, contact_fixed=True), FAST)
     for contact in scene.contacts:
         contact.cell_error = 0.003
     history = find_equilibrium(scene)

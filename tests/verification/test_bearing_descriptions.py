@@ -79,8 +79,8 @@ def test_raceways_that_stand_off_press_when_held() -> None:
     assert abs(held @ bearing.place.axis) == pytest.approx(axial_force(20 * UM), rel=SAME_LAW)
 
 
-OVAL = films.Lobes(12 * UM, 2, 0.5)
-WAVY = OVAL + films.Lobes(2 * UM, 5, 0.2)
+OVAL = films.LobedForm(12 * UM, 2, 0.5)
+WAVY = OVAL + films.LobedForm(2 * UM, 5, 0.2)
 THICKER = np.array([0.0, 4.0, 0.0, 0.0, -3.0, 0.0, 1.0]) * UM
 
 
@@ -125,7 +125,7 @@ def test_loads_follow_the_form_of_the_raceway(form: Any, turned: float) -> None:
     history = find_equilibrium(scene)
     assert history.status == "completed", history.message
     Q = reference(form, turned, 1e3)
-    round_ones = reference(films.Lobes(0.0, 2), 0.0, 1e3)
+    round_ones = reference(films.LobedForm(0.0, 2), 0.0, 1e3)
     off = np.abs(loads(history, bearing, "outer") - Q).max() / Q.max()
     print(f"loads {loads(history, bearing, 'outer').round(1)}, off {off:.2g}, round {round_ones.round(1)}")
     assert np.abs(Q - round_ones).max() > 0.2 * Q.max()

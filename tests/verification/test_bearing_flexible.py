@@ -20,7 +20,7 @@ BALANCE = 1e-6
 def roller() -> wf.ReducedBody:
     return wf.reduce(
         wf.mesh.roller(0.5 * D, 0.0, LENGTH, sectors=16, layers=2, axial=2), STEEL, interfaces={"ends": "average"},
-        contact={"rim": wf.surfaces.Cylinder()}, modes=0, patch_grid=True, cache=False, progress=False,
+        contact={"rim": wf.surfaces.Cylinder()}, modes=0, contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -81,7 +81,7 @@ def test_what_is_no_element_is_refused(roller: wf.ReducedBody) -> None:
         ({"roller_diameter": 0.011}, "a cylinder of diameter 0.01 m, and the elements have 0.011 m"),
         ({"element_body": 3}, "must be a reduced body"),
         ({"diameter_deviations": (1e-6, 0.0, 0.0)}, "diameter_deviations are of rigid elements"),
-        ({"cage": wf.bearings.Pockets(1e-4)}, "pockets are of rigid elements"),
+        ({"cage": wf.bearings.PocketCage(1e-4)}, "pockets are of rigid elements"),
         ({"flanges": wf.bearings.Flanges(1e-4)}, "ribs stop rigid rollers"),
     ):
         with pytest.raises(wf.InputError, match=message):
@@ -128,7 +128,7 @@ def ball() -> wf.ReducedBody:
     )
     return wf.reduce(
         mesh, STEEL, interfaces={"ends": "average"}, contact={"tread": wf.surfaces.Sphere(axis_direction=(0, 1, 0))},
-        modes=0, patch_grid=True, cache=False, progress=False,
+        modes=0, contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -41,7 +41,7 @@ def test_torque_of_rolling_resistance() -> None:
     bearing = scene.add_roller_bearing(
         "b", elements=3, roller_diameter=D, roller_length=length, pitch_diameter=pitch, clearance=-10e-6,
         outer=scene.ground, law=laws.PalmgrenLine(length, 2), friction=laws.RegularisedCoulomb(MU, creep),
-        rolling_resistance=laws.RollingLever(lever, 0.5),
+        rolling_resistance=laws.RollingResistanceArm(lever, 0.5),
     )  # fmt: skip
     turned(scene, bearing, speed)
     bearing.roll(speed)

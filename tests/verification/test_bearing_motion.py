@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import least_squares
 
 from warpffrf.model import forces, friction, joints, laws
-from warpffrf.model.bearings import Bearing, Pockets, Spaced
+from warpffrf.model.bearings import Bearing, PocketCage, PrescribedCage
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
@@ -46,7 +46,7 @@ def preloaded(cage: Any, *, speed: float = SPEED) -> tuple[Scene, Bearing]:
 @pytest.fixture(scope="module")
 def fast() -> Result:
     """Until the balls have found their speeds, 1.5 ms."""
-    scene, bearing = preloaded(Pockets(0.1 * MM))
+    scene, bearing = preloaded(PocketCage(0.1 * MM))
     bearing.roll(SPEED)
     result = simulate(scene, 1.5e-3, step=1e-5, start="equilibrium", save_every=5, progress=False)
     assert result.status == "completed", result.message
@@ -81,7 +81,7 @@ def test_bodies_begin_to_roll(control: str) -> None:
 
 
 def test_rolling_that_cannot_be_is_named() -> None:
-    _, bearing = preloaded(Spaced())
+    _, bearing = preloaded(PrescribedCage())
     with pytest.raises(InputError, match="the outer ring is the ground, which stands still"):
         bearing.roll(10.0, 5.0)
     with pytest.raises(InputError, match='control must be "inner" or "outer"'):
@@ -119,7 +119,7 @@ def test_centrifugal_load_and_speeds_at_10000_rpm(fast: Result) -> None:
 def test_friction_torque_and_power_are_what_the_ledger_has() -> None:
     """A cage that stands: balls slip on both rings. What the drive of the ring puts in, friction takes."""
     speed = 50.0
-    scene, _ = preloaded(Spaced(), speed=speed)
+    scene, _ = preloaded(PrescribedCage(), speed=speed)
     result = simulate(scene, 4e-4, step=5e-6, start="equilibrium", progress=False)
     assert result.status == "completed", result.message
     found = result.bearing("b")
@@ -138,7 +138,7 @@ def test_friction_torque_and_power_are_what_the_ledger_has() -> None:
 @pytest.fixture(scope="module")
 def sweep() -> np.ndarray:
     """(8,) m: place of the inner ring along the load at eight places of the cage in one passage of a ball, standing."""
-    half = [_passing(np.pi / 4.0 * k / VC["elements"], Spaced(), 0.0) for k in range(5)]
+    half = [_passing(np.pi / 4.0 * k / VC["elements"], PrescribedCage(), 0.0) for k in range(5)]
     rows = []
     for scene, bearing, _ in half:
         result = equilibrium(scene, progress=False)
@@ -162,7 +162,7 @@ def _passing(angle: float, cage: Any, load: Any) -> tuple[Scene, Bearing, Any]:
 
 def test_vibration_as_balls_pass(sweep: np.ndarray) -> None:
     """Two passages at 955 rpm, balls driven by the rings alone, in a loose cage, against standing bearings."""
-    scene, bearing, plane = _passing(0.0, Pockets(20e-6), friction.RegularisedCoulomb(0.1, 0.01))
+    scene, bearing, plane = _passing(0.0, PocketCage(20e-6), friction.RegularisedCoulomb(0.1, 0.01))
     scene.add(joints.Drive(plane, VC_SPEED, name="drive"))
     rolled = bearing.roll(VC_SPEED, angle=0.0)
     passage = 2.0 * np.pi / (VC["elements"] * rolled.orbit)

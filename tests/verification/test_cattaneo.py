@@ -133,7 +133,7 @@ def test_point_on_a_finite_element_block() -> None:
     mesh = block((0.08, 0.08, 0.04), patch_half_width=1.45 * a, cell=a / 3.0, growth=1.6, depth=0.8 * a)
     body = reduce(
         mesh, STEEL, interfaces={"bottom": "rigid"}, contact={"patch": Plane()}, modes=0,
-        tangential=True, patch_grid=False,
+        tangential=True, contact_fixed=False,
         progress=False,
     )  # fmt: skip
     shift = float(MINDLIN.loading(0.5 * MINDLIN.limit))

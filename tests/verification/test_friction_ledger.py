@@ -42,7 +42,7 @@ def body() -> ReducedBody:
     mesh = roller(RADIUS, 0.015, 0.01, sectors=720, layers=4, axial=1, grading=1.8, order=1)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, max_frequency=12e3,
-        tangential=True, patch_grid=False, cache=False, progress=False,
+        tangential=True, contact_fixed=False, cache=False, progress=False,
     )  # fmt: skip
 
 

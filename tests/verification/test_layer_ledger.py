@@ -25,7 +25,7 @@ LAWS: list[Any] = [
     laws.LinearLayer(1e13),
     laws.NonlinearLayer(1e15, 1.5),
     laws.NonlinearLayer(1e25, 3.0),
-    laws.TableLayer((-1e-4, -1e-6, 0.0), (1e8, 1e5, 0.0)),
+    laws.TabulatedLayer((-1e-4, -1e-6, 0.0), (1e8, 1e5, 0.0)),
     laws.ExponentialAsperities(1e7, 1e-6),
     laws.ExponentialAsperities(1e9, 3e-7),
     laws.HuntCrossley(1e15, 1.5, restitution=0.6, impact_speed=SPEED),

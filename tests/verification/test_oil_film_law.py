@@ -88,7 +88,7 @@ def test_coefficients_of_the_short_bearing_are_derivatives_of_its_forces() -> No
 @pytest.mark.parametrize("eccentricity", [0.2, 0.5, 0.8, 0.9])
 def test_a_long_bearing(eccentricity: float) -> None:
     """Two rows whose ends are not held; one column is, as only slopes of the pressure are determined."""
-    film = journal(1.0, 128, 2, mode="none")
+    film = journal(1.0, 128, 2, mode="full_sommerfeld")
     film.held[:] = False
     film.held[:2] = True
     force = film.force(film.steady(np.array([eccentricity * CLEARANCE, 0.0])))
@@ -129,7 +129,7 @@ def test_mass_is_conserved_as_in_finite_volumes() -> None:
     state = film.steady(np.array([eccentricity * CLEARANCE, 0.0]))
     force = film.force(state)
     volumes = steady_journal(
-        RADIUS, length, CLEARANCE, VISCOSITY, SPEED, eccentricity, columns=240, rows=48, mode="mass_conserving",
+        RADIUS, length, CLEARANCE, VISCOSITY, SPEED, eccentricity, columns=240, rows=48, mode="jfo",
         feed=np.pi,
     )  # fmt: skip
     assert state.void.max() > 0.0
@@ -152,7 +152,7 @@ def test_torques_balance_and_losses_are_the_power() -> None:
 
 
 def test_a_plane_slider() -> None:
-    found = pad(lambda x: 2.0 - x, np.linspace(0.0, 1.0, 65), speed=1.0, mode="none")
+    found = pad(lambda x: 2.0 - x, np.linspace(0.0, 1.0, 65), speed=1.0, mode="full_sommerfeld")
     assert found.force == pytest.approx(plane_slider(2.0, 1.0, 1.0, viscosity=1.0, speed=1.0), rel=1e-3)
 
 
@@ -169,7 +169,7 @@ def test_a_slider_that_ruptures_and_fills_again() -> None:
     assert exact.refill / length == pytest.approx(0.97657, abs=5e-6)
     assert exact.force == pytest.approx(104250.0, rel=1e-5)
     x = np.linspace(0.0, length, 129)
-    found = pad(gap, x, speed=speed, mode="mass_conserving", viscosity=viscosity, ends=(0.0, outlet))
+    found = pad(gap, x, speed=speed, mode="jfo", viscosity=viscosity, ends=(0.0, outlet))
     void = np.flatnonzero(found.void > 0.0)
     assert found.force == pytest.approx(exact.force, rel=5e-4)
     assert x[void[0]] == pytest.approx(exact.rupture, abs=x[1])
@@ -178,7 +178,7 @@ def test_a_slider_that_ruptures_and_fills_again() -> None:
     assert sum(found.inflow) == pytest.approx(0.0, abs=ROUND_OFF * exact.flux)
 
 
-@pytest.mark.parametrize(("mode", "closed"), [("reynolds", REYNOLDS_CYLINDER), ("half", HALF_CYLINDER)])
+@pytest.mark.parametrize(("mode", "closed"), [("reynolds", REYNOLDS_CYLINDER), ("half_sommerfeld", HALF_CYLINDER)])
 def test_a_cylinder_on_a_plane(mode: str, closed: float) -> None:
     """The inlet is cut at 13 root(2 R h_0), which is 1.4 to 1.9 % of the force."""
     t = np.linspace(-1.0, 1.0, 201)
@@ -218,7 +218,7 @@ def test_a_load_that_turns_is_a_steady_one_at_another_speed() -> None:
 
 def test_threshold_of_stability_of_a_short_bearing() -> None:
     length = 0.02 * 2.0 * RADIUS
-    film = journal(length, 128, 9, mode="half")
+    film = journal(length, 128, 9, mode="half_sommerfeld")
     place = np.array([0.5 * CLEARANCE, 0.0])
     state = film.steady(place)
     K, D = film.coefficients(place, state)

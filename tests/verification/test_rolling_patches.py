@@ -71,8 +71,8 @@ def test_gross_slip_has_the_force_and_the_direction() -> None:
 
 
 SPEEDS = {  # slip in these patches is up to 6 mm/s
-    "falls": laws.StribeckCoulomb(0.4, 0.2, 0.02, exponent=1.0),
-    "rises": laws.TableCoulomb((0.0, 1e-3, 3e-3), (0.1, 0.3, 0.5)),
+    "falls": laws.Stribeck(0.4, 0.2, 0.02, exponent=1.0),
+    "rises": laws.TabulatedFriction((0.0, 1e-3, 3e-3), (0.1, 0.3, 0.5)),
 }
 
 

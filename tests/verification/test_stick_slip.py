@@ -21,9 +21,9 @@ STEP = 1e-3  # s: a hundredth of a cycle
 CYCLE = 0.01  # of amplitude and period: what is asked for; found are 0.3 % and 0.5 %
 SWINGING = 5e-5  # of the coefficient: the block's modes and Poisson's sliding along the axis move cells besides
 FALLS: dict[str, Any] = {
-    "exponent 2": laws.StribeckCoulomb(0.4, 0.2, 0.1),
-    "exponent 1": laws.StribeckCoulomb(0.4, 0.2, 0.2, exponent=1.0),
-    "table": laws.TableCoulomb((0.0, 0.05, 0.2, 0.4), (0.4, 0.32, 0.2, 0.18)),
+    "exponent 2": laws.Stribeck(0.4, 0.2, 0.1),
+    "exponent 1": laws.Stribeck(0.4, 0.2, 0.2, exponent=1.0),
+    "table": laws.TabulatedFriction((0.0, 0.05, 0.2, 0.4), (0.4, 0.32, 0.2, 0.18)),
 }
 
 
@@ -48,7 +48,7 @@ def maxima(t: np.ndarray, x: np.ndarray) -> np.ndarray:
 def test_the_reference_has_its_closed_form() -> None:
     """A coefficient that drops at once, for the reference one that drops within 1e-7 of the speed."""
     case = BeltOscillator(MASS, STIFFNESS, LOAD, SPEED)
-    fall = laws.StribeckCoulomb(0.4, 0.2, 1e-7 * SPEED, exponent=1.0)
+    fall = laws.Stribeck(0.4, 0.2, 1e-7 * SPEED, exponent=1.0)
     found = case.cycle(lambda v: float(fall.coefficient_at(v)))
     assert found == pytest.approx(two_coefficients(case, 0.4, 0.2), rel=1e-3)
 
@@ -95,7 +95,7 @@ def test_a_fall_too_steep_for_the_step_is_told(
 ) -> None:
     """M/(beta |mu'| N) = 0.9 ms in the first case, less than the step; in the second the surface itself snaps."""
     load = 2000.0
-    scene = on_belt(body, laws.StribeckCoulomb(0.4, 0.2, decay), load=load, stiffness=stiffness)
+    scene = on_belt(body, laws.Stribeck(0.4, 0.2, decay), load=load, stiffness=stiffness)
     breaks_away = 0.4 * load / (stiffness * SPEED)
     history = ran(scene, np.ceil(1.5 * breaks_away / step) * step, step)
     told = [note for note in history.notes if "the coefficient of friction fell faster with the slip speed" in note]

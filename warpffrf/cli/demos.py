@@ -14,7 +14,6 @@ import typer
 
 from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import one_line_errors
-from warpffrf.model.errors import unknown_name
 
 PACKAGE = Path(__file__).resolve().parents[1]
 
@@ -47,6 +46,8 @@ def demo(
             print(f"{known:<22}{about(script)}")
         return
     with one_line_errors():
+        from warpffrf.model.errors import unknown_name
+
         if name not in scripts:
             raise unknown_name("demo", name, list(scripts))
         sys.path.insert(0, str(folder()))  # as `python demos/NAME.py` has it, in processes of its own too

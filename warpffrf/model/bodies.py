@@ -143,8 +143,8 @@ class _Posed(reprs.Shown):
         """Give this rigid body, or the ground, a contact surface of `shape` (`warpffrf.surfaces`), in its user frame.
 
         form: how it deviates from that around its axis, of `warpffrf.films`, positive where material is missing:
-        `films.Lobes(5e-6, 2)` makes it oval; lumped contacts alone see it. Returns its port, `body[name]` from then on.
-        Raises `InputError` for a flexible body, whose surfaces come from its reduction, and for a shape that leaves
+        `films.LobedForm(5e-6, 2)` makes it oval; lumped contacts alone see it. Returns its port, `body[name]` from then
+        on. Raises `InputError` for a flexible body, whose surfaces come from its reduction, and for a shape that leaves
         something to be fitted.
         """
         if self.reduced is not None:

@@ -23,8 +23,8 @@ from warpffrf.model.surfaces.round_form import refuse_form
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("full", "semi", "hyper")
-GRIDS = ("auto", "material", "patch")
-GAPS = ("auto", "points")
+GRIDS = ("auto", "body_fixed", "contact_fixed")
+KINEMATICS = ("auto", "closest_point")
 CELL_ERROR = 0.005  # of force and largest pressure: what half-space and mesh leave is of this size
 CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow no rule
 
@@ -37,14 +37,14 @@ class Contact(reprs.Item):
     by default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible
     bodies that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of
     the contact grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface
-    node, the slow reference. grid: "material", pressures on the contact grid of the first body, bound to its
-    material, which wants four nodes in a contact half-width; "patch", on cells that travel with the patch, for
-    meshes of any size (bodies reduced on coarse meshes, or with patch_grid=True); "auto", the latter where the
+    node, the slow reference. grid: "body_fixed", pressures on the contact grid of the first body, bound to its
+    material, which wants four nodes in a contact half-width; "contact_fixed", on cells that travel with the patch, for
+    meshes of any size (bodies reduced on coarse meshes, or with contact_fixed=True); "auto", the latter where the
     bodies have what it needs and nothing is asked that it cannot do, which a run's notes say. cell_error: what the
     cells of a patch may add to the relative error of force and largest pressure; after a run a note says what finer
-    cells change at some saved steps. gaps: where on the contact grid the surfaces are apart by how much: "auto",
+    cells change at some saved steps. kinematics: where on the contact grid the surfaces are apart by how much: "auto",
     along the line of centres of rollers whose axes are parallel at the start, which is fast, else, or with
-    "points", at points of both surfaces, which also holds for axes that lean towards each other later. cells:
+    "closest_point", at points of both surfaces, which also holds for axes that lean towards each other later. cells:
     strips across and rows along, None to have them chosen for that error. capacity: largest number of active hats,
     None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None
     for a small part of their radius. name: default "<first body>-<second body>". Raises `InputError` for surfaces, laws
@@ -69,8 +69,8 @@ class Contact(reprs.Item):
         law: Law = UNILATERAL,
         friction: FrictionLike = 0.0,
         evaluation: Literal["full", "semi", "hyper"] = "semi",
-        grid: Literal["auto", "material", "patch"] = "auto",
-        gaps: Literal["auto", "points"] = "auto",
+        grid: Literal["auto", "body_fixed", "contact_fixed"] = "auto",
+        kinematics: Literal["auto", "closest_point"] = "auto",
         cell_error: float = CELL_ERROR,
         cells: tuple[int, int] | None = None,
         capacity: int | None = None,
@@ -108,7 +108,7 @@ class Contact(reprs.Item):
         self.cell_error = cell_error
         self.cells = cells
         self.grid = grid
-        self.gaps = gaps
+        self.kinematics = kinematics
         self.capacity = capacity
         self.overlap = overlap
 
@@ -167,15 +167,15 @@ class Contact(reprs.Item):
         self._check_patch()
 
     @property
-    def gaps(self) -> str:
-        """Where gaps are taken, one of GAPS."""
-        return self._gaps
+    def kinematics(self) -> str:
+        """Where gaps are taken, one of KINEMATICS."""
+        return self._kinematics
 
-    @gaps.setter
-    def gaps(self, value: Any) -> None:
-        if value not in GAPS:
-            raise unknown_name(f"{self._label}: gaps", value, GAPS)
-        self._gaps = str(value)
+    @kinematics.setter
+    def kinematics(self, value: Any) -> None:
+        if value not in KINEMATICS:
+            raise unknown_name(f"{self._label}: kinematics", value, KINEMATICS)
+        self._kinematics = str(value)
 
     @property
     def cell_error(self) -> float:
@@ -245,8 +245,8 @@ class Contact(reprs.Item):
         options: dict[str, Any] = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
         if self.grid != "auto":  # scenes of before keep their hash
             options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
-        if self.gaps != "auto":
-            options["gaps"] = self.gaps
+        if self.kinematics != "auto":
+            options["kinematics"] = self.kinematics
         if self.cell_error != CELL_ERROR:
             options["cell_error"] = self.cell_error
         return {"name": self.name, **surfaces, **laws, **options}
@@ -259,13 +259,13 @@ class Contact(reprs.Item):
             far = port.surface.far
             if far is None:
                 return (
-                    f"grid='patch' needs the far field of {port.label}, body {port.body.name!r} was reduced without "
-                    "it; reduce(..., patch_grid=True)"
+                    f"grid='contact_fixed' needs the far field of {port.label}, body {port.body.name!r} was reduced "
+                    "without it; reduce(..., contact_fixed=True)"
                 )
             if self.friction.acts and far.tangential is None:
                 return (
                     f"friction on a patch needs the tangential far field of {port.label}, body {port.body.name!r} "
-                    "was reduced without it; reduce(..., patch_grid=True, tangential=True)"
+                    "was reduced without it; reduce(..., contact_fixed=True, tangential=True)"
                 )
             if (long := _longer_than_wide(port.surface)) > LONGEST:
                 return (
@@ -284,14 +284,14 @@ class Contact(reprs.Item):
                 )
         if self.evaluation != "semi":
             return (
-                f"evaluation {self.evaluation!r} belongs to grid='material'; a patch of cells is evaluated at their "
+                f"evaluation {self.evaluation!r} belongs to grid='body_fixed'; a patch of cells is evaluated at their "
                 "middles, leave evaluation out"
             )
         return None
 
     def _check_patch(self) -> None:
         """Raises `InputError` for what a patch of cells is asked for and cannot do."""
-        if getattr(self, "_grid", "auto") == "patch" and (reason := self.without_patch()):
+        if getattr(self, "_grid", "auto") == "contact_fixed" and (reason := self.without_patch()):
             raise InputError(f"{self._label}: {reason}")
 
     def _require_tangential(self, label: str) -> None:

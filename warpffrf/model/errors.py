@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from difflib import get_close_matches
-from typing import Any
+from typing import Any, NoReturn
 
 import numpy as np
+
+from warpffrf.model.renamed import RENAMED
 
 MOST_COUNTED = 2**31 - 1  # what is counted is counted in 32-bit integers
 
@@ -77,7 +79,21 @@ def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
 
 
 def suggestion(name: str, known: Sequence[str]) -> str:
-    """ "; did you mean 'x'? known: ..." for a name that does not exist."""
+    """ "; did you mean 'x'? known: ..." for a name that does not exist, or what an old one is called since."""
+    now = [new for new in RENAMED.get(name, ()) if new in known]
+    if now:
+        return f"; it is called {now[0]!r} now"
     close = get_close_matches(name, known, n=1)
     listed = ", ".join(repr(k) for k in known) or "none"
     return (f"; did you mean {close[0]!r}?" if close else ";") + f" known: {listed}"
+
+
+def no_attribute(module: str, known: Sequence[str]) -> Callable[[str], NoReturn]:
+    """The `__getattr__` of a public module: the error for a name that it does not have, with the nearest that it
+    has."""
+
+    def missing(name: str) -> NoReturn:
+        hint = "" if name.startswith("_") else suggestion(name, known)
+        raise AttributeError(f"module {module!r} has no attribute {name!r}{hint}")
+
+    return missing

@@ -38,9 +38,9 @@ class LumpedContact(reprs.Item):
     a, b: `body["tread"]`, named in `add_rigid_body(surfaces=...)` or by `body.surface(shape, name=)`. law: one of
     `laws.LUMPED_LAWS`; by laminae the first surface is the roller. friction: the coefficient, or a friction law
     (`warpffrf.model.friction`), at the place of the force. rolling_resistance: None, or a law of the moment against
-    rolling (`warpffrf.model.moments`), laws.RollingLever(lever, rolling_speed). spin: whether friction resists pivoting
-    about the normal as well, of regularised friction on Hertz's ellipse. Forces are reported on the first body.
-    overlap [m]: how deep the surfaces may lie in one another at the start of a run, None for a hundredth of their
+    rolling (`warpffrf.model.moments`), laws.RollingResistanceArm(lever, rolling_speed). spin: whether friction resists
+    pivoting about the normal as well, of regularised friction on Hertz's ellipse. Forces are reported on the first
+    body. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None for a hundredth of their
     radius. name: default "<first body>-<second body>". Raises `InputError`.
     """
 

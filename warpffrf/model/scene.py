@@ -101,7 +101,8 @@ class Scene(reprs.Shown):
         Rayleigh (`warpffrf.model.damping`), "1/10/100" for 1 % below 100 Hz, 10 % below 1 kHz and 100 % above, or None
         for 10 % above half the highest retained frequency and none below: the highest modes ring against the massless
         contact compliance after a load step. The energy it takes is counted. It is internal damping, which turns with
-        the body: above a critical speed it drives whirl, and dampers to the ground (`forces.Bearing`) are to stop it.
+        the body: above a critical speed it drives whirl, and dampers to the ground (`forces.BearingSpring`) are to stop
+        it.
 
         inertia: what turning and deforming do to each other, "constant" (nothing), "deformed" (inertia of the deformed
         body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the

@@ -36,10 +36,10 @@ def refuse_contacts(scene: Any, full: bool) -> None:
         )
     for contact in scene.contacts:
         label = f"contact {contact.name!r}"
-        if contact.grid == "patch":
+        if contact.grid == "contact_fixed":
             raise InputError(
-                f"{label}: method 'monolithic' has no cells that travel with the patch; use grid='material', or method "
-                "'separated'"
+                f"{label}: method 'monolithic' has no cells that travel with the patch; use grid='body_fixed', or "
+                "method 'separated'"
             )
         beyond = _beyond(contact)
         if not full and beyond is not None and contact.law.bent is None:
@@ -64,7 +64,7 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
             beyond, cure = "has no evaluation 'hyper' of films", "take evaluation='semi' or 'full'"
         elif not film.b.rigid:
             beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
-        elif film.law is not None:
+        elif film.asperities is not None:
             beyond, cure = "has no asperities beside a film", "leave law out"
         elif film.deviation > 0.0:
             beyond, cure = "has smooth walls of films only", "leave roughness out"
@@ -84,8 +84,8 @@ def _beyond(contact: Any) -> str | None:
     """What of `contact` is not on the line of centres, in words."""
     if contact.friction.acts:
         return "friction"
-    if contact.gaps == "points":
-        return 'gaps="points"'
+    if contact.kinematics == "closest_point":
+        return 'kinematics="closest_point"'
     if contact.b.rigid:
         return f"a rigid partner, {contact.b.label},"
     for port in (contact.a, contact.b):

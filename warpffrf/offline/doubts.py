@@ -49,7 +49,7 @@ def _half_width_doubts(mesh: Mesh, settings: Settings) -> list[str]:
             found.append(
                 f"{said} is {edge / half_width:.0f} times smaller than the facets of the mesh, {edge:.3g} m; lengths "
                 "are in m; if it is meant, refine the mesh (half_width=), or let pressures stand on cells that travel "
-                "(patch_grid=True)"
+                "(contact_fixed=True)"
             )
     return found
 

@@ -88,7 +88,7 @@ def reduce(
     solver: str | None = None,
     memory_limit: float | None = None,
     sampling_error: float | None = None,
-    patch_grid: bool | None = None,
+    contact_fixed: bool | None = None,
     laps: Mapping[str, str | tuple[str, str] | LapCells] | None = None,
     membrane_modes: int | None = None,
     cache: bool = True,
@@ -138,7 +138,7 @@ def reduce(
     sampling_error: also choose few sampling points on each contact surface for `Contact(evaluation="hyper")`, by which
         the integrals of training patches err by at most this fraction of their size; None: no such points. 0.01 takes
         a third of the points of evaluation "semi", see `warpffrf.offline.contact.cubature`.
-    patch_grid: None: for contact surfaces whose mesh is too coarse for pressures on a grid of its own, also what
+    contact_fixed: None: for contact surfaces whose mesh is too coarse for pressures on a grid of its own, also what
         contacts need whose pressures stand on a grid that travels with the patch, much finer than the mesh
         (`warpffrf.model.reduced.far_field`), where that can be had; True: for all, or an error that says why not;
         False: for none. With `tangential=` on cells it serves friction, too. It costs the solution of some hundred to
@@ -192,7 +192,7 @@ def reduce(
         solver=solver,
         memory_limit=memory_limit,
         sampling_error=sampling_error,
-        patch_grid=patch_grid,
+        contact_fixed=contact_fixed,
         laps=laps,
         membrane_modes=membrane_modes,
     )
@@ -417,10 +417,12 @@ def _with_far_field(
 ) -> ContactSurface:
     """The surface with its far field, where that is wanted and there is one; the `report` says what came of it."""
     name, shape, grid = surface.name, surface.shape, surface.grid
-    if settings.patch_grid is False:
+    if settings.contact_fixed is False:
         return surface
     material = facet_material(mesh, mesh.facets(name), assignment)
-    if settings.patch_grid is None and not is_coarse(mesh, name, shape, grid, settings.expected_half_width, material):
+    if settings.contact_fixed is None and not is_coarse(
+        mesh, name, shape, grid, settings.expected_half_width, material
+    ):
         return surface
     own = surface.lags, surface.tangential
     found = find_far_field(mesh, name, shape, grid, *own, material, assignment, checkpoint, stages)
@@ -428,7 +430,7 @@ def _with_far_field(
     report["warnings"] += found.warnings
     report["stage_seconds"] = dict(stages.seconds)
     if found.far is None:
-        if settings.patch_grid:
+        if settings.contact_fixed:
             raise InputError(found.notes[-1])
         return surface
     report["contact"][name]["far_field"] = found.facts

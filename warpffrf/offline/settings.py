@@ -51,7 +51,7 @@ class Settings:
     solver: str | None
     memory_limit: int | None
     sampling_error: float | None = None
-    patch_grid: bool | None = None
+    contact_fixed: bool | None = None
     laps: dict[str, LapCells] = field(default_factory=dict)
     membrane_modes: int | None = None
 
@@ -79,7 +79,7 @@ class Settings:
         solver: str | None,
         memory_limit: float | None,
         sampling_error: float | None = None,
-        patch_grid: bool | None = None,
+        contact_fixed: bool | None = None,
         laps: Mapping[str, Any] | None = None,
         membrane_modes: int | None = None,
     ) -> Settings:
@@ -113,9 +113,9 @@ class Settings:
             membrane_modes = _membrane_modes(membrane_modes, stiffening)
         if not isinstance(centrifugal, bool):
             raise InputError(f"reduce: centrifugal must be True or False, got {centrifugal!r}")
-        if patch_grid not in (None, True, False):
+        if contact_fixed not in (None, True, False):
             raise InputError(
-                f"reduce: patch_grid must be True, False or None (where the mesh is coarse), got {patch_grid!r}"
+                f"reduce: contact_fixed must be True, False or None (where the mesh is coarse), got {contact_fixed!r}"
             )
         stress_settings(stress or {})  # refuses what is no {name: points}
         if not isinstance(tangential, (bool, type(None))) and str(tangential) not in KINDS:
@@ -145,7 +145,7 @@ class Settings:
             solver=None if solver is None else require_solver(solver),
             memory_limit=memory_limit,
             sampling_error=sampling_error,
-            patch_grid=patch_grid,
+            contact_fixed=contact_fixed,
             laps=lap_cells(laps),
             membrane_modes=membrane_modes,
         )
@@ -218,7 +218,7 @@ class Settings:
             "periodic": self.periodic,
             "memory_limit": self.memory_limit,
             "sampling_error": self.sampling_error,
-            "patch_grid": self.patch_grid,
+            "contact_fixed": self.contact_fixed,
             "laps": [[name, lap.describe()] for name, lap in self.laps.items()],
         }
 

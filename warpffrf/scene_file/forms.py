@@ -232,9 +232,9 @@ def value_kinds() -> dict[str, Form]:
 @cache
 def bearing_parts() -> dict[str, tuple[tuple[str, Any], ...]]:
     """Argument of a bearing -> kinds, of those that are cages, preloads and flanges."""
-    from warpffrf.model.bearings import Flanges, Pockets, PreloadForce, PreloadOffset, Spaced
+    from warpffrf.model.bearings import Flanges, PocketCage, PreloadForce, PreloadOffset, PrescribedCage
 
-    kinds = {"cage": (Spaced, Pockets), "preload": (PreloadForce, PreloadOffset), "flanges": (Flanges,)}
+    kinds = {"cage": (PrescribedCage, PocketCage), "preload": (PreloadForce, PreloadOffset), "flanges": (Flanges,)}
     return {argument: tuple((snake_case(cls.__name__), cls) for cls in classes) for argument, classes in kinds.items()}
 
 
@@ -257,9 +257,9 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
     from warpffrf.model.oils import OILS
 
     contacts = {"contacts": LAWS, "lumped_contacts": LUMPED_LAWS, "laps": LAWS, "bearings": LUMPED_LAWS}
-    of_films = {"law": LAWS, "oil": (*OILS, "iso_vg")}
-    of_films |= dict.fromkeys(("form", "form_second"), FORMS)
-    of_films |= dict.fromkeys(("roughness", "roughness_second"), ROUGHNESSES)
+    of_films = {"asperities": LAWS, "oil": (*OILS, "iso_vg")}
+    of_films |= dict.fromkeys(("form_a", "form_b"), FORMS)
+    of_films |= dict.fromkeys(("roughness_a", "roughness_b"), ROUGHNESSES)
     taken = {("films", name): kinds for name, kinds in of_films.items()}
     for section, laws in contacts.items():
         taken |= {(section, "law"): laws, (section, "friction"): FRICTION_LAWS}

@@ -117,7 +117,7 @@ def cover(axial: int, order: int = 2) -> ReducedBody:
     """A rubber cover of 10 mm on a rigid core, 100 mm wide, with so many cells along."""
     mesh = roller_mesh(0.05, 0.04, 0.1, sectors=96, layers=3, axial=axial, order=order)
     return reduce(
-        mesh, RUBBER, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2, patch_grid=True,
+        mesh, RUBBER, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2, contact_fixed=True,
         cache=False, progress=False,
     )  # fmt: skip
 
@@ -128,7 +128,7 @@ def nip(body: ReducedBody, cells: tuple[int, int] | None = None) -> Result:
     placed = scene.add_body(body, name="cover")
     shape = surfaces.Cylinder(radius=0.06, axis_point=(0.0, 0.0, 0.11 - 1e-4), axis_direction=(0.0, 1.0, 0.0))
     other = scene.ground.surface(shape, name="cylinder")
-    scene.add(Contact(placed["rim"], other, grid="patch", cells=cells, name=rollers.PAIR))
+    scene.add(Contact(placed["rim"], other, grid="contact_fixed", cells=cells, name=rollers.PAIR))
     scene.add(joints.Fixed(scene.ground, placed["bore"]))
     return equilibrium(scene, progress=False)
 
@@ -203,11 +203,11 @@ def hats() -> Iterator[Stated]:
         mesh = roller_mesh(0.05, 0.015, 0.02, sectors=sectors, layers=layers, axial=2, order=1, grading=grading)
         return reduce(
             mesh, rollers.STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=2,
-            patch_grid=False, cache=False, progress=False,
+            contact_fixed=False, cache=False, progress=False,
         )  # fmt: skip
 
     bodies = {720: body(720, 14, 1.3), 960: body(960, 12, 1.4), 1920: body(1920, 30, 1.1)}
-    states = {n: equilibrium(rollers.held(b, b, 6e-5, grid="material"), progress=False) for n, b in bodies.items()}
+    states = {n: equilibrium(rollers.held(b, b, 6e-5, grid="body_fixed"), progress=False) for n, b in bodies.items()}
     for sectors in (720, 960):
         yield from compare(f"hats, {sectors} around", states[sectors], states[1920])
 
@@ -220,7 +220,7 @@ def rolling() -> Iterator[Stated]:
     )  # fmt: skip
     body = reduce(
         mesh, carter.STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        tangential=True, patch_grid=True, cache=False, progress=False,
+        tangential=True, contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
 
     def run(strips: int, steps: int) -> Result:

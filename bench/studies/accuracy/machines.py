@@ -55,7 +55,7 @@ def _rolling() -> wf.Scene:
 
 def _bearing() -> wf.Scene:
     """The bearing of six rollers on the coarser rings of its study."""
-    ready = bearings.rings(bearing_study.ROLLERS, bearing_study.REFERENCE_CELLS.half_width, patch_grid=True)
+    ready = bearings.rings(bearing_study.ROLLERS, bearing_study.REFERENCE_CELLS.half_width, contact_fixed=True)
     return bearings.run_up(bearing_study.ROLLERS, ready, bearing_study.RAMP)
 
 

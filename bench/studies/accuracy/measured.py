@@ -95,10 +95,10 @@ def _settings(machine: Machine, scene: wf.Scene, chosen: wf.Scene) -> list[dict[
     if any(map(can_stiffen, flexible)):
         choices.append([{"stiffening": kept} for kept in sorted({False, *(body.stiffening for body in used)})])
     if scene.contacts:
-        choices.append([{"grid": "material"}])
+        choices.append([{"grid": "body_fixed"}])
         if all(contact.without_patch() is None for contact in scene.contacts):
             errors = {*machine.cells, max(contact.cell_error for contact in chosen.contacts)}
-            choices[-1] += [{"grid": "patch", "cell_error": error} for error in sorted(errors, reverse=True)]
+            choices[-1] += [{"grid": "contact_fixed", "cell_error": error} for error in sorted(errors, reverse=True)]
     return [dict(itertools.chain.from_iterable(c.items() for c in chosen)) for chosen in itertools.product(*choices)]
 
 
@@ -120,7 +120,7 @@ def _reference(machine: Machine, scene: wf.Scene, steps: int) -> wf.Result:
     if scene.contacts and all(contact.without_patch() is None for contact in scene.contacts):
         chosen = min(contact.cell_error for contact in scene.contacts)
         error = max(min(REFERENCE_CELLS, 0.5 * chosen), CELL_ERRORS[0])
-        setting |= {"grid": "patch", "cell_error": machine.exact or error}
+        setting |= {"grid": "contact_fixed", "cell_error": machine.exact or error}
     return _run(machine, scene, setting, steps)
 
 

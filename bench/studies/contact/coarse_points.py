@@ -94,7 +94,7 @@ def roller(material: Material, elements: int, order: int, below: Array | None = 
     spacing = 2.0 * np.pi * ROLLER_RADIUS / sectors if fewer else None
     return reduce(
         mesh, material, interfaces={"end_low": "average"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        traction_spacing=spacing, stress=stress, patch_grid=True, cache=False, progress=False,
+        traction_spacing=spacing, stress=stress, contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -128,9 +128,9 @@ def pressed_rollers(bodies: list[ReducedBody], squeeze: float, cells: Cells = No
         z = (2 * i + 1) * (ROLLER_RADIUS - share)
         body = scene.add_body(reduced, name=f"roller {i}", position=(0.0, 0.0, z))
         guided(scene, body)
-        scene.add(Contact(body["rim"], below, grid="patch", cells=cells, name=f"pair {i}"))
+        scene.add(Contact(body["rim"], below, grid="contact_fixed", cells=cells, name=f"pair {i}"))
         below = body["rim"]
-    scene.add(Contact(below, plane(scene, height, -1.0), grid="patch", cells=cells, name=f"pair {len(bodies)}"))
+    scene.add(Contact(below, plane(scene, height, -1.0), grid="contact_fixed", cells=cells, name=f"pair {len(bodies)}"))
     return rested(scene)
 
 
@@ -227,7 +227,7 @@ def ball(material: Material, mesh: BallMesh, below: Array | None = None) -> Redu
         stress["below"] = np.column_stack([BALL_RADIUS - below, 0.0 * below, 0.0 * below])
     return reduce(
         mesh.mesh(), material, interfaces={"outside": "average"}, contact={"patch": surfaces.Sphere()}, modes=0,
-        stress=stress, patch_grid=True, cache=False, progress=False,
+        stress=stress, contact_fixed=True, cache=False, progress=False,
     )  # fmt: skip
 
 
@@ -257,7 +257,7 @@ def weighed(body: ReducedBody, load: float, material: Material, cells: Cells = N
     placed = scene.add_body(
         body, name="ball", position=(0.0, 0.0, BALL_RADIUS - depth), rotation=(0.0, np.sin(half), 0.0, np.cos(half))
     )
-    scene.add(Contact(placed["patch"], plane(scene, 0.0, 1.0), grid="patch", cells=cells, name="pair"))
+    scene.add(Contact(placed["patch"], plane(scene, 0.0, 1.0), grid="contact_fixed", cells=cells, name="pair"))
     guided(scene, placed)
     return rested(scene)
 
@@ -286,7 +286,7 @@ def struck(bodies: list[ReducedBody], modulus: float, speed: float, cells: Cells
     if len(bodies) > 1:
         up = (0.0, -np.sqrt(0.5), 0.0, np.sqrt(0.5))
         other = scene.add_body(bodies[1], name="lower", position=(0.0, 0.0, -BALL_RADIUS), rotation=up)["patch"]
-    scene.add(Contact(upper["patch"], other, grid="patch", cells=cells, name="pair"))
+    scene.add(Contact(upper["patch"], other, grid="contact_fixed", cells=cells, name="pair"))
     step = exact.duration / STEPS
     result = simulate(scene, 1.2 * exact.duration, step=step, progress=False)
     if result.status != "completed":
@@ -344,7 +344,7 @@ def block(material: Material, kind: str, size: float) -> ReducedBody:
     mesh = as_tets(grid(x, x, -np.concatenate([[0.0], np.cumsum(down)])[::-1], order=2), kind)
     mesh = mesh.select("top", "z_max", lambda c: np.max(np.abs(c[:, :2]), axis=1) < half)
     return reduce(
-        mesh, material, interfaces={"z_min": "rigid"}, contact={"top": surfaces.Plane()}, modes=0, patch_grid=True,
+        mesh, material, interfaces={"z_min": "rigid"}, contact={"top": surfaces.Plane()}, modes=0, contact_fixed=True,
         traction_spacing=size, cache=False, progress=False,
     )  # fmt: skip
 
@@ -355,7 +355,9 @@ def ball_on_block(body: ReducedBody, place: tuple[float, float], cells: Cells = 
     held = scene.add_body(body, name="block")
     shape = surfaces.Sphere(radius=BALL_RADIUS, axis_point=(*place, BALL_RADIUS - APPROACH))
     scene.add(joints.Fixed(scene.ground, held["z_min"]))
-    scene.add(Contact(held["top"], scene.ground.surface(shape, name="ball"), grid="patch", cells=cells, name="pair"))
+    scene.add(
+        Contact(held["top"], scene.ground.surface(shape, name="ball"), grid="contact_fixed", cells=cells, name="pair")
+    )
     return float(rested(scene).contact("pair").force_magnitude[-1])
 
 
@@ -415,7 +417,7 @@ def trouble() -> list[tuple[str, str]]:
         mesh = roller_mesh(ROLLER_RADIUS, 0.0, ROLLER_RADIUS, sectors=8, layers=1, axial=1, order=1)
         body = reduce(
             mesh, STEEL, interfaces={"end_low": "average"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-            patch_grid=True, cache=False, progress=False,
+            contact_fixed=True, cache=False, progress=False,
         )  # fmt: skip
         return "; ".join(body.report["warnings"]) or "reduced"
 
@@ -553,10 +555,10 @@ def page() -> str:
 
 Made by `python -m studies.contact.coarse_points`; do not edit.
 
-Pressures on cells that travel with the patch (`Contact(grid="patch")`). *On the radius*: elements along the surface in
-a radius; the contacts are 0.003 to 0.05 radii wide. Errors are relative: approach against the closed form for the load
-found, half-width (by second moments, C11) and peak against Hertz at that load. The first three columns of errors are
-those of the cells that the program chooses, eight in the patch, the second three of 24.
+Pressures on cells that travel with the patch (`Contact(grid="contact_fixed")`). *On the radius*: elements along the
+surface in a radius; the contacts are 0.003 to 0.05 radii wide. Errors are relative: approach against the closed form
+for the load found, half-width (by second moments, C11) and peak against Hertz at that load. The first three columns
+of errors are those of the cells that the program chooses, eight in the patch, the second three of 24.
 
 **What the approach misses.** To first order in its curvatures k_i a curved surface yields under a unit force as the
 half-space and

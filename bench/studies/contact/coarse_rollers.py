@@ -86,7 +86,7 @@ MESHES: dict[str, Callable[[], Mesh]] = {
 def reduced(mesh: Mesh, crown_radius: float | None = None, **options: Any) -> ReducedBody:
     """The roller for contact on cells, its bore rigid."""
     shape = surfaces.Cylinder() if crown_radius is None else surfaces.CrownedCylinder(crown_radius=crown_radius)
-    given = {"modes": 0, "patch_grid": True, "cache": False, "progress": False, **options}
+    given = {"modes": 0, "contact_fixed": True, "cache": False, "progress": False, **options}
     return reduce(mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, **given)
 
 
@@ -108,7 +108,7 @@ def held(
             continue
         axle = scene.add(joints.Revolute(scene.ground, body["bore"], axis=(0, 1, 0)))
         scene.add(joints.Drive(axle, signals.Ramp(0.0, sense * turning, duration=1e-3), quantity="velocity"))
-    scene.add(Contact(first["rim"], second["rim"], **{"grid": "patch", "name": PAIR, **contact}))
+    scene.add(Contact(first["rim"], second["rim"], **{"grid": "contact_fixed", "name": PAIR, **contact}))
     return scene
 
 
@@ -190,7 +190,7 @@ def between_rigid(body: ReducedBody, apart: float, approach: float, **contact: A
         place = (R + small - approach) * np.array([np.sin(angle), 0.0, np.cos(angle)])
         shape = surfaces.Cylinder(radius=small, axis_point=place, axis_direction=(0, 1, 0))
         partner = scene.ground.surface(shape, name=f"small {n}")
-        scene.add(Contact(middle["rim"], partner, **{"grid": "patch", "name": f"{PAIR} {n}", **contact}))
+        scene.add(Contact(middle["rim"], partner, **{"grid": "contact_fixed", "name": f"{PAIR} {n}", **contact}))
     return scene
 
 
@@ -266,7 +266,7 @@ def turned_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[
     for name, turned in cases.items():
         figures = {}
         for key, body in {"fine": fine, **coarse}.items():
-            contact = {"grid": "material", "capacity": 6000} if key == "fine" else {}
+            contact = {"grid": "body_fixed", "capacity": 6000} if key == "fine" else {}
             pair = equilibrium(held(body, body, TURNED_APPROACH, **turned, **contact)).contact(PAIR)
             figures[key] = (float(pair.force_magnitude[-1]), float(pair.peak_pressure[-1]))
         for key in coarse:
@@ -281,7 +281,7 @@ def beside_rows(fine: ReducedBody, coarse: dict[str, ReducedBody]) -> list[list[
     for apart in APART:
         forces = {}
         for key, body in {"fine": fine, **coarse}.items():
-            contact = {"grid": "material", "capacity": 6000} if key == "fine" else {}
+            contact = {"grid": "body_fixed", "capacity": 6000} if key == "fine" else {}
             result = equilibrium(between_rigid(body, apart, BESIDE_APPROACH, **contact))
             forces[key] = float(result.contact(f"{PAIR} 0").force_magnitude[-1])
         alone = alone or forces["fine"]  # the first are opposite each other

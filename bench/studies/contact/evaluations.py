@@ -72,18 +72,18 @@ def tread(
     axial: int,
     sampling_error: float | None = None,
     half_width: float | None = None,
-    patch_grid: bool = False,
+    contact_fixed: bool = False,
 ) -> ReducedBody:
     """A roller whose hats cover `columns` grid columns about the angle zero; `sampling_error`: with sampling points for
     it; `half_width` [m]: with stress points below the middle of the tread, over two half-widths to each side;
-    `patch_grid`: with what cells that travel with the patch need."""
+    `contact_fixed`: with what cells that travel with the patch need."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=GRADING, order=1)
     half = 0.5 * (columns + 1) * 2.0 * np.pi / sectors
     mesh = mesh.select("tread", "rim", lambda x: np.abs(np.arctan2(-x[:, 2], x[:, 0])) < half)
     stress = None if half_width is None else {POINTS: stress_points(half_width)}
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"tread": Cylinder()}, modes=0, stress=stress,
-        sampling_error=sampling_error, patch_grid=patch_grid, progress=False,
+        sampling_error=sampling_error, contact_fixed=contact_fixed, progress=False,
     )  # fmt: skip
 
 

@@ -1,4 +1,5 @@
-r"""A tread pressed against its mirror image, pressures on cells that travel with the patch: `Contact(grid="patch")`.
+r"""A tread pressed against its mirror image, pressures on cells that travel with the patch:
+`Contact(grid="contact_fixed")`.
 
 The same bodies, layers and forces as in `pressing`, by the program itself: two rollers whose bores are held, at rest,
 turned so that the line of centres stands at a given angle of the lower one's grid and at the opposite angle of the
@@ -39,7 +40,7 @@ class Refused(RuntimeError):
 
 @dataclass(frozen=True)
 class OnPatch:
-    """The bodies of `pressing`, reduced with `patch_grid=True`, in contact on so many `strips` of ROWS cells."""
+    """The bodies of `pressing`, reduced with `contact_fixed=True`, in contact on so many `strips` of ROWS cells."""
 
     pressing: Pressing
     strips: int
@@ -62,7 +63,7 @@ class OnPatch:
             scene.add(joints.Fixed(scene.ground, body["bore"]))
             bodies.append(body)
         lower, upper = (body["tread"] for body in bodies)
-        scene.add(Contact(lower, upper, law=LinearLayer(k), grid="patch", cells=(self.strips, ROWS), name=PAIR))
+        scene.add(Contact(lower, upper, law=LinearLayer(k), grid="contact_fixed", cells=(self.strips, ROWS), name=PAIR))
         return scene
 
     def at(self, k: float, center: float, delta: float) -> np.ndarray:
@@ -86,7 +87,7 @@ def hat_forces(pressing: Pressing, history: History) -> np.ndarray:
     record = history.contacts[PAIR]
     cells = record.cells
     if cells is None:
-        raise ValueError(f"contact {PAIR!r} has its pressures on the material grid; give it grid='patch'")
+        raise ValueError(f"contact {PAIR!r} has its pressures on the material grid; give it grid='contact_fixed'")
     W, grid = float(cells.half_width[-1]), pressing.grid
     pressure = record.pressure[-1]
     middle = (float(cells.column[-1]) - pressing.middle) * grid.pitch

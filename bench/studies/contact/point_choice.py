@@ -217,7 +217,7 @@ def bodies() -> dict[str, ContactSurface]:
     for name, shape, crown in (("straight", Cylinder(), None), ("crowned", CrownedCylinder(crown_radius=CROWN), CROWN)):
         body = reduce(
             roller(RADIUS, BORE, WIDTH, crown_radius=crown, **mesh), STEEL, interfaces={"bore": "rigid"},
-            contact={"rim": shape}, modes=10, patch_grid=False, progress=False,
+            contact={"rim": shape}, modes=10, contact_fixed=False, progress=False,
         )  # fmt: skip
         found[name] = body.contact_surfaces["rim"]
     return found

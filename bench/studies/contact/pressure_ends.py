@@ -99,7 +99,7 @@ def pressing(sectors: int, layers: int, approach: float, finer: int = 1) -> Pres
     columns = 2 * (int(wide) * finer // 2) + 1
     body = tread(
         columns + 1, sectors=finer * sectors, layers=layers + (GRADED if finer > 1 else 0), axial=4,
-        half_width=half_width if finer == 1 else None, patch_grid=finer == 1,
+        half_width=half_width if finer == 1 else None, contact_fixed=finer == 1,
     )  # fmt: skip
     return Pressing(body, columns)
 
@@ -158,7 +158,9 @@ Stress under the patch, von Mises, the largest difference over the largest, on t
 {READ_MATERIAL}
 ## On cells that travel with the patch
 
-The same bodies, layers, forces and reference with `Contact(grid="patch")`, on {", ".join(map(str, STRIPS))} strips
+The same bodies, layers, forces and reference with `Contact(grid="contact_fixed")`, on {
+        ", ".join(map(str, STRIPS))
+    } strips
 across ({STRIPS[0]} is what `Contact` takes by itself) by {ROWS} rows. Its pressures are meaned over the hats of the
 bodies' grid, as all others are.
 

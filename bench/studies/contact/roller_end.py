@@ -82,7 +82,7 @@ def reduced(roller: Roller, half_width: float, hats: int, lines: Array) -> Reduc
     )  # fmt: skip
     return reduce(
         mesh, roller.material, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=0,
-        patch_grid=False, progress=False,
+        contact_fixed=False, progress=False,
     )  # fmt: skip
 
 

@@ -190,7 +190,7 @@ def slider_rows(cells: int = 64) -> list[Row]:
     body = wide(length, cells)
     form = of_x(body, lambda x: low * (0.5 - x / length))
     scene, guide = above(
-        body, FACE, height=low, velocity=(speed, 0, 0), cavitation="none", ambient_pressure=1.0, form=form
+        body, FACE, height=low, velocity=(speed, 0, 0), cavitation="full_sommerfeld", ambient_pressure=1.0, form_a=form
     )
     found = sliding(scene, guide, speed)
     force = trapezoid(along_x(body)[0], middle(body, found.films["film"].pressure[-1]))
@@ -205,8 +205,8 @@ def cylinder_rows(cells: int = 192) -> list[Row]:
     body = wide(length, cells, 6, 4.0 / 26.0)
     shape = surfaces.Cylinder(radius=radius, axis_point=(0, 0, radius), axis_direction=(0, 1, 0))
     rows = []
-    for mode, closed, target in (("reynolds", REYNOLDS_CYLINDER, 0.02), ("half", HALF_CYLINDER, 0.02)):
-        ambient: dict[str, Any] = {"ambient_pressure": 1.0} if mode == "half" else {}
+    for mode, closed, target in (("reynolds", REYNOLDS_CYLINDER, 0.02), ("half_sommerfeld", HALF_CYLINDER, 0.02)):
+        ambient: dict[str, Any] = {"ambient_pressure": 1.0} if mode == "half_sommerfeld" else {}
         scene, guide = above(body, shape, height=low, velocity=(speed, 0, 0), cavitation=mode, **ambient)
         found = sliding(scene, guide, speed)
         p = np.maximum(middle(body, found.films["film"].pressure[-1]), 0.0)
@@ -230,8 +230,8 @@ def ruptured_rows(cells: int = 128) -> list[Row]:
     form = of_x(body, lambda x: gap(x + 0.5 * length) - narrow)
     last = float(grid.theta[-1] if along_x(body)[1] > 0.0 else grid.theta[0])
     scene, guide = above(
-        body, FACE, height=narrow, velocity=(speed, 0, 0), oil=oils.Newtonian(viscosity), form=form,
-        feeds=[films.Groove(last, 0.1 * float(grid.pitch), outlet)],
+        body, FACE, height=narrow, velocity=(speed, 0, 0), oil=oils.Newtonian(viscosity), form_a=form,
+        feeds=[films.AxialGroove(last, 0.1 * float(grid.pitch), outlet)],
     )  # fmt: skip
     film = sliding(scene, guide, speed).films["film"]
     x = along_x(body)[0] + 0.5 * length
@@ -255,7 +255,7 @@ def squeeze_rows(counts: Sequence[int] = (32,)) -> list[Row]:
     for n in counts:
         body = plate(size, size, (n, n))
         scene, _ = above(
-            body, FACE, height=height, velocity=(0, 0, -speed), axis=(0, 0, 1), mass=1e6, cavitation="none",
+            body, FACE, height=height, velocity=(0, 0, -speed), axis=(0, 0, 1), mass=1e6, cavitation="full_sommerfeld",
             ambient_pressure=1.0,
         )  # fmt: skip
         found = completed(run(scene, 1e-5, step=1e-5, progress=False))
@@ -275,7 +275,8 @@ def falling_rows(counts: int = 32, numbers: Sequence[int] = (10, 20)) -> list[Ro
     rows = []
     for steps in numbers:
         scene, _ = above(
-            body, FACE, height=height, velocity=(0, 0, -speed), axis=(0, 0, 1), mass=LIGHT, cavitation="none",
+            body, FACE, height=height, velocity=(0, 0, -speed), axis=(0, 0, 1), mass=LIGHT,
+                cavitation="full_sommerfeld",
             ambient_pressure=1.0,
         )  # fmt: skip
         scene.add(forces.PointForce(scene.bodies[1].at((0, 0, 0)), (0.0, 0.0, -load)))
@@ -323,7 +324,7 @@ def long_rows(hats: tuple[int, int] = (128, 17)) -> list[Row]:
     length = (hats[1] - 1) * float(np.sqrt(6.0)) * RADIUS  # of a pressure that goes once around, as `BESIDE`
     body, rows = bore(hats, length, RIGID), []
     for e in (0.5, 0.9):
-        scene = bearing(body, None, at=(e, 0.0), cavitation="none", ambient_pressure=1.0)
+        scene = bearing(body, None, at=(e, 0.0), cavitation="full_sommerfeld", ambient_pressure=1.0)
         found = completed(find_equilibrium(scene))
         grid = body.contact_surfaces["bore"].grid
         p = found.films["film"].pressure[-1][:, hats[1] // 2]
@@ -406,7 +407,9 @@ def dry_rows(hats: tuple[int, int] = (64, 9), speeds: Sequence[float] = (3.0, 0.
     dry = completed(find_equilibrium(scene))
     place, largest = dry.bodies["shaft"].position[-1][0], float(dry.contacts["dry"].pressure[-1].max())
     for speed in speeds:
-        wet = completed(find_equilibrium(bearing(body, (HEAVY, 0.0), speed=speed, feeds=[GROOVE], law=ASPERITIES)))
+        wet = completed(
+            find_equilibrium(bearing(body, (HEAVY, 0.0), speed=speed, feeds=[GROOVE], asperities=ASPERITIES))
+        )
         film, x = wet.films["film"], wet.bodies["shaft"].position[-1]
         case, on = f"asperities and film at {speed:g} rad/s beside dry contact", f"{hats[0]} x {hats[1]}"
         rows += [

@@ -47,7 +47,7 @@ RADIUS, WALL, LENGTH, CLEARANCE = 0.025, 0.0125, 0.025, 25e-6  # m
 VISCOSITY, SPEED = 0.01, 300.0  # Pa s, rad/s
 TURN = 2.0 * np.pi / SPEED  # s
 RIGID = 1e5  # times the modulus of steel
-GROOVE = films.Groove(np.pi, 1e-4, 0.0)  # one column
+GROOVE = films.AxialGroove(np.pi, 1e-4, 0.0)  # one column
 HATS, FINE = (64, 9), (128, 17)
 RATIOS, ECCENTRICITIES, VOLUMES = (0.5, 1.0), (0.2, 0.5, 0.8, 0.9), (360, 64)
 LOADS, TOO_MUCH = (2e3, 20e3, 60e3, 80e3), (90e3,)  # N; of the latter the reference finds no film either
@@ -412,7 +412,7 @@ def growth(body: ReducedBody, load: Array, mass: float) -> tuple[float, float]:
     """Growth rate and frequency of a small disturbance of the shaft at half eccentricity, over the speed."""
     at = (0.5 + DISTURBANCE, 0.0)
     step, duration = TURN / THRESHOLD_STEPS, THRESHOLD_TURNS * TURN
-    thin: dict[str, Any] = {"clearance": NARROW, "oil": oils.Newtonian(THIN), "cavitation": "half"}
+    thin: dict[str, Any] = {"clearance": NARROW, "oil": oils.Newtonian(THIN), "cavitation": "half_sommerfeld"}
     scene = bearing(body, (load[0], load[1]), at=at, mass=mass, **thin)
     found = completed(run(scene, duration, step=step, progress=False, settings=UNWATCHED))
     first = 3 * THRESHOLD_STEPS  # what is damped strongly is gone
@@ -434,7 +434,7 @@ def threshold_rows() -> list[list[str]]:
     length = THRESHOLD_RATIO * 2.0 * RADIUS
     for hats in THRESHOLD_HATS:
         body = bore(hats, length, RIGID)
-        thin: dict[str, Any] = {"clearance": NARROW, "oil": oils.Newtonian(THIN), "cavitation": "half"}
+        thin: dict[str, Any] = {"clearance": NARROW, "oil": oils.Newtonian(THIN), "cavitation": "half_sommerfeld"}
         load = -on_shaft(at_rest(bearing(body, None, at=(0.5, 0.0), **thin)))
         unit = float(np.hypot(*load)) / (NARROW * SPEED**2)
         found = [growth(body, load, part * exact[0] * unit) for part in AROUND]
@@ -442,7 +442,7 @@ def threshold_rows() -> list[list[str]]:
         share = float(rate[0] / (rate[0] - rate[1]))
         mass = exact[0] * (AROUND[0] + share * (AROUND[1] - AROUND[0]))
         turned = float(whirl[0] + share * (whirl[1] - whirl[0]))
-        law = JournalFilm(RADIUS, length, NARROW, THIN, SPEED, *hats, mode="half")
+        law = JournalFilm(RADIUS, length, NARROW, THIN, SPEED, *hats, mode="half_sommerfeld")
         state = law.steady(np.array([0.5 * NARROW, 0.0]))
         K, D = law.coefficients(np.array([0.5 * NARROW, 0.0]), state)
         W = float(np.hypot(*law.force(state)))

@@ -85,7 +85,7 @@ def mode_rows() -> list[list[str]]:
     length = RADIUS
     rows = []
     for e in (0.5, 0.8):
-        for mode, feeds in (("mass_conserving", (64,)), ("mass_conserving", (48,)), ("reynolds", ()), ("half", ())):
+        for mode, feeds in (("jfo", (64,)), ("jfo", (48,)), ("reynolds", ()), ("half_sommerfeld", ())):
             film = journal(length, 128, 17, mode=mode, feeds=feeds)
             state = film.steady(at(e))
             force = film.force(state)
@@ -98,7 +98,7 @@ def closed_rows() -> list[list[str]]:
     """Beside closed forms."""
     rows = []
     for e in (0.5, 0.9):
-        film = journal(1.0, 128, 2, mode="none")
+        film = journal(1.0, 128, 2, mode="full_sommerfeld")
         film.held[:] = False
         film.held[:2] = True
         found = float(np.hypot(*film.force(film.steady(at(e)))))
@@ -110,12 +110,12 @@ def closed_rows() -> list[list[str]]:
         found = float(np.hypot(*film.force(film.steady(at(e)))))
         exact = JournalBearing(RADIUS, length, CLEARANCE, VISCOSITY, SPEED * RADIUS).short(e)[0]
         rows.append([f"short bearing, L/D 0.02 (Ocvirk), eccentricity {e:g}", "128 x 9", _off(found, exact)])
-    slider = pad(lambda x: 2.0 - x, np.linspace(0.0, 1.0, 65), speed=1.0, mode="none").force
+    slider = pad(lambda x: 2.0 - x, np.linspace(0.0, 1.0, 65), speed=1.0, mode="full_sommerfeld").force
     exact = plane_slider(2.0, 1.0, 1.0, viscosity=1.0, speed=1.0)
     rows.append(["plane slider, gaps 2 to 1", "65 columns", _off(slider, exact)])
     t = np.linspace(-1.0, 1.0, 201)
     x = 13.0 * np.sqrt(2e-3) * np.sign(t) * np.abs(t) ** 2.5
-    for mode, closed in (("reynolds", REYNOLDS_CYLINDER), ("half", HALF_CYLINDER)):
+    for mode, closed in (("reynolds", REYNOLDS_CYLINDER), ("half_sommerfeld", HALF_CYLINDER)):
         found = 1e-3 * pad(lambda x: 1e-3 + 0.5 * x**2, x, speed=2.0, mode=mode).force
         rows.append([f"cylinder on a plane, cut at 13 root(2 R h), {mode}", "201 columns", _off(found, closed)])
     for n in (16, 32):
@@ -134,7 +134,7 @@ def rupture_rows() -> list[list[str]]:
     rows = []
     for cells in (64, 128, 256):
         x = np.linspace(0.0, length, cells + 1)
-        found = pad(gap, x, speed=speed, mode="mass_conserving", viscosity=viscosity, ends=(0.0, outlet))
+        found = pad(gap, x, speed=speed, mode="jfo", viscosity=viscosity, ends=(0.0, outlet))
         void = np.flatnonzero(found.void > 0.0)
         rows.append([
             str(cells), _off(found.force, exact.force), f"{found.inflow[0] / exact.flux - 1.0:+.1e}",
@@ -196,7 +196,7 @@ def threshold_rows() -> list[list[str]]:
     exact = stability_threshold(*short_bearing_coefficients(0.5))
     rows = [["closed form", f"{exact[0]:.4f}", f"{exact[1]:.4f}"]]
     for columns in (64, 128, 256):
-        film = journal(0.02 * 2.0 * RADIUS, columns, 9, mode="half")
+        film = journal(0.02 * 2.0 * RADIUS, columns, 9, mode="half_sommerfeld")
         state = film.steady(at(0.5))
         K, D = film.coefficients(at(0.5), state)
         load = float(np.hypot(*film.force(state)))

@@ -89,7 +89,7 @@ def _alike(build: Callable[[], Any], result: Result) -> Callable[[], Any]:
         scene, chosen = build(), result.history.scene
         for items, others, options in (
             (scene.bodies, chosen.bodies, ("level", "stiffening")),
-            (scene.contacts, chosen.contacts, ("grid", "gaps", "cell_error")),
+            (scene.contacts, chosen.contacts, ("grid", "kinematics", "cell_error")),
         ):
             by_name = {other.name: other for other in others}
             for item in items:

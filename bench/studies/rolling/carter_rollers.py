@@ -58,7 +58,7 @@ def rolling_body(cells: int, *, order: int = 2, cache: bool = True) -> ReducedBo
     mesh = roller(RADIUS, BORE, WIDTH, sectors=columns // order, layers=8, axial=1, grading=1.8, order=order)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": Cylinder()}, modes=0,
-        tangential=True, patch_grid=False, cache=cache,
+        tangential=True, contact_fixed=False, cache=cache,
         progress=False,
     )  # fmt: skip
 

@@ -333,7 +333,7 @@ def humped(tilt: float = 0.0) -> ReducedBody:
         R, BORE, WIDTH, sectors=4 * round(0.5 * np.pi * R / SIZE), layers=7, axial=round(WIDTH / SIZE), profile=shape
     )
     return reduce(
-        mesh, PLANE_STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, modes=0, patch_grid=True,
+        mesh, PLANE_STEEL, interfaces={"bore": "rigid"}, contact={"rim": shape}, modes=0, contact_fixed=True,
         tangential=True, progress=False,
     )  # fmt: skip
 

@@ -61,7 +61,7 @@ def tread_body(
     local_dynamics: bool = False,
 ) -> ReducedBody:
     """A roller of linear hexahedra whose hats cover `columns` grid columns about the angle zero; None: the whole rim.
-    Contact stands on these hats (no `patch_grid`). `local_dynamics` keeps the inertia of its local modes."""
+    Contact stands on these hats (no `contact_fixed`). `local_dynamics` keeps the inertia of its local modes."""
     mesh = roller(RADIUS, BORE, WIDTH, sectors=sectors, layers=layers, axial=axial, grading=1.3, order=1)
     name = "rim"
     if columns is not None:
@@ -70,7 +70,7 @@ def tread_body(
         name = "tread"
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={name: Cylinder()}, modes=modes,
-        local_dynamics=local_dynamics, patch_grid=False, progress=False,
+        local_dynamics=local_dynamics, contact_fixed=False, progress=False,
     )  # fmt: skip
 
 

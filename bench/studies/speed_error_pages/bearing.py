@@ -26,20 +26,20 @@ class Cells:
 
 
 CELLS = {
-    "nodes, 0.2 mm": Cells(4e-4, "material"),
-    "nodes, 0.1 mm": Cells(2e-4, "material"),
-    "nodes, 0.05 mm": Cells(1e-4, "material"),
-    "patch to 2 %, 0.2 mm": Cells(4e-4, "patch"),
+    "nodes, 0.2 mm": Cells(4e-4, "body_fixed"),
+    "nodes, 0.1 mm": Cells(2e-4, "body_fixed"),
+    "nodes, 0.05 mm": Cells(1e-4, "body_fixed"),
+    "patch to 2 %, 0.2 mm": Cells(4e-4, "contact_fixed"),
 }
-REFERENCE, REFERENCE_CELLS = "patch to 0.5 %, 0.2 mm", Cells(4e-4, "patch", 0.005)
-QUICK_CELLS = {"nodes, 0.5 mm": Cells(1e-3, "material"), "nodes, 0.4 mm": Cells(8e-4, "material")}
-QUICK_REFERENCE, QUICK_REFERENCE_CELLS = "nodes, 0.3 mm", Cells(6e-4, "material")
+REFERENCE, REFERENCE_CELLS = "patch to 0.5 %, 0.2 mm", Cells(4e-4, "contact_fixed", 0.005)
+QUICK_CELLS = {"nodes, 0.5 mm": Cells(1e-3, "body_fixed"), "nodes, 0.4 mm": Cells(8e-4, "material")}
+QUICK_REFERENCE, QUICK_REFERENCE_CELLS = "nodes, 0.3 mm", Cells(6e-4, "body_fixed")
 
 
 @cache
 def _rings(half_width: float) -> tuple[wf.ReducedBody, wf.ReducedBody]:
-    patch = any(cells.grid == "patch" and cells.half_width == half_width for cells in CELLS.values())
-    return scenes.rings(ROLLERS, half_width, patch_grid=patch)
+    patch = any(cells.grid == "contact_fixed" and cells.half_width == half_width for cells in CELLS.values())
+    return scenes.rings(ROLLERS, half_width, contact_fixed=patch)
 
 
 def make(quick: bool, *, progress: bool = True) -> SpeedError:

@@ -24,7 +24,7 @@ TREATMENTS = [
 
 @cache
 def _roller(quick: bool) -> wf.ReducedBody:
-    return rollers.roller_body(QUICK_SIZE if quick else SIZE, patch_grid=False, local_dynamics=True, progress=False)
+    return rollers.roller_body(QUICK_SIZE if quick else SIZE, contact_fixed=False, local_dynamics=True, progress=False)
 
 
 def make(quick: bool, *, progress: bool = True) -> SpeedError:

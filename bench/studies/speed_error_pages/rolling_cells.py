@@ -21,7 +21,7 @@ def make(quick: bool, *, progress: bool = True) -> SpeedError:
 
     return wf.study.speed_error(
         rolling_cells, RUN, step=STEPS[0], start="equilibrium", progress=progress, rounds=1,
-        choices={"grid": ["patch"], "step": STEPS[:-1] if quick else STEPS},
+        choices={"grid": ["contact_fixed"], "step": STEPS[:-1] if quick else STEPS},
     )  # fmt: skip
 
 

@@ -32,15 +32,15 @@ class Grid:
 
 
 GRIDS = {
-    "hats, 0.13 mm": Grid("material"),
-    "hats, 0.09 mm": Grid("material", rollers.Size(sectors=3600, layers=18, axial=4)),
-    "7 x 9 cells, 4 mm mesh": Grid("patch", COARSE, cells=(7, 9)),
-    "9 x 7 cells, 4 mm mesh": Grid("patch", COARSE, cells=(9, 7)),
-    "cells to 0.5 %, 4 mm mesh": Grid("patch", COARSE),
-    "cells to 0.2 %, 4 mm mesh": Grid("patch", COARSE, error=2e-3),
-    "cells to 0.5 %, 0.13 mm mesh": Grid("patch"),
+    "hats, 0.13 mm": Grid("body_fixed"),
+    "hats, 0.09 mm": Grid("body_fixed", rollers.Size(sectors=3600, layers=18, axial=4)),
+    "7 x 9 cells, 4 mm mesh": Grid("contact_fixed", COARSE, cells=(7, 9)),
+    "9 x 7 cells, 4 mm mesh": Grid("contact_fixed", COARSE, cells=(9, 7)),
+    "cells to 0.5 %, 4 mm mesh": Grid("contact_fixed", COARSE),
+    "cells to 0.2 %, 4 mm mesh": Grid("contact_fixed", COARSE, error=2e-3),
+    "cells to 0.5 %, 0.13 mm mesh": Grid("contact_fixed"),
 }
-REFERENCE, FINEST = "cells to 0.1 %, 0.13 mm mesh", Grid("patch", error=1e-3)
+REFERENCE, FINEST = "cells to 0.1 %, 0.13 mm mesh", Grid("contact_fixed", error=1e-3)
 QUICK_GRIDS = list(GRIDS)[::3]
 
 

@@ -6,10 +6,10 @@ With the set of full hats known it is linear, columns of A for these and of -T f
 comes out negative becomes void, a void one whose D comes out negative becomes full, until none changes (a Newton
 method on min(p, D); A is symmetric and positive definite, T an M-matrix). By `mode`:
 
-    mass_conserving     as above
+    jfo                 as above
     reynolds            a slack s >= 0 in the place of T D: dp/dn = 0 at the rupture, no refilling by mass
-    half                the whole film solved, negative pressures then cut: no rupture condition
-    none                the whole film
+    half_sommerfeld     the whole film solved, negative pressures then cut: no rupture condition
+    full_sommerfeld     the whole film
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from warpffrf.model.errors import InputError, unknown_name
 
 Array = np.ndarray
 Sparse = Any  # a matrix or array of scipy.sparse, which have no type in common
-MODES = ("mass_conserving", "reynolds", "half", "none")
+MODES = ("jfo", "reynolds", "half_sommerfeld", "full_sommerfeld")
 MOST_SWEEPS = 400
 NO_VOID = 1e-13  # of the largest void: hats with neither pressure nor void would change sides for ever
 
@@ -41,7 +41,7 @@ class FilmState:
 
 
 def solve(
-    A: Sparse, T: Sparse, right: Array, held: Array, pressure: Array, *, mode: str = "mass_conserving",
+    A: Sparse, T: Sparse, right: Array, held: Array, pressure: Array, *, mode: str = "jfo",
     full: Array | None = None,
 ) -> FilmState:  # fmt: skip
     """The state of all hats; `held` (hats,) bool have the `pressure` (hats,) given, `full`: a set to begin with. Raises
@@ -52,9 +52,9 @@ def solve(
     p, D, known = np.where(held, pressure, 0.0), np.zeros(len(held)), np.ones(len(held), dtype=bool)
     matrix = A[free][:, free].tocsc()
     rest = (right - A @ p)[free]
-    if mode in ("half", "none"):
+    if mode in ("half_sommerfeld", "full_sommerfeld"):
         p[free] = splu(matrix).solve(rest)
-        return FilmState(np.maximum(p, 0.0) if mode == "half" else p, D, known, 1)
+        return FilmState(np.maximum(p, 0.0) if mode == "half_sommerfeld" else p, D, known, 1)
     carried = sp.identity(len(free), format="csc") if mode == "reynolds" else T[free][:, free].tocsc()
     on = np.ones(len(free), dtype=bool) if full is None else full[free].copy()
     for sweep in range(1, MOST_SWEEPS + 1):

@@ -57,7 +57,7 @@ class JournalFilm:
     rows: int
     feeds: tuple[int, ...] = ()
     feed: float = 0.0
-    mode: str = "mass_conserving"
+    mode: str = "jfo"
     points: tuple[int, int] = (3, 2)
     past: Past | None = field(default=None, init=False)
     state: FilmState | None = field(default=None, init=False)
@@ -185,7 +185,7 @@ class JournalFilm:
         """Changes of pressure (hats, 2) with those of the residual, at the set of `state`; a half film shows those of
         its positive pressures."""
         free = ~self.held
-        on = state.pressure > 0.0 if self.mode == "half" else state.full
+        on = state.pressure > 0.0 if self.mode == "half_sommerfeld" else state.full
         found = np.zeros((self.grid.count, 2))
         found[free] = np.where(on[free, None], -solved(change[free]), 0.0)
         return found

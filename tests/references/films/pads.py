@@ -84,5 +84,6 @@ def square_plate(cells: int) -> float:
     held[[0, -1]] = held[:, [0, -1]] = True
     A, right = grid.diffusion(np.full(len(grid.at), 1.0 / 12.0)), grid.integral(np.ones(len(grid.at)))
     return float(
-        grid.area @ solve(A, grid.outflow(0.0), right, held.ravel(), np.zeros(grid.count), mode="none").pressure
+        grid.area
+        @ solve(A, grid.outflow(0.0), right, held.ravel(), np.zeros(grid.count), mode="full_sommerfeld").pressure
     )

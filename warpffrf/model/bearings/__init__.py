@@ -1,7 +1,7 @@
 """Whole rolling bearings: builders of rings, elements, contacts and cage, and what such a bearing is.
 
     geometry.py   pitch circle, grooves, clearance, contact angle; what does not fit
-    parts.py      place, masses, rings, contacts            cage.py              Spaced, Pockets
+    parts.py      place, masses, rings, contacts            cage.py              PrescribedCage, PocketCage
     preload.py    PreloadForce, PreloadOffset               flanges.py           ribs that stop rollers
     bearing.py    Bearing: its parts by name                rating.py            ISO 281 and ISO/TS 16281 lives
     rolling.py    orbit and spin of elements that roll
@@ -13,18 +13,26 @@ surfaces ask for: a new kind of bearing is a geometry and a builder.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from warpffrf.model.bearings.ball import add_ball_bearing
 from warpffrf.model.bearings.bearing import Bearing
-from warpffrf.model.bearings.cage import Cage, Pockets, Spaced
+from warpffrf.model.bearings.cage import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
 from warpffrf.model.bearings.preload import Preload, PreloadForce, PreloadOffset
 from warpffrf.model.bearings.roller import add_roller_bearing
+from warpffrf.model.errors import no_attribute
 
 __all__ = [
-    "Bearing", "Cage", "Flanges", "Pockets", "Preload", "PreloadForce", "PreloadOffset", "Spaced", "add_ball_bearing",
+    "Bearing", "Cage", "Flanges", "PocketCage", "Preload", "PreloadForce", "PreloadOffset", "PrescribedCage",
+    "add_ball_bearing",
     "add_roller_bearing",
 ]  # fmt: skip
 
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)

@@ -82,19 +82,19 @@ def add_ball_bearing(
     initial pose; first None: +x made perpendicular to the axis. inner, outer: a rigid body or `scene.ground`, which get
     a raceway; a contact surface `body["rim"]` of a flexible body, whose contact is then distributed; None: a rigid
     ring, free, "<name> inner ring", of `material`, with bore, outside_diameter and width [m]
-    (`warpffrf.model.bearings.parts`). cage: `bearings.Spaced()`, balls at equal angles that stand still,
-    `bearings.Pockets(...)` or None.
+    (`warpffrf.model.bearings.parts`). cage: `bearings.PrescribedCage()`, balls at equal angles that stand still,
+    `bearings.PocketCage(...)` or None.
 
     law: of the contacts, or (inner, outer), None for laws.HertzPoint of the materials; friction: as of `LumpedContact`,
     laws.RegularisedCoulomb for a traction that grows with the slip speed up to its bound. rolling_resistance, spin: of
     lumped contacts with the raceways, moments against rolling and pivoting, as of `LumpedContact`; distributed contact
     has the friction of pivoting in its tractions.
     inner_form, outer_form: how a raceway deviates around its axis, of `warpffrf.films`, positive where material is
-    missing, angles from the first ball: films.Lobes(5e-6, 2) is oval; of rigid rings. diameter_deviations (elements,)
-    [m]: what each ball is thicker by. material: of rings and balls, element_material: of other balls. element_body:
-    the reduced body of every ball, None for rigid ones (`warpffrf.model.bearings.elements`); its contact is
-    distributed. shoulders [m]: height over the bottom of the groove, one or (inner, outer), with which results say how
-    much of a patch is cut off.
+    missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval; of rigid rings. diameter_deviations
+    (elements,) [m]: what each ball is thicker by. material: of rings and balls, element_material: of other balls.
+    element_body: the reduced body of every ball, None for rigid ones (`warpffrf.model.bearings.elements`); its contact
+    is distributed. shoulders [m]: height over the bottom of the groove, one or (inner, outer), with which results say
+    how much of a patch is cut off.
 
     Raises `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
     """

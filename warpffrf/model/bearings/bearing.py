@@ -80,8 +80,8 @@ class Bearing(reprs.Shown):
         """Let a run begin with rings that turn at `inner` and `outer` [rad/s] about the axis, elements that roll on
         them without slip, and the cage that goes with them; returns the speeds of an element.
 
-        Sets `velocity` and `angular_velocity` of the bodies, and the drive of a cage `Spaced`. angle [rad]: contact
-        angle, None for the free one; control: the raceway that balls do not pivot on, "outer" or "inner"
+        Sets `velocity` and `angular_velocity` of the bodies, and the drive of a cage `PrescribedCage`. angle [rad]:
+        contact angle, None for the free one; control: the raceway that balls do not pivot on, "outer" or "inner"
         (`warpffrf.model.bearings.rolling`). Drives of the rings are the scene's. Raises `InputError` for a speed of
         the ground.
         """
@@ -161,7 +161,7 @@ def without_cage(bearings: list[Bearing]) -> str:
         return ""
     return (
         f"bearing {', '.join(loose)} has no cage, and loads squeeze its elements out of their zone; give it "
-        "cage=bearings.Spaced(), or hold the elements by joints"
+        "cage=bearings.PrescribedCage(), or hold the elements by joints"
     )
 
 

@@ -95,7 +95,8 @@ def assemble(
     """
     if cage is not None and not isinstance(cage, Cage):
         raise InputError(
-            f"bearing {bearing.name!r}: cage must be bearings.Spaced(...), bearings.Pockets(...) or None, got {cage!r}"
+            f"bearing {bearing.name!r}: cage must be bearings.PrescribedCage(...), bearings.PocketCage(...) or None, "
+            f"got {cage!r}"
         )
     place, raceways = bearing.place, bearing.raceways
     bearing.element_surface = elements.surface

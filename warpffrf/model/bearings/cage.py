@@ -3,10 +3,10 @@
 Without one, raceways squeeze every loaded element that does not stand on the line of the load out of the load zone, and
 there is no equilibrium. A kind of cage is a class with `hold`, which adds its parts to the bearing.
 
-    Spaced     elements at equal angles in a frame whose rotation is prescribed: standing still, or with a given speed
-    Pockets    a body that turns as elements push it: each has play in a pocket, and friction there
+    PrescribedCage     elements at equal angles in a frame whose rotation is prescribed: standing still, or with a given
+    speed PocketCage    a body that turns as elements push it: each has play in a pocket, and friction there
 
-A pocket of `Pockets` is a cup around a ball, and two planes before and behind a roller.
+A pocket of `PocketCage` is a cup around a ball, and two planes before and behind a roller.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Cage(ABC):
 
 @named_arguments
 @dataclass(frozen=True)
-class Spaced(Cage):
+class PrescribedCage(Cage):
     """Elements at equal angles in a frame that turns with `speed` [rad/s], a number or a signal; 0 stands still.
 
     The centre of an element stays in a plane through the axis, in which it is free; a roller's axis stays in it, too.
@@ -90,7 +90,7 @@ class Spaced(Cage):
     """
 
     speed: SignalLike = 0.0
-    kind: ClassVar[str] = "spaced"
+    kind: ClassVar[str] = "prescribed_cage"
 
     def hold(self, scene: Scene, bearing: Bearing) -> None:
         body = self._body(scene, bearing)
@@ -99,7 +99,7 @@ class Spaced(Cage):
         place = bearing.place
         for i, element in enumerate(bearing.elements, start=1):
             angle = bearing.raceways.angles[i - 1]
-            ports = body.at((0.0, 0.0, 0.0)), centre_of(element, f"bearing {bearing.name!r}: Spaced")
+            ports = body.at((0.0, 0.0, 0.0)), centre_of(element, f"bearing {bearing.name!r}: PrescribedCage")
             name, across = f"{bearing.name} pocket {i}", place.around(angle)
             if bearing.kind == "roller":
                 joint = LineInPlane(*ports, axis=across, line=place.axis, name=name)
@@ -110,7 +110,7 @@ class Spaced(Cage):
 
 @named_arguments
 @dataclass(frozen=True)
-class Pockets(Cage):
+class PocketCage(Cage):
     """A body with a pocket for each element, which has `clearance` [m] in it, of the diameter.
 
     law: of the force in a pocket, a lumped law: of a ball None for PowerForce(1e9, 1.5), of a roller, whose laminae
@@ -126,12 +126,12 @@ class Pockets(Cage):
     friction: FrictionLike = 0.0
     guided: bool = True
     inertia: tuple[float, float, float] | None = None
-    kind: ClassVar[str] = "pockets"
+    kind: ClassVar[str] = "pocket_cage"
 
     def hold(self, scene: Scene, bearing: Bearing) -> None:
         """Add the cage to `scene` and `bearing`. Raises `InputError` for pockets that overlap, or smaller than the
         elements."""
-        label = f"bearing {bearing.name!r}: Pockets"
+        label = f"bearing {bearing.name!r}: PocketCage"
         play = require_number(self.clearance, f"{label}: clearance [m]")
         D, apart = bearing.raceways.diameter, bearing.raceways.apart
         if play < 0.0:
@@ -150,8 +150,8 @@ class Pockets(Cage):
             )
         if any(element.reduced is not None for element in bearing.elements):
             raise InputError(
-                f"{label}: pockets are of rigid elements, these are flexible; take cage=bearings.Spaced(...), with the "
-                "speed of bearing.orbit_speed(...)"
+                f"{label}: pockets are of rigid elements, these are flexible; take cage=bearings.PrescribedCage(...), "
+                "with the speed of bearing.orbit_speed(...)"
             )
         body = self._body(scene, bearing)
         if self.inertia is not None:
@@ -192,4 +192,4 @@ class Pockets(Cage):
         }
 
 
-STANDING = Spaced()  # where no cage is named
+STANDING = PrescribedCage()  # where no cage is named

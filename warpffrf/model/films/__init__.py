@@ -1,27 +1,44 @@
 """Oil films between two surfaces, what they are fed by, and how the surfaces deviate from their true shapes.
 
-    Film                                the film of a pair of surfaces, `film`
-    Groove  Ring  Hole                  feeds, `feeds`
-    Lobes  Barrel  Worn  Measured       form deviations, `warpffrf.model.surfaces.form_deviations`; they add up
-    Roughness                           of a wall, with flow factors, `roughness`
-    CAVITATIONS                         what becomes of pressures below that of cavitation, `cavitation`
+    Film            the film of a pair of surfaces, `film`
+    feeds           AxialGroove, CircumferentialGroove, SupplyHole, `feeds`
+    forms           LobedForm, BarrelForm, WornForm, MeasuredForm, deviations from the true shape that add up,
+                    `warpffrf.model.surfaces.form_deviations`
+    Roughness       of a wall, with flow factors, `roughness`
+    CAVITATIONS     what becomes of pressures below that of cavitation, `cavitation`
 
 The oils are in `warpffrf.model.oils`.
 """
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+from warpffrf.model.errors import no_attribute
 from warpffrf.model.films.cavitation import CAVITATIONS
-from warpffrf.model.films.feeds import FEEDS, Feed, Groove, Hole, Ring
+from warpffrf.model.films.feeds import FEEDS, AxialGroove, CircumferentialGroove, Feed, SupplyHole
 from warpffrf.model.films.film import EVALUATIONS, Film
 from warpffrf.model.films.roughness import ROUGHNESSES, Roughness
-from warpffrf.model.surfaces.form_deviations import FORMS, Barrel, Form, Lobes, Measured, Sum, Worn
+from warpffrf.model.surfaces.form_deviations import (
+    FORMS,
+    BarrelForm,
+    CompositeForm,
+    Form,
+    LobedForm,
+    MeasuredForm,
+    WornForm,
+)
 
 __all__ = [
-    "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "ROUGHNESSES", "Barrel", "Feed", "Film", "Form", "Groove", "Hole",
-    "Lobes", "Measured", "Ring", "Roughness", "Sum", "Worn",
+    "CAVITATIONS", "EVALUATIONS", "FEEDS", "FORMS", "ROUGHNESSES", "BarrelForm", "Feed", "Film", "Form",
+    "AxialGroove", "SupplyHole",
+    "LobedForm", "MeasuredForm", "CircumferentialGroove", "Roughness", "CompositeForm", "WornForm",
 ]  # fmt: skip
 
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 CAVITATIONS = {
-    "mass_conserving": "film or void, and the oil that enters a cavity comes out of it: p >= 0, void D >= 0, p D = 0",
+    "jfo": "film or void, and the oil that enters a cavity comes out of it: p >= 0, void D >= 0, p D = 0",
     "reynolds": "the film ends where pressure and slope vanish; oil is lost where it ends and found where it begins",
-    "none": "pressures of any sign, a film that never breaks",
-    "half": "as 'none', and negative pressures are left out of the forces",
+    "full_sommerfeld": "pressures of any sign, a film that never breaks",
+    "half_sommerfeld": "as 'full_sommerfeld', and negative pressures are left out of the forces",
 }

@@ -72,7 +72,7 @@ class Feed(ABC):
 
 @named_arguments
 @dataclass(frozen=True)
-class Groove(Feed):
+class AxialGroove(Feed):
     """A groove along the axis at the angle theta [rad, of a plane m], of the `width` [m]; pressure [Pa].
 
     z: its ends (low, high) [m]; None: the whole length but the end rows, which stay at the ambient pressure. Raises
@@ -83,14 +83,14 @@ class Groove(Feed):
     width: float
     pressure: float
     z: tuple[float, float] | None = None
-    kind: ClassVar[str] = "oil_groove"
+    kind: ClassVar[str] = "axial_groove"
 
     def __post_init__(self) -> None:
         self._keep_numbers("theta", "width", "pressure")
         if self.z is not None:
-            low, high = require_array(self.z, "films.Groove: z [m], (low, high)", (2,))
+            low, high = require_array(self.z, "films.AxialGroove: z [m], (low, high)", (2,))
             if not low < high:
-                raise InputError(f"films.Groove: z must be (low, high) with low < high, got ({low:g}, {high:g})")
+                raise InputError(f"films.AxialGroove: z must be (low, high) with low < high, got ({low:g}, {high:g})")
             object.__setattr__(self, "z", (float(low), float(high)))
 
     @property
@@ -123,13 +123,13 @@ class Groove(Feed):
 
 @named_arguments
 @dataclass(frozen=True)
-class Ring(Feed):
+class CircumferentialGroove(Feed):
     """A groove all around at z [m], of the `width` [m] along the meridian; pressure [Pa]. Raises `InputError`."""
 
     z: float
     width: float
     pressure: float
-    kind: ClassVar[str] = "oil_ring"
+    kind: ClassVar[str] = "circumferential_groove"
 
     def __post_init__(self) -> None:
         self._keep_numbers("z", "width", "pressure")
@@ -153,14 +153,14 @@ class Ring(Feed):
 
 @named_arguments
 @dataclass(frozen=True)
-class Hole(Feed):
+class SupplyHole(Feed):
     """A round hole at theta [rad, of a plane m], z [m], of the `diameter` [m]; pressure [Pa]. Raises `InputError`."""
 
     theta: float
     z: float
     diameter: float
     pressure: float
-    kind: ClassVar[str] = "oil_hole"
+    kind: ClassVar[str] = "supply_hole"
 
     def __post_init__(self) -> None:
         self._keep_numbers("theta", "z", "diameter", "pressure")
@@ -187,7 +187,7 @@ class Hole(Feed):
         return np.hypot(off * shape.radius_at(z), _along(shape, z, self.z))
 
 
-FEEDS: dict[str, type[Any]] = {feed.kind: feed for feed in (Groove, Ring, Hole)}
+FEEDS: dict[str, type[Any]] = {feed.kind: feed for feed in (AxialGroove, CircumferentialGroove, SupplyHole)}
 
 
 def _turn(shape: Any, theta: Any, middle: float) -> np.ndarray:

@@ -29,7 +29,7 @@ from warpffrf.model.surfaces.form_deviations import Form, as_form
 from warpffrf.model.surfaces.round_form import refuse_form
 
 EVALUATIONS = ("semi", "hyper", "full")
-PROFILES = (0, 1, 2)  # powers along: a shaft that tilts needs odd ones
+PROFILES = (0, 1, 2)  # axial degrees: a shaft that tilts needs odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
 SAME = 0.01  # of the deviation of the summed heights, which walls and the law of asperities both tell
@@ -43,16 +43,16 @@ class Film(reprs.Item):
     """An oil film between two surfaces a and b, `body["bore"]` each; a must be of a flexible body, b is of one too or
     rigid.
 
-    Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves, rings and holes where oil comes
-    in (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
-    above the pressure of cavitation. law: a contact law whose pressure begins before the surfaces touch, such as
-    `laws.ExponentialAsperities` or `laws.GreenwoodTripp`, for asperities that carry beside the film; None for none.
-    friction: the coefficient with which these rub, beside the drag of the oil. form, form_second: how the two surfaces
-    deviate from their true shapes (`warpffrf.films`). roughness, roughness_second: `films.Roughness` of the two walls,
-    with the flow factors of Patir and Cheng; None for smooth ones. evaluation: "semi", all hats of the contact grid at
-    all points, or "hyper", of each column a few profiles (1 - zeta^2) zeta^m along with the `powers` m, 0 the first, at
-    few points, or "full", pressures at the FE nodes of the first surface, which method "monolithic" solves for. name:
-    default "<first body>-<second body>". Raises `InputError`.
+    Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves and holes that supply oil
+    (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
+    above the cavitation pressure. asperities: a contact law whose pressure begins before the surfaces touch, such as
+    `laws.ExponentialAsperities` or `laws.GreenwoodTripp`; its pressure adds to that of the film; None for smooth walls.
+    boundary_friction: the friction coefficient of the asperities, in addition to the drag of the oil. form_a, form_b:
+    form deviations of the two surfaces (`warpffrf.films`). roughness_a, roughness_b: `films.Roughness` of the two
+    walls, with the flow factors of Patir and Cheng; None for smooth walls. evaluation: "semi", all hats of the contact
+    grid at all points, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m of `axial_degrees`,
+    0 first, at few points, or "full", pressures at the FE nodes of the first surface, which method "monolithic" solves
+    for. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "films"
@@ -65,16 +65,16 @@ class Film(reprs.Item):
         *,
         oil: Oil,
         feeds: Sequence[Feed] = (),
-        cavitation: str = "mass_conserving",
+        cavitation: str = "jfo",
         ambient_pressure: float = 0.0,
-        law: Law | None = None,
-        friction: float = 0.0,
-        form: Form | None = None,
-        form_second: Form | None = None,
-        roughness: Roughness | None = None,
-        roughness_second: Roughness | None = None,
+        asperities: Law | None = None,
+        boundary_friction: float = 0.0,
+        form_a: Form | None = None,
+        form_b: Form | None = None,
+        roughness_a: Roughness | None = None,
+        roughness_b: Roughness | None = None,
         evaluation: str = "semi",
-        powers: Sequence[int] = PROFILES,
+        axial_degrees: Sequence[int] = PROFILES,
         name: str | None = None,
     ) -> None:
         for port, place in ((a, "first"), (b, "second")):
@@ -91,29 +91,29 @@ class Film(reprs.Item):
         self.cavitation = str(cavitation)
         self.evaluation = str(evaluation)
         self.oil: Oil = as_oil(oil, label)
-        self.law: Law | None = None if law is None else _asperities(law, label)
-        self.friction = require_number(friction, f"{label}: friction", non_negative=True)
-        if self.friction > 0.0 and self.law is None:
+        self.asperities: Law | None = None if asperities is None else _asperities(asperities, label)
+        self.boundary_friction = require_number(boundary_friction, f"{label}: boundary_friction", non_negative=True)
+        if self.boundary_friction > 0.0 and self.asperities is None:
             raise InputError(
-                f"{label}: friction is that of asperities, and there is no law of theirs; the oil drags without it: "
-                "give law=laws.ExponentialAsperities(...), or leave friction out"
+                f"{label}: boundary_friction is that of asperities, and none are given; the oil drags without it: "
+                "give asperities=laws.ExponentialAsperities(...), or leave boundary_friction out"
             )
         self.ambient_pressure = require_number(ambient_pressure, f"{label}: ambient_pressure [Pa]", non_negative=True)
         self.feeds: tuple[Feed, ...] = _feeds(feeds, label)
-        self.form: Form | None = self._as_form(form, "form", a)
-        self.form_second: Form | None = self._as_form(form_second, "form_second", b)
-        self.roughness: Roughness | None = as_roughness(roughness, f"{label}: roughness")
-        self.roughness_second: Roughness | None = as_roughness(roughness_second, f"{label}: roughness_second")
+        self.form_a: Form | None = self._as_form(form_a, "form_a", a)
+        self.form_b: Form | None = self._as_form(form_b, "form_b", b)
+        self.roughness_a: Roughness | None = as_roughness(roughness_a, f"{label}: roughness_a")
+        self.roughness_b: Roughness | None = as_roughness(roughness_b, f"{label}: roughness_b")
         self._require_gap()
         self._require_grid()
         held, _, _ = self._held()
-        self.powers = self._as_powers(powers)
+        self.axial_degrees = self._as_degrees(axial_degrees)
         if held.all():
             raise InputError(f"{label}: its feeds hold all nodes of the grid, no film is left; make them smaller")
-        if self.cavitation == "mass_conserving" and not self.feeds and not self.ambient_pressure:
+        if self.cavitation == "jfo" and not self.feeds and not self.ambient_pressure:
             raise InputError(
                 f"{label}: the film would run dry, as oil leaves at its ends and none comes in; give it "
-                "feeds=[films.Groove(theta, width, pressure)], or an ambient_pressure above 0 at the ends"
+                "feeds=[films.AxialGroove(theta, width, pressure)], or an ambient_pressure above 0 at the ends"
             )
 
     @property
@@ -139,7 +139,7 @@ class Film(reprs.Item):
     @property
     def deviation(self) -> float:
         """Standard deviation [m] of the summed heights of both rough walls; 0 of smooth ones."""
-        return summed_deviation(self.roughness, self.roughness_second)
+        return summed_deviation(self.roughness_a, self.roughness_b)
 
     @property
     def notes(self) -> list[str]:
@@ -163,12 +163,12 @@ class Film(reprs.Item):
     def gap_form(self, theta: Any, z: Any) -> np.ndarray:
         """What the form of the first surface adds to the gap [m] at places theta [rad, of a plane m], z [m] of its
         chart, shapes that broadcast; positive where material is missing."""
-        return _deviation(self.form, theta, z)
+        return _deviation(self.form_a, theta, z)
 
     def second_form(self, theta: Any, z: Any) -> np.ndarray:
         """What the form of the second surface adds to the gap [m] at places theta [rad, of a plane m], z [m] of its own
         chart, shapes that broadcast."""
-        return _deviation(self.form_second, theta, z)
+        return _deviation(self.form_b, theta, z)
 
     def initial_gap(self) -> np.ndarray:
         """Gap [m] at the nodes (columns, rows), at the initial pose as it is now, undeformed, with the forms of both
@@ -185,26 +185,26 @@ class Film(reprs.Item):
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
-        parts = {"oil": self.oil, "law": self.law, "form": self.form, "form_second": self.form_second}
+        parts = {"oil": self.oil, "asperities": self.asperities, "form_a": self.form_a, "form_b": self.form_b}
         return {
             "name": self.name,
             **surfaces,
             **{name: None if part is None else part.describe() for name, part in parts.items()},
             "feeds": [feed.describe() for feed in self.feeds],
             "cavitation": self.cavitation,
-            "friction": self.friction,
+            "boundary_friction": self.boundary_friction,
             "ambient_pressure": self.ambient_pressure,
             "evaluation": self.evaluation,
-            "powers": list(self.powers) if self.evaluation == "hyper" else None,
+            "axial_degrees": list(self.axial_degrees) if self.evaluation == "hyper" else None,
             **{n: wall.describe() for n, wall in self._walls.items() if wall is not None},
         }
 
     @property
     def _walls(self) -> dict[str, Roughness | None]:
-        return {"roughness": self.roughness, "roughness_second": self.roughness_second}
+        return {"roughness_a": self.roughness_a, "roughness_b": self.roughness_b}
 
     def _rough_notes(self) -> list[str]:
-        told, s = getattr(self.law, "deviation", self.deviation), self.deviation
+        told, s = getattr(self.asperities, "deviation", self.deviation), self.deviation
         if not s or abs(told - s) <= SAME * s:
             return []
         return [
@@ -212,16 +212,16 @@ class Film(reprs.Item):
             f"asperities {told:.3g} m"
         ]
 
-    def _as_powers(self, powers: Any) -> tuple[int, ...]:
+    def _as_degrees(self, degrees: Any) -> tuple[int, ...]:
         """Powers of the profiles. Raises `InputError` for others, and for what profiles cannot be."""
         try:
-            found = tuple(int(m) for m in powers)
+            found = tuple(int(m) for m in degrees)
         except (TypeError, ValueError):
             found = ()
         if found != tuple(sorted(set(found))) or not found or found[0] != 0 or found[-1] > MOST_POWER:
             raise InputError(
-                f"{self.label}: powers must rise from 0 to {MOST_POWER} at most, as (0, 2) of a shaft that stays "
-                f"straight or (0, 1, 2), got {powers!r}"
+                f"{self.label}: axial_degrees must rise from 0 to {MOST_POWER} at most, as (0, 2) of a shaft that "
+                f"stays straight or (0, 1, 2), got {degrees!r}"
             )
         if self.evaluation != "hyper":
             return found
@@ -231,11 +231,11 @@ class Film(reprs.Item):
                 f"{self.label}: the profiles of evaluation 'hyper' end without pressure, and ambient_pressure is "
                 f"{self.ambient_pressure:g} Pa; {cure}"
             )
-        if self.cavitation == "half":
+        if self.cavitation == "half_sommerfeld":
             raise InputError(
-                f"{self.label}: cavitation 'half' cuts pressures at zero, which profiles do not do; {cure}"
+                f"{self.label}: cavitation 'half_sommerfeld' cuts pressures at zero, which profiles do not do; {cure}"
             )
-        if self.law is not None:
+        if self.asperities is not None:
             raise InputError(f"{self.label}: asperities stand at hats, which evaluation 'hyper' does not have; {cure}")
         partly = self._held()[0][:, 1:-1]
         if np.any(partly.any(axis=1) != partly.all(axis=1)):
@@ -299,8 +299,8 @@ class Film(reprs.Item):
         form = as_form(value, f"{self.label}: {name}")
         if form is not None and form.turns and port.surface.shape.profile().planar:
             raise InputError(
-                f"{self.label}: {name} repeats each turn, but {port.label} is a plane; take films.Barrel, or "
-                "films.Measured(..., periodic=False)"
+                f"{self.label}: {name} repeats each turn, but {port.label} is a plane; take films.BarrelForm, or "
+                "films.MeasuredForm(..., periodic=False)"
             )
         return form
 
@@ -402,10 +402,10 @@ def _require_surface(port: Any, place: str) -> None:
 
 def _asperities(value: Any, label: str) -> Law:
     """A law whose pressure begins before the surfaces touch, where there still is a film beside it."""
-    law = as_law(value, label)
+    law = as_law(value, label, "asperities")
     cure = (
-        "take laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TableLayer with gaps above 0, or leave the law "
-        "out"
+        "take laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TabulatedLayer with gaps above 0, or leave "
+        "asperities out"
     )
     if law.curve is None:
         raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film keeps a gap; {cure}")

@@ -8,7 +8,10 @@ one new file and one line here. What a spring or damper does that is not in prop
 
 from __future__ import annotations
 
-from warpffrf.model.forces.bearing import Bearing
+from typing import TYPE_CHECKING
+
+from warpffrf.model.errors import no_attribute
+from warpffrf.model.forces.bearing_spring import BearingSpring
 from warpffrf.model.forces.bushing import Bushing
 from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic, ForcePolynomial, ForceTable, PowerLaw
 from warpffrf.model.forces.cylindrical_friction import CylindricalFriction
@@ -32,7 +35,7 @@ FORCES = {
         TorsionalSpringDamper,
         Pretension,
         Bushing,
-        Bearing,
+        BearingSpring,
         SurfaceLoad,
         NodalLoad,
         RevoluteFriction,
@@ -44,7 +47,7 @@ FORCES = {
 __all__ = [
     "CHARACTERISTICS",
     "FORCES",
-    "Bearing",
+    "BearingSpring",
     "BodyLoad",
     "Bushing",
     "Characteristic",
@@ -72,3 +75,7 @@ __all__ = [
 
 def __dir__() -> list[str]:
     return __all__
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)

@@ -2,8 +2,8 @@
 
     Coulomb               |tau| <= mu p, stick and slip
     RegularisedCoulomb    no stick: tau proportional to the slip velocity below v_slip
-    StribeckCoulomb       mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)
-    TableCoulomb          mu(v) from a table
+    Stribeck       mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta)
+    TabulatedFriction          mu(v) from a table
     TractionCurve         lubricated rolling: a rise in proportion to v, a peak, a fall to a limit; of lumped contacts
 
 A law of one's own is a subclass of `FrictionLaw` with a coefficient and its slope.
@@ -21,18 +21,18 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction.coulomb import Coulomb
 from warpffrf.model.friction.law import FrictionLaw
 from warpffrf.model.friction.regularised_coulomb import RegularisedCoulomb
-from warpffrf.model.friction.stribeck_coulomb import StribeckCoulomb
-from warpffrf.model.friction.table_coulomb import TableCoulomb
+from warpffrf.model.friction.stribeck import Stribeck
+from warpffrf.model.friction.tabulated_friction import TabulatedFriction
 from warpffrf.model.friction.traction_curve import TractionCurve
 
-FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, StribeckCoulomb, TableCoulomb, TractionCurve)}
+FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, Stribeck, TabulatedFriction, TractionCurve)}
 
 RUBBED_REST = (
     "equilibrium(scene, friction=True) has it, from where the scene begins, of surfaces from where they are pressed"
 )
 
 __all__ = [
-    "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "StribeckCoulomb", "TableCoulomb",
+    "FRICTION_LAWS", "Coulomb", "FrictionLaw", "RegularisedCoulomb", "Stribeck", "TabulatedFriction",
     "TractionCurve", "RUBBED_REST", "as_constant_friction", "as_friction", "as_lumped_friction", "as_pair_friction",
     "friction_notes", "rolling_notes", "rubbing",
 ]  # fmt: skip
@@ -80,7 +80,7 @@ def as_pair_friction(value: Any, label: str) -> FrictionLaw:
     if law.breaks and law.creep_limit:
         raise InputError(
             f"{label}: laws.{type(law).__name__} is a law of lumped contacts, LumpedContact(...); take "
-            "laws.StribeckCoulomb or laws.RegularisedCoulomb between surfaces with a pressure"
+            "laws.Stribeck or laws.RegularisedCoulomb between surfaces with a pressure"
         )
     return law
 

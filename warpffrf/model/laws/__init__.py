@@ -5,7 +5,7 @@ With the gap g [m] between the deformed surfaces, the depth d = -g and the press
     Unilateral               p > 0 only at g = 0: nothing between them, no parameter
     LinearLayer              p = k d
     NonlinearLayer           p = k d^n
-    TableLayer               p(g) from a table
+    TabulatedLayer               p(g) from a table
     ExponentialAsperities    p = p_0 exp(-g/lambda)
     GreenwoodTripp           p = K E* F(g/s), asperities with Gaussian heights
     HuntCrossley             p = k d^n (1 + chi d_dot)
@@ -18,15 +18,15 @@ A law of one's own is a subclass of `Law` with a curve of `warpffrf.model.laws.c
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, no_attribute
 from warpffrf.model.friction import (
     Coulomb,
     FrictionLaw,
     RegularisedCoulomb,
-    StribeckCoulomb,
-    TableCoulomb,
+    Stribeck,
+    TabulatedFriction,
     TractionCurve,
 )
 from warpffrf.model.laws import curves
@@ -37,30 +37,31 @@ from warpffrf.model.laws.law import Law
 from warpffrf.model.laws.linear_layer import LinearLayer
 from warpffrf.model.laws.lumped import (
     LUMPED_LAWS,
-    ForceTable,
     HertzPoint,
     IsoLamina,
     LumpedLaw,
     PalmgrenLine,
     PowerForce,
+    TabulatedForce,
 )
 from warpffrf.model.laws.nonlinear_layer import NonlinearLayer
-from warpffrf.model.laws.table_layer import TableLayer
+from warpffrf.model.laws.tabulated_layer import TabulatedLayer
 from warpffrf.model.laws.unilateral import Unilateral
-from warpffrf.model.moments import RollingHysteresis, RollingLever, RollingResistance
+from warpffrf.model.moments import RollingHysteresis, RollingResistance, RollingResistanceArm
 
 LAWS = {
     law.kind: law
     for law in (
-        Unilateral, LinearLayer, NonlinearLayer, TableLayer, ExponentialAsperities, GreenwoodTripp, HuntCrossley,
+        Unilateral, LinearLayer, NonlinearLayer, TabulatedLayer, ExponentialAsperities, GreenwoodTripp, HuntCrossley,
     )
 }  # fmt: skip
 
 __all__ = [
-    "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "ForceTable", "FrictionLaw", "GreenwoodTripp",
+    "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "TabulatedForce", "FrictionLaw", "GreenwoodTripp",
     "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
-    "RegularisedCoulomb", "RollingHysteresis", "RollingLever", "RollingResistance", "StribeckCoulomb", "TableCoulomb",
-    "TableLayer", "TractionCurve", "Unilateral", "as_law", "curves",
+    "RegularisedCoulomb", "RollingHysteresis", "RollingResistanceArm", "RollingResistance", "Stribeck",
+    "TabulatedFriction",
+    "TabulatedLayer", "TractionCurve", "Unilateral", "as_law", "curves",
 ]  # fmt: skip
 
 
@@ -68,8 +69,9 @@ def __dir__() -> list[str]:
     return __all__
 
 
-def as_law(value: Any, label: str) -> Law:
-    """`value` if it is a law with a curve; raises `InputError` naming `label`, with the laws there are."""
+def as_law(value: Any, label: str, name: str = "law") -> Law:
+    """`value`, the argument `name` of `label`, if it is a law with a curve; raises `InputError` with the laws there
+    are."""
     if isinstance(value, LumpedLaw):
         raise InputError(
             f"{label}: laws.{type(value).__name__} gives a force against the approach of two rigid bodies; take "
@@ -77,7 +79,7 @@ def as_law(value: Any, label: str) -> Law:
         )
     if not isinstance(value, Law):
         names = ", ".join(f"laws.{law.__name__}" for law in LAWS.values())
-        raise InputError(f"{label}: law must be one of {names}, or a laws.Law of your own, got {value!r}")
+        raise InputError(f"{label}: {name} must be one of {names}, or a laws.Law of your own, got {value!r}")
     curve = value.curve
     if curve is not None and not isinstance(curve, curves.Curve):
         raise InputError(
@@ -90,3 +92,7 @@ def as_law(value: Any, label: str) -> Law:
             "damping, or take another curve"
         )
     return value
+
+
+if not TYPE_CHECKING:
+    __getattr__ = no_attribute(__name__, __all__)

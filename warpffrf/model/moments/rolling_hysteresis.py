@@ -47,6 +47,6 @@ class RollingHysteresis(RollingResistance):
         if patch is None:
             raise InputError(
                 f"{label}: laws.RollingHysteresis needs the size of the patch, which only laws.HertzPoint, "
-                "laws.PalmgrenLine and laws.IsoLamina know; take one of these, or laws.RollingLever"
+                "laws.PalmgrenLine and laws.IsoLamina know; take one of these, or laws.RollingResistanceArm"
             )
         return self.loss * patch.ahead * patch.short, 1.0 + patch.growth

@@ -70,10 +70,10 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
     def mesh_error(
         self, finer: ReducedBody, *, half_width: float | None = None, interface: str | None = None
     ) -> dict[str, float]:
-        """Relative error of the force at a given approach that this body's mesh makes in contacts with `grid="patch"`,
-        by contact surface; negative: too soft (`warpffrf.model.reduced.mesh_error`).
+        """Relative error of the force at a given approach that this body's mesh makes in contacts with
+        `grid="contact_fixed"`, by contact surface; negative: too soft (`warpffrf.model.reduced.mesh_error`).
 
-        finer: the body reduced on another mesh with patch_grid=True, from the same interfaces and surfaces; half the
+        finer: the body reduced on another mesh with contact_fixed=True, from the same interfaces and surfaces; half the
         element size is fine enough. half_width [m]: of the patch, None for 0.005 of the smallest radius of curvature.
         interface: the one that is held, None for the first; a body without any is as free as it was reduced. Raises
         `InputError` for bodies that are not alike, and where no surface has a far field on both.

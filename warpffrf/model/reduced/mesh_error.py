@@ -1,8 +1,8 @@
 r"""What its mesh makes of a body's forces in contact, by the same body on another mesh.
 
-Under contacts on cells that travel with the patch (`Contact(grid="patch")`) the half-space is exact, and the mesh errs
-in the far field and the global modes alone. For a unit force, spread over a strip as long as the surface (line
-contacts) or a square (others) of half-width b, u = near + far is the mean displacement of the loaded place, the
+Under contacts on cells that travel with the patch (`Contact(grid="contact_fixed")`) the half-space is exact, and the
+mesh errs in the far field and the global modes alone. For a unit force, spread over a strip as long as the surface
+(line contacts) or a square (others) of half-width b, u = near + far is the mean displacement of the loaded place, the
 interface held. With another mesh of the same body
 
     (u - u')/u'
@@ -52,8 +52,8 @@ def mesh_error(
     ]
     if not names:
         raise InputError(
-            "mesh_error: no contact surface has a far field in both bodies; reduce both with patch_grid=True and the "
-            "same contact="
+            "mesh_error: no contact surface has a far field in both bodies; reduce both with contact_fixed=True and "
+            "the same contact="
         )
     return {name: _error(body, finer, name, held, half_width) for name in names}
 

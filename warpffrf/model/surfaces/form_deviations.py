@@ -1,7 +1,7 @@
 """Deviations of a surface from its true shape, which add to the gap of a film: positive where material is missing.
 
 Places are those of the chart of the surface that has the form: theta [rad, of a plane m], z [m]. Forms add up:
-`Lobes(5e-6, 2) + Barrel(3e-6, 0.03)`. One of your own is a subclass of `Form`.
+`LobedForm(5e-6, 2) + BarrelForm(3e-6, 0.03)`. One of your own is a subclass of `Form`.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ class Form(ABC):
         """Whether it repeats each turn, so that it has no sense on a plane."""
         return False
 
-    def __add__(self, other: Any) -> Sum:
-        return Sum((self, other)) if isinstance(other, Form) else NotImplemented
+    def __add__(self, other: Any) -> CompositeForm:
+        return CompositeForm((self, other)) if isinstance(other, Form) else NotImplemented
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
@@ -44,18 +44,18 @@ class Form(ABC):
 
 @named_arguments
 @dataclass(frozen=True)
-class Lobes(Form):
+class LobedForm(Form):
     """Waves around, amplitude cos(count (theta - phase)); amplitude [m], phase [rad] of a place where material is
     missing. Two make a surface oval. Raises `InputError`."""
 
     amplitude: float
     count: int
     phase: float = 0.0
-    kind: ClassVar[str] = "lobes"
+    kind: ClassVar[str] = "lobed_form"
 
     def __post_init__(self) -> None:
         _keep_number(self, "amplitude", "[m]")
-        object.__setattr__(self, "count", require_count(self.count, "films.Lobes: count", 1))
+        object.__setattr__(self, "count", require_count(self.count, "films.LobedForm: count", 1))
         _keep_number(self, "phase", "[rad]")
 
     @property
@@ -69,14 +69,14 @@ class Lobes(Form):
 
 @named_arguments
 @dataclass(frozen=True)
-class Barrel(Form):
+class BarrelForm(Form):
     """A parabola along the axis: nothing is missing at `middle` [m], `drop` [m] at half the `length` [m] from it;
     hollow where the drop is negative. Raises `InputError`."""
 
     drop: float
     length: float
     middle: float = 0.0
-    kind: ClassVar[str] = "barrel"
+    kind: ClassVar[str] = "barrel_form"
 
     def __post_init__(self) -> None:
         _keep_number(self, "drop", "[m]")
@@ -90,21 +90,23 @@ class Barrel(Form):
 
 @named_arguments
 @dataclass(frozen=True)
-class Worn(Form):
+class WornForm(Form):
     """A worn place, depth cos^2(pi/2 (angle from theta)/width) within the angle `width` [rad] to both sides of theta
     [rad], along the whole length; depth [m]. Raises `InputError`."""
 
     depth: float
     theta: float
     width: float
-    kind: ClassVar[str] = "worn"
+    kind: ClassVar[str] = "worn_form"
 
     def __post_init__(self) -> None:
         _keep_number(self, "depth", "[m]")
         _keep_number(self, "theta", "[rad]")
         _keep_number(self, "width", "[rad]", positive=True)
         if self.width > np.pi:
-            raise InputError(f"films.Worn: width must be at most pi, half a turn to each side, got {self.width:g} rad")
+            raise InputError(
+                f"films.WornForm: width must be at most pi, half a turn to each side, got {self.width:g} rad"
+            )
 
     @property
     def turns(self) -> bool:
@@ -118,9 +120,9 @@ class Worn(Form):
 
 @named_arguments
 @dataclass(frozen=True, eq=False)
-class Measured(Form):
-    """Measured deviations, `values` (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising, straight
-    between them; beyond the outermost z their value.
+class MeasuredForm(Form):
+    """MeasuredForm deviations, `values` (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising,
+    straight between them; beyond the outermost z their value.
 
     periodic: around the full turn, with the first theta again behind the last; otherwise beyond the outermost theta
     their value too. Raises `InputError`.
@@ -130,30 +132,30 @@ class Measured(Form):
     z: Any
     values: Any
     periodic: bool = True
-    kind: ClassVar[str] = "measured"
+    kind: ClassVar[str] = "measured_form"
 
     def __post_init__(self) -> None:
-        theta = require_array(self.theta, "films.Measured: theta", (None,))
-        z = require_array(self.z, "films.Measured: z [m]", (None,))
+        theta = require_array(self.theta, "films.MeasuredForm: theta", (None,))
+        z = require_array(self.z, "films.MeasuredForm: z [m]", (None,))
         for name, places in (("theta", theta), ("z", z)):
             if not len(places):
-                raise InputError(f"films.Measured: {name} is empty, one place at least is needed")
+                raise InputError(f"films.MeasuredForm: {name} is empty, one place at least is needed")
             if np.any(wrong := np.diff(places) <= 0.0):
                 i = int(np.argmax(wrong))
                 raise InputError(
-                    f"films.Measured: {name} must rise, got {places[i]:g} and then {places[i + 1]:g} (places {i} and "
-                    f"{i + 1})"
+                    f"films.MeasuredForm: {name} must rise, got {places[i]:g} and then {places[i + 1]:g} (places {i} "
+                    f"and {i + 1})"
                 )
-        values = require_array(self.values, "films.Measured: values [m]", (None, None))
+        values = require_array(self.values, "films.MeasuredForm: values [m]", (None, None))
         if values.shape != (len(theta), len(z)):
             raise InputError(
-                f"films.Measured: values must have shape ({len(theta)}, {len(z)}), a row for each theta and a column "
-                f"for each z, got {values.shape}"
+                f"films.MeasuredForm: values must have shape ({len(theta)}, {len(z)}), a row for each theta and a "
+                f"column for each z, got {values.shape}"
             )
         if self.periodic and theta[-1] - theta[0] >= TURN * (1.0 - 1e-12):
             raise InputError(
-                f"films.Measured: theta spans {theta[-1] - theta[0]:g} rad, a full turn or more; leave out the last "
-                "place, which is the first again, or take periodic=False on a plane"
+                f"films.MeasuredForm: theta spans {theta[-1] - theta[0]:g} rad, a full turn or more; leave out the "
+                "last place, which is the first again, or take periodic=False on a plane"
             )
         for name, array in (("theta", theta), ("z", z), ("values", values)):
             object.__setattr__(self, name, array)
@@ -179,21 +181,21 @@ class Measured(Form):
 
 @named_arguments
 @dataclass(frozen=True)
-class Sum(Form):
+class CompositeForm(Form):
     """Several forms at once; what `+` makes. Raises `InputError` for parts that are no forms."""
 
     parts: tuple[Form, ...]
-    kind: ClassVar[str] = "sum"
+    kind: ClassVar[str] = "composite_form"
 
     def __post_init__(self) -> None:
         parts = tuple(self.parts) if isinstance(self.parts, Sequence) else (self.parts,)
         flat: list[Form] = []
         for part in parts:
             if not isinstance(part, Form):
-                raise InputError(f"films.Sum: parts must be forms, {_names()}, got {part!r}")
-            flat += part.parts if isinstance(part, Sum) else [part]
+                raise InputError(f"films.CompositeForm: parts must be forms, {_names()}, got {part!r}")
+            flat += part.parts if isinstance(part, CompositeForm) else [part]
         if not flat:
-            raise InputError("films.Sum: parts is empty; leave the form out")
+            raise InputError("films.CompositeForm: parts is empty; leave the form out")
         object.__setattr__(self, "parts", tuple(flat))
 
     @property
@@ -208,7 +210,9 @@ class Sum(Form):
         return {"kind": self.kind, "parts": [part.describe() for part in self.parts]}
 
 
-FORMS: dict[str, type[Any]] = {form.kind: form for form in (Lobes, Barrel, Worn, Measured, Sum)}
+FORMS: dict[str, type[Any]] = {
+    form.kind: form for form in (LobedForm, BarrelForm, WornForm, MeasuredForm, CompositeForm)
+}
 
 
 def as_form(value: Any, label: str) -> Form | None:
@@ -219,7 +223,7 @@ def as_form(value: Any, label: str) -> Form | None:
 
 
 def _names() -> str:
-    return ", ".join(f"films.{form.__name__}" for form in FORMS.values() if form is not Sum)
+    return ", ".join(f"films.{form.__name__}" for form in FORMS.values() if form is not CompositeForm)
 
 
 def _keep_number(form: Form, name: str, unit: str, *, positive: bool = False) -> None:

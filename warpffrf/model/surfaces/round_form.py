@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.surfaces.form_deviations import Form, Measured, Sum, as_form
+from warpffrf.model.surfaces.form_deviations import CompositeForm, Form, MeasuredForm, as_form
 
 STEPS = 4096  # around
 AGREES = 1e-4  # of the largest deviation: how near the spline comes to the form between its places
@@ -48,7 +48,7 @@ class RoundForm:
         if np.ptp(ends, axis=0).max() > AGREES * size or not found.form.turns:
             raise InputError(
                 f"{label}: form: {found.form.kind} changes along the axis, or does not close around it; a lumped "
-                "contact takes waves around, films.Lobes, films.Worn, or films.Measured with one z"
+                "contact takes waves around, films.LobedForm, films.WornForm, or films.MeasuredForm with one z"
             )
         middle = (np.arange(STEPS) + 0.5) * TURN / STEPS
         off = np.abs(found.at(middle + found.start)[0] - _curve(found.form, middle)).max()
@@ -95,7 +95,7 @@ def refuse_form(port: Any, label: str) -> None:
     if port.surface.form is not None:
         raise InputError(
             f"{label}: {port.label} has a form deviation, which only lumped contacts see; leave it out, or give a film "
-            "its own, Film(..., form=...)"
+            "its own, Film(..., form_a=...)"
         )
 
 
@@ -108,9 +108,9 @@ def _known(value: Any, label: str) -> Form:
 
 def _curve(form: Form, theta: np.ndarray) -> np.ndarray:
     """w [m] at angles [rad]; of a measured form a smooth curve through its values instead of straight lines."""
-    if isinstance(form, Sum):
+    if isinstance(form, CompositeForm):
         return np.sum([_curve(part, theta) for part in form.parts], axis=0)
-    if not isinstance(form, Measured) or len(form.theta) < 3:
+    if not isinstance(form, MeasuredForm) or len(form.theta) < 3:
         return form(theta, np.zeros_like(theta))
     from scipy.interpolate import CubicSpline
 

@@ -17,8 +17,8 @@ B's wall,
 
     tau = mu (u_B - u_A)(1 - D/h)/h + (h/2) grad p,
 
-and loads its coordinates by -N^T w p: the derivative of h. Under "reynolds" D is a slack that does not travel, "half"
-pushes with pressures above zero only, "none" with all.
+and loads its coordinates by -N^T w p: the derivative of h. Under "reynolds" D is a slack that does not travel,
+"half_sommerfeld" pushes with pressures above zero only, "full_sommerfeld" with all.
 
 Derivatives by p, D and q are those of what is written here. Those by the six coordinates of each body, which move the
 points, the normals and the velocities at once, are central differences of R and of the forces, `STEP` of the gap wide.
@@ -41,7 +41,7 @@ from warpffrf.monolithic.films.basis import Basis, basis_of
 Array = np.ndarray
 STEP = 1e-4  # of the middle gap: truncation 1e-8 of h^3, as round-off of places of 0.1 m
 TURNS = 30.0  # of the oil in the longest static step: each leaves a thirtieth of what was not steady
-TRAVELS = ("mass_conserving", "reynolds")  # words of `cavitation` that have voids
+TRAVELS = ("jfo", "reynolds")  # words of `cavitation` that have voids
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ class FilmData:
         self.modes = self.flexible - 6 * layout.bodies
         self.rigid = 6 * len(rigid)
         self.free = np.flatnonzero(~self.basis.held)
-        self.travels, self.half = film.cavitation in TRAVELS, film.cavitation == "half"
+        self.travels, self.half = film.cavitation in TRAVELS, film.cavitation == "half_sommerfeld"
         self.slack = film.cavitation == "reynolds"
         w = sparse.diags(self.basis.weight)
         self.loads = self.phi.T @ (self.basis.deform.T @ w @ self.basis.value).toarray()  # (modes, functions)

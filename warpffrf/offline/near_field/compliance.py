@@ -441,8 +441,8 @@ def _of_one_material(flat: FlatCells, material: Material, assignment: Assignment
 def _other_material(f: NearFunctions) -> InputError:
     return InputError(
         f"contact {f.name!r}: cells of another material lie within {REACH:g} facet edges "
-        f"({REACH * f.edge:.3g} m) of the surface; a patch grid needs one material there: use a mesh that is "
-        'finer at the surface than the layer is thick, or grid="material"'
+        f"({REACH * f.edge:.3g} m) of the surface; a contact-fixed grid needs one material there: use a mesh that is "
+        'finer at the surface than the layer is thick, or grid="body_fixed"'
     )
 
 

@@ -59,7 +59,8 @@ def free_ends(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, edge: float)
             where = "lower" if side < 0 else "upper"
             notes.append(
                 f"contact {name!r}: the edge at its {where} end, z = {end:.4g} m, is no right angle between the "
-                "surface and a plane face; within about a spacing of the grid from it a patch grid is less accurate"
+                "surface and a plane face; within about a spacing of the grid from it a contact-fixed grid is less "
+                "accurate"
             )
     return found, notes
 

@@ -105,13 +105,14 @@ def find_far_field(
     ends, notes = free_ends(mesh, name, shape, grid, functions.edge)
     if tangential is not None and cells is None:
         notes.append(
-            f"contact {name!r}: a patch grid knows normal pressures only, its tangential tractions are "
+            f"contact {name!r}: a contact-fixed grid knows normal pressures only, its tangential tractions are "
             f"{tangential.grid.kind}; use tangential='cells'"
         )
     if ends and cells is not None:
         notes.append(
             f"contact {name!r}: under friction within about a spacing of the contact grid ({functions.spacing:.3g} m) "
-            "from its ends a patch grid is less accurate: there the half-space knows tangential tractions by their "
+            "from its ends a contact-fixed grid is less accurate: there the half-space knows tangential tractions by "
+            "their "
             "mirror images, not what a free end adds to them"
         )
     quarter = None
@@ -138,7 +139,8 @@ def find_far_field(
     if near.asymmetry > ASYMMETRIC:
         warnings.append(
             f"contact {name!r}: the half-space on this mesh is not symmetric ({near.asymmetry:.1%}, "
-            f"from {ASYMMETRIC:.0%} on forces of a patch grid err by more than 1 %); use quadratic cells, or a finer "
+            f"from {ASYMMETRIC:.0%} on forces of a contact-fixed grid err by more than 1 %); use quadratic cells, or "
+            f"a finer "
             "mesh at the surface"
         )
     wall_error, thin = _thin_wall(mesh, name, shape, grid, assignment, functions.edge)
@@ -200,4 +202,4 @@ def _thin_wall(
 
 
 def _none(name: str, reason: str) -> str:
-    return f"contact {name!r}: no patch grid: {reason}"
+    return f"contact {name!r}: no contact-fixed grid: {reason}"

@@ -114,7 +114,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
 def family_of(collector: Collector, pair: Pair, turned: float) -> int:
     """LINE_OF_CENTRES for two flexible cylinders or crowned cylinders, the material inside, with axes nearly parallel:
     fast, and exact there; AT_POINTS for all others, and where the contact asks for it."""
-    asked = collector.settings.force_points or pair.contact.gaps == "points"
+    asked = collector.settings.force_points or pair.contact.kinematics == "closest_point"
     if asked or isinstance(pair.b, RigidSurface) or turned > SKEW:
         return AT_POINTS
     if not on_stations(pair.contact, collector.settings.theta_points, collector.settings.z_points):

@@ -128,11 +128,12 @@ def _compiled(collector: Collector) -> CompiledScene:
         or collector.films.count
         or collector.laps.count
     )
+    cut = any(film.cavitation == "half_sommerfeld" for film in collector.scene.films)
     collector.fill(
         m.limits, residual_tolerance=settings.residual_tolerance, energy_tolerance=settings.energy_tolerance,
         max_iterations=settings.max_iterations * (LAYER_ITERATIONS if slow else 1),
         max_inner=settings.max_inner, max_guarded=settings.max_guarded, max_level=settings.max_level,
-        most_made=0.0 if any(film.cavitation == "half" for film in collector.scene.films) else settings.most_made,
+        most_made=0.0 if cut else settings.most_made,
     )  # fmt: skip
     collector.elements.films = wp.array([collector.films], dtype=Films, device=collector.device)
     collector.elements.laps = wp.array([collector.laps], dtype=Laps, device=collector.device)

@@ -45,7 +45,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
         notes.append(
             f"contact {contact.name!r}: the patch rolled over the first body, and its layer is damped by how fast its "
             "depth changes in each cell of the patch, not at each place of the material; damping in a rolling contact "
-            "wants grid='material'"
+            "wants grid='body_fixed'"
         )
     middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
     curvature = max(abs(float(np.max(np.abs(port.surface.shape.curvatures(0.0, middle))))) for port in contact.ports)
@@ -53,7 +53,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     if spans > WIDE * WHOLE:
         notes.append(
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
-            f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="material", with a finer mesh'
+            f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="body_fixed", with a finer mesh'
         )
     notes += _too_large(contact, found)
     notes += _unsymmetric(contact)
@@ -78,7 +78,7 @@ def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
     return [
         f"contact {contact.name!r}: at {np.count_nonzero(cut)} saved steps the patch is larger than its cells may be, "
         f"half-widths of {widest(contact):.3g} m, beyond which the half-space under them is not what the bodies are: "
-        'pressures at its edges, and peak pressures, are too high; use grid="material", with a finer mesh'
+        'pressures at its edges, and peak pressures, are too high; use grid="body_fixed", with a finer mesh'
     ]
 
 
@@ -110,7 +110,7 @@ def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
     return [
         f"contact {contact.name!r}: the patch comes within {closest:.2g} m of a free end, {CLEAR:g} of its "
         "half-lengths or less; what the end adds to its displacement is taken in the middle of the patch only: use "
-        'grid="material" where the pressure at the end matters'
+        'grid="body_fixed" where the pressure at the end matters'
     ]
 
 
@@ -156,7 +156,7 @@ def _travelled(contact: Contact, found: ContactHistory, history: History) -> lis
     return [
         f"contact {contact.name!r}: body {b.body.name!r} moved {way:.2g} m along the axis, and its free ends are where "
         "they were at the start for the displacement of the cells: pressures near them are off; let the body with the "
-        'ends that matter come first in the contact, or use grid="material"'
+        'ends that matter come first in the contact, or use grid="body_fixed"'
     ]
 
 

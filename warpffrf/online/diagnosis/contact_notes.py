@@ -28,7 +28,7 @@ from warpffrf.online.diagnosis.untouched import CELLS, SHALLOW, loaded_contacts,
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.sensors import turned
 
-AT_POINTS = 'give the contact gaps="points"'
+AT_POINTS = 'give the contact kinematics="closest_point"'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
 CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
 GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word

@@ -84,7 +84,7 @@ class FilmCheck:
 
     def note(self, film: Film) -> str:
         """The line for the report."""
-        label, states = f"{film.label}: evaluation 'hyper', powers {film.powers}", len(self.time)
+        label, states = f"{film.label}: evaluation 'hyper', axial_degrees {film.axial_degrees}", len(self.time)
         lost = f"no film of all hats was found in {self.missed} of {states + self.missed} states of the run"
         if not states:
             return (
@@ -116,10 +116,10 @@ def _most(sizes: Array) -> float:
 
 def cure_of(film: Film) -> str:
     """What makes the differences smaller."""
-    even = tuple(range(0, max(film.powers) + 3, 2))
-    more = even if not any(m % 2 for m in film.powers) else tuple(range(max(film.powers) + 2))
-    tilts = "" if any(m % 2 for m in film.powers) else ", odd ones too where the shaft tilts"
-    return f"take more powers, as {more}{tilts}, or evaluation='semi'"
+    even = tuple(range(0, max(film.axial_degrees) + 3, 2))
+    more = even if not any(m % 2 for m in film.axial_degrees) else tuple(range(max(film.axial_degrees) + 2))
+    tilts = "" if any(m % 2 for m in film.axial_degrees) else ", odd ones too where the shaft tilts"
+    return f"take more axial_degrees, as {more}{tilts}, or evaluation='semi'"
 
 
 @dataclass(frozen=True)

@@ -145,7 +145,7 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
     of_nodes = scratch.film_carried.numpy()[0, functions]
     carried = np.column_stack([nodes(way) for way in of_nodes.T])
     void = state.film_void.numpy()[0, 0, functions]
-    travels, may_void = film.cavitation == "mass_conserving", film.cavitation in ("mass_conserving", "reynolds")
+    travels, may_void = film.cavitation == "jfo", film.cavitation in ("jfo", "reynolds")
     T = transport(basis, carried)
     passes = float(np.abs(carried).max()) / np.sqrt(basis.area.mean())  # 1/s: voids, from node to node
     a0 = float(scratch.film_rates.numpy()[0, 0])
@@ -193,7 +193,7 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
         settled = not np.any(leaves | enters) and bool(np.abs(dp).max() <= SETTLED * np.abs(p).max(initial=1.0))
     else:
         return None
-    here = value @ (np.maximum(p, 0.0) if film.cavitation == "half" else p)
+    here = value @ (np.maximum(p, 0.0) if film.cavitation == "half_sommerfeld" else p)
     shear = w @ (2.0 * mu * u_x / h * np.clip(1.0 - (value @ D) / h, 0.0, 1.0) + 0.5 * h * (x @ p))
     fed = basis.held & (finer.nodes(own.fed.reshape(shape).astype(float)).ravel() > 0.0)
     flows = rest[fed].sum(), -rest[basis.held & ~fed].sum()

@@ -132,8 +132,8 @@ class HatFilm:
         self.around, self.along = _tangents(film, basis.theta, basis.z)
         self.ways_of_hats = _tangents(film, *basis.at.T)
         self.form, self.form_of_hats = film.gap_form(basis.theta, basis.z), film.gap_form(*basis.at.T)
-        self.can_void = film.cavitation in ("mass_conserving", "reynolds")
-        self.travels = film.cavitation == "mass_conserving"
+        self.can_void = film.cavitation in ("jfo", "reynolds")
+        self.travels = film.cavitation == "jfo"
 
     def seen(self, pose: Pose, place: Array) -> tuple[Array, Array]:
         """Gap (n,) [m] of the true shapes but for the form of A at places (n, 3) of A, and its gradient (n, 3) in the

@@ -58,7 +58,7 @@ def film_notes(scene: Scene, history: History) -> list[str]:
 
 
 def _thinner_than_known(film: Film, thinnest: float) -> list[str]:
-    known = least_gap(film.roughness, film.roughness_second)
+    known = least_gap(film.roughness_a, film.roughness_b)
     if known <= 0.0 or thinnest >= known:
         return []
     s = film.deviation
@@ -79,7 +79,7 @@ def _overlapping(film: Film, gap: np.ndarray) -> list[str]:
         f"{film.label}: its walls overlap by up to {-least:.3g} m at theta = {film.theta[j]:.4g}, z = "
         f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the film beside it is "
         "squeezed by a shape that is not there; give the first surface a form that falls off to its ends "
-        "(films.Barrel), or asperities that carry there (law=)"
+        "(films.BarrelForm), or asperities that carry there (law=)"
     ]
 
 
@@ -135,6 +135,6 @@ def squeezed_out(engine: Engine, still: Sequence[Film] = ()) -> str:
                 why, cure = "nothing slides and it carries nothing at rest", "one of its bodies a velocity"
             return (
                 f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where {why}; give "
-                f"{cure}, or asperities: law=laws.ExponentialAsperities(...)"
+                f"{cure}, or asperities=laws.ExponentialAsperities(...)"
             )
     return ""

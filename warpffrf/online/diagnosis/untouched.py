@@ -16,7 +16,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.model.signals import Signal
 from warpffrf.online.history.history import ContactHistory, History
 
-CELLS = 'or grid="patch" with bodies that were reduced with patch_grid=True'
+CELLS = 'or grid="contact_fixed" with bodies that were reduced with contact_fixed=True'
 UNLOADED, TINY = 1e-12, 1e-15  # of the largest contact force, N: round-off of contacts that carry nothing
 SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
 

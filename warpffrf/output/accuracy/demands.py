@@ -35,7 +35,7 @@ from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.settings import Settings
 from warpffrf.output.accuracy.limits import Limits
-from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GAPS, GRID, HATS, INERTIA, STIFFENING, Setting
+from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, KINEMATICS, STIFFENING, Setting
 from warpffrf.output.budget import contacts, energy, time_step
 from warpffrf.output.budget.budget import percent
 from warpffrf.output.budget.figures import is_main
@@ -89,8 +89,8 @@ def contact_choices(scene: Scene, result: Any, lines: Sequence[BudgetLine], limi
     found = _grids(scene, result, limits)
     leaning = {line.of: line for line in lines if line.source == contacts.GAPS and line.size > limits.force}
     for contact in scene.contacts:
-        if (line := leaning.get(f"moment of contact {contact.name!r}")) is not None and contact.gaps == AUTO:
-            found.append(Choice(GAPS, contact.name, "points", line.basis))
+        if (line := leaning.get(f"moment of contact {contact.name!r}")) is not None and contact.kinematics == AUTO:
+            found.append(Choice(KINEMATICS, contact.name, "closest_point", line.basis))
         loaded = result.contact(contact.name)
         used = result.history.scene.contact(contact.name)
         if loaded.history.cells is not None and contact.cells is None and np.any(loaded.touching):
@@ -208,7 +208,7 @@ def _finer(choice: Choice, before: Any) -> bool:
         return any(wanted and not kept for wanted, kept in zip(LEVELS[choice.value], LEVELS[before], strict=True))
     if choice.option == GRID:
         return choice.value == AUTO != before
-    if choice.option == GAPS:
+    if choice.option == KINEMATICS:
         return choice.value != before
     return choice.value > before if choice.option == STIFFENING else choice.value < before
 

@@ -14,9 +14,9 @@ from typing import Any
 from warpffrf.model.scene import Scene
 
 INERTIA, STIFFENING = "inertia", "stiffening"  # of bodies
-GRID, CELL_ERROR, GAPS = "grid", "cell_error", "gaps"  # of contacts
+GRID, CELL_ERROR, KINEMATICS = "grid", "cell_error", "kinematics"  # of contacts
 AUTO = "auto"  # left to the program
-HATS = "material"  # a grid
+HATS = "body_fixed"  # a grid
 
 
 @dataclass(frozen=True)

@@ -118,7 +118,7 @@ def _beside(line: BudgetLine, share: float) -> BudgetLine:
 
 def _of_hats(found: Any, quantity: str) -> BudgetLine:
     """By the rule, at the largest load."""
-    cure = "a finer grid (half_width= or traction_spacing= of reduce), or patch_grid=True"
+    cure = "a finer grid (half_width= or traction_spacing= of reduce), or contact_fixed=True"
     of = f"{quantity} of contact {found.name!r}"
     if found.patch_kind not in PATCHES:
         return BudgetLine(GRID, of, np.nan, f"there is no rule for a patch that is {found.patch_kind!r}", cure)
@@ -154,7 +154,7 @@ def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
         beside = max(lean.moment, EDGE * lean.force * 0.5 * float(np.ptp(contact.a.surface.grid.z)))
         size = lean.left / beside if beside > 0.0 else 0.0
         basis = f"axes lean towards each other by {lean.tilt:.2g} rad"
-        lines.append(BudgetLine(GAPS, f"moment of contact {contact.name!r}", size, basis, 'gaps="points"'))
+        lines.append(BudgetLine(GAPS, f"moment of contact {contact.name!r}", size, basis, 'kinematics="closest_point"'))
     return lines
 
 

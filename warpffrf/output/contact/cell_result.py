@@ -178,5 +178,5 @@ class CellContactResult(PairResult):
         raise InputError(
             f"contact '{self.name}': the error of the stress is not known, its rule is that of a pressure on the "
             "contact grid, and this one stands on cells that travel with the patch; compare with Contact(..., "
-            'grid="material") on a fine mesh'
+            'grid="body_fixed") on a fine mesh'
         )

@@ -159,11 +159,11 @@ def _contact_choices(scene: Any, base: Setting, found: Choices) -> list[Setting]
         return [{}]
     pairs: list[Setting] = [{}]  # "auto" takes the patch where it can
     if all(_patch_ready(contact) for contact in scene.contacts):
-        pairs.append({"grid": "patch" if all(c.grid == "material" for c in scene.contacts) else "material"})
+        pairs.append({"grid": "contact_fixed" if all(c.grid == "body_fixed" for c in scene.contacts) else "material"})
     else:
-        found.left_out.append(("grid", "patch", "a body in contact was reduced without patch_grid=True"))
+        found.left_out.append(("grid", "contact_fixed", "a body in contact was reduced without contact_fixed=True"))
     if all(contact.a.surface.sampling is not None for contact in scene.contacts):
-        pairs.append({"grid": "material", "evaluation": "hyper"})
+        pairs.append({"grid": "body_fixed", "evaluation": "hyper"})
     else:
         found.left_out.append(("evaluation", "hyper", "a first body was reduced without sampling_error"))
     found.left_out.append(("evaluation", "full", 'the slow reference; ask for it: choices={"evaluation": [...]}'))

@@ -192,7 +192,7 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
         yield
     finally:
         for contact, old in before:
-            _set_all(contact, {}, {"grid": "material"} if "grid" in old else {})
+            _set_all(contact, {}, {"grid": "body_fixed"} if "grid" in old else {})
             _set_all(contact, {}, dict(sorted(old.items(), key=lambda item: item[0] == "grid")))
         for body, old_level, old_stiffening in levels:
             body.level, body.stiffening = old_level, old_stiffening
@@ -201,7 +201,7 @@ def applied(scene: Any, setting: Setting) -> Iterator[None]:
 def _set_all(contact: Any, old: Mapping[str, Any], values: Mapping[str, Any]) -> None:
     """Set options of a contact that must fit together: first the grid to what allows all, the asked one last."""
     if "grid" in values and "evaluation" in values:
-        contact.grid = "material"
+        contact.grid = "body_fixed"
     for name in sorted(values, key=lambda name: name == "grid"):
         setattr(contact, name, values[name])
 

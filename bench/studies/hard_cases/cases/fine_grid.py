@@ -27,7 +27,7 @@ def _body() -> ReducedBody:
     mesh = roller(0.05, 0.015, 0.02, sectors=SECTORS, layers=3, axial=2, grading=1.5, order=1)
     spacing = 2.0 * np.pi * 0.05 / SECTORS / FINER
     return reduce(
-        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4, patch_grid=False,
+        mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, modes=4, contact_fixed=False,
         traction_spacing=spacing, cache=False, progress=False,
     )  # fmt: skip
 

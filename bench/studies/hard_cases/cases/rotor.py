@@ -57,7 +57,9 @@ def build() -> Scene:
     scene.add(joints.Drive(held, SPEED, quantity="velocity"))
     scene.add(joints.Fixed(shaft["y_max"], disc.at((0.0, 0.0, 0.0)), name="seat"))
     tip = scene.ground.at((0.0, LENGTH, 0.0))
-    scene.add(forces.Bearing(tip, shaft["y_max"], axis=(0, 1, 0), radial=HELD, radial_damping=DAMPING, name="damper"))
+    scene.add(
+        forces.BearingSpring(tip, shaft["y_max"], axis=(0, 1, 0), radial=HELD, radial_damping=DAMPING, name="damper")
+    )
     return scene
 
 

@@ -18,7 +18,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
 
-FALL = laws.StribeckCoulomb(0.4, 0.2, 0.1)
+FALL = laws.Stribeck(0.4, 0.2, 0.1)
 DURATION = 0.65  # s
 
 

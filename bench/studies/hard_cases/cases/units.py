@@ -43,7 +43,7 @@ def _block(length: float, mass: float) -> ReducedBody:
     top = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
     return reduce(
         mesh, _steel(length, mass), interfaces={"z_min": "rigid"}, contact={"z_max": top}, modes=4, tangential=True,
-        patch_grid=False, cache=False, progress=False,
+        contact_fixed=False, cache=False, progress=False,
     )  # fmt: skip
 
 

@@ -58,5 +58,7 @@ def require_exponent(value: Any, label: str) -> float:
     """`value` as an exponent of at least 1; raises `InputError` naming `label` and the law for softening layers."""
     number = require_number(value, label)
     if number < 1.0:
-        raise InputError(f"{label} must be at least 1, got {number:g}; for a layer that softens use laws.TableLayer")
+        raise InputError(
+            f"{label} must be at least 1, got {number:g}; for a layer that softens use laws.TabulatedLayer"
+        )
     return number

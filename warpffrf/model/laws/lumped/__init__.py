@@ -7,7 +7,7 @@ With the approach a [m] of the undeformed surfaces, which is how deep they lie i
     PalmgrenLine    F = (a l^0.8/3.84e-5)^(1/0.9) in N and mm, steel rollers of length l, by laminae
     IsoLamina       F = sum over laminae c a_k^(10/9), ISO/TS 16281, with the roller's profile
     PowerForce      F = K a^n
-    ForceTable      F(a) from a table
+    TabulatedForce      F(a) from a table
 
 each times (1 + chi a_dot) where damping is given, never tensile.
 """
@@ -18,16 +18,16 @@ from typing import Any
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped.base import Approach, LumpedLaw
-from warpffrf.model.laws.lumped.force_table import ForceTable
 from warpffrf.model.laws.lumped.hertz_point import HertzPoint
 from warpffrf.model.laws.lumped.iso_lamina import IsoLamina
 from warpffrf.model.laws.lumped.palmgren_line import PalmgrenLine
 from warpffrf.model.laws.lumped.power_force import PowerForce
+from warpffrf.model.laws.lumped.tabulated_force import TabulatedForce
 
-LUMPED_LAWS = {law.kind: law for law in (HertzPoint, PalmgrenLine, IsoLamina, PowerForce, ForceTable)}
+LUMPED_LAWS = {law.kind: law for law in (HertzPoint, PalmgrenLine, IsoLamina, PowerForce, TabulatedForce)}
 
 __all__ = [
-    "LUMPED_LAWS", "Approach", "ForceTable", "HertzPoint", "IsoLamina", "LumpedLaw", "PalmgrenLine", "PowerForce",
+    "LUMPED_LAWS", "Approach", "TabulatedForce", "HertzPoint", "IsoLamina", "LumpedLaw", "PalmgrenLine", "PowerForce",
     "as_lumped_law",
 ]  # fmt: skip
 

@@ -32,7 +32,7 @@ class PowerForce(LumpedLaw):
         if self.exponent < 1.0:
             raise InputError(
                 f"PowerForce: exponent must be at least 1, got {self.exponent:g}: the stiffness would be infinite at "
-                "touch; use laws.ForceTable"
+                "touch; use laws.TabulatedForce"
             )
 
     def approach(self, meeting: Meeting) -> Approach:

@@ -66,7 +66,7 @@ class Basis:
 
 def basis_of(film: Film, evaluation: str | None = None) -> Basis:
     """What the evaluation of a film asks for, its own or another one."""
-    return _strips(film, film.powers) if (evaluation or film.evaluation) == "hyper" else _hats(film)
+    return _strips(film, film.axial_degrees) if (evaluation or film.evaluation) == "hyper" else _hats(film)
 
 
 def radius_at(surface: ContactSurface, z: Array) -> Array:

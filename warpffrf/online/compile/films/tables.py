@@ -32,8 +32,8 @@ from warpffrf_kernels.films import sampling, unknowns
 Array = np.ndarray
 FORM_COLUMNS, FORM_ROWS = 720, 65  # of the table of the second surface's form: half a degree
 RULES = {
-    "mass_conserving": sampling.MASS_CONSERVING, "reynolds": sampling.REYNOLDS, "half": sampling.HALF,
-    "none": sampling.NONE,
+    "jfo": sampling.MASS_CONSERVING, "reynolds": sampling.REYNOLDS, "half_sommerfeld": sampling.HALF,
+    "full_sommerfeld": sampling.NONE,
 }  # fmt: skip
 MANY = 1000  # unknowns
 BY_PRESS = ("press_function", "press_value")
@@ -136,16 +136,16 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     entries = _entries(basis)
     kind, numbers = _oil(film.oil, film.label)
     table, ranges = _second_form(film)
-    travels = film.cavitation in ("mass_conserving", "reynolds")
+    travels = film.cavitation in ("jfo", "reynolds")
     law, law_numbers, law_table = _asperities(film)
-    rough = hats if film.law is not None else 0
-    factors = factor_table(film.roughness, film.roughness_second) if film.deviation else np.zeros((0, 13))
+    rough = hats if film.asperities is not None else 0
+    factors = factor_table(film.roughness_a, film.roughness_b) if film.deviation else np.zeros((0, 13))
     lift, voids = of_functions @ basis.given, (basis.voids & travels).astype(int)
     tables.one(
         first=collector.film_sides[2 * number], second=collector.film_sides[2 * number + 1], modes=shape.shape[1],
         rule=int(RULES[film.cavitation]), oil_kind=kind, oil=numbers, unknowns=len(free),
         thickness=film.clearance() or float(np.median(film.initial_gap())), second_range=ranges,
-        rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.friction,
+        rough=rough, asperity_kind=law, asperity=law_numbers, asperity_friction=film.boundary_friction,
         table_count=len(law_table), factor_count=len(factors), second_counts=table.shape,
         second_start=tables.length("second_form") if table.size else -1,
     )  # fmt: skip
@@ -174,13 +174,14 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     )  # fmt: skip
     _add_second(film, basis, tables)
     collector.notes.extend(film.notes)
-    if film.cavitation == "half":
+    if film.cavitation == "half_sommerfeld":
         collector.notes.append(
-            f"{film.label}: cavitation 'half' leaves pressures below zero out of the forces, which drive oil all the "
+            f"{film.label}: cavitation 'half_sommerfeld' leaves pressures below zero out of the forces, which drive "
+            f"oil all the "
             "same: the ledger does not close with it, and nothing watches over energy from nowhere"
         )
-    if film.law is not None and film.law.remark:
-        collector.notes.append(f"{film.label}: {film.law.remark}")
+    if film.asperities is not None and film.asperities.remark:
+        collector.notes.append(f"{film.label}: {film.asperities.remark}")
     if film.evaluation == "hyper":
         collector.notes.append(
             f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} hats, which balance "
@@ -286,9 +287,9 @@ def _oil(oil: Oil, label: str) -> tuple[int, list[float]]:
 
 def _asperities(film: Film) -> tuple[int, list[float], Array]:
     """Kind, numbers and table of the law of asperities."""
-    if film.law is None:
+    if film.asperities is None:
         return int(asperity_kernels.SMOOTH), [0.0] * 4, np.zeros((0, 3))
-    curve: Any = film.law.curve
+    curve: Any = film.asperities.curve
     if curve.form == "exponential":
         return int(asperity_kernels.EXPONENTIAL), list(curve.numbers), np.zeros((0, 3))
     return int(asperity_kernels.TABLE), [0.0] * 4, curve.table
@@ -352,7 +353,7 @@ def _filling(film: Film, basis: Basis, lift: Array) -> Array:
 def _second_form(film: Film) -> tuple[Array, Sequence[float]]:
     """A table of what the form of the second surface adds [m], and where its places are: first theta and step, first z
     and step."""
-    if film.form_second is None:
+    if film.form_b is None:
         return np.zeros((0, 0)), [0.0, 1.0, 0.0, 1.0]
     shape, grid = film.b.surface.shape, film.grid
     half = 0.5 * float(grid.z[-1] - grid.z[0])

@@ -88,12 +88,13 @@ class PatchPlan:
 
     @classmethod
     def of(cls, contact: Contact, *, off_end: bool = False) -> PatchPlan:
-        """The plan of a contact with grid "patch"; `off_end`: patches of crowns run off an end of their surfaces."""
+        """The plan of a contact with grid "contact_fixed"; `off_end`: patches of crowns run off an end of their
+        surfaces."""
         across, along = relative_curvatures(contact)
         if not across > 0.0:
             raise InputError(
                 f"contact {contact.name!r}: the surfaces are as curved as each other, a patch of cells has no width "
-                'there; use grid="material"'
+                'there; use grid="body_fixed"'
             )
         least, most = NARROWEST / across, widest(contact)
         aspect, follows = _aspect(across, along), rows_follow(contact)

@@ -35,11 +35,11 @@ def patch_plans(
     plans: dict[int, PatchPlan] = {}
     notes = []
     for i, contact in enumerate(contacts):
-        asked = contact.grid == "patch"
-        if contact.grid == "material":
+        asked = contact.grid == "contact_fixed"
+        if contact.grid == "body_fixed":
             continue
         if asked and (reason := _on_its_surfaces(contact, contacts)):
-            raise InputError(f'contact {contact.name!r}: {reason}; use grid="material"')
+            raise InputError(f'contact {contact.name!r}: {reason}; use grid="body_fixed"')
         if not asked and (reason := _why_not(contact, contacts, dynamic)):
             if coarse := _spacing_beside_far_fields(contact):
                 notes.append(
@@ -55,7 +55,7 @@ def patch_plans(
             notes.append(f"{error}: pressures on the material grid, not on cells that travel with the patch")
     while beside := next(_beside_a_grid(contacts, plans), None):  # one that goes may take others along
         i, port, other = beside
-        if contacts[i].grid == "patch":
+        if contacts[i].grid == "contact_fixed":
             raise InputError(
                 f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose hats "
                 "and the cells of a patch do not feel each other by its local modes; give both the same grid="
@@ -67,7 +67,7 @@ def patch_plans(
         )
     notes += [
         f"contact {contacts[i].name!r}: pressures on cells that travel with the patch, for which its bodies were "
-        'reduced (patch_grid); grid="material" takes the contact grid instead'
+        'reduced (contact_fixed); grid="body_fixed" takes the contact grid instead'
         for i in plans
         if contacts[i].grid == "auto"
     ]
@@ -205,6 +205,6 @@ def _spline_modes(body: Body | Ground, collector: Any, surface: ContactSurface) 
     if collector.local.count(body.index):
         raise InputError(
             f"body {body.name!r}: its local modes have inertia, and a patch of cells needs them quasi-static; use "
-            'local="quasi_static", or grid="material"'
+            'local="quasi_static", or grid="body_fixed"'
         )
     return np.ascontiguousarray(surface.splines.of_hats(surface.mode_normal))

@@ -23,7 +23,7 @@ from warpffrf.model.moments.resistance import RollingResistance
 
 @named_arguments
 @dataclass(frozen=True)
-class RollingLever(RollingResistance):
+class RollingResistanceArm(RollingResistance):
     """M = lever * F against rolling, F the normal force; for any law of it, of laminae for each.
 
     lever [m]: not negative, some micrometres of hard steel. rolling_speed [rad/s] as in `RollingResistance`. Raises
@@ -32,11 +32,11 @@ class RollingLever(RollingResistance):
 
     lever: float
     rolling_speed: float
-    kind: ClassVar[str] = "rolling_lever"
+    kind: ClassVar[str] = "rolling_resistance_arm"
 
     def __post_init__(self) -> None:
-        lever = require_number(self.lever, "RollingLever: lever [m]", non_negative=True)
-        speed = require_number(self.rolling_speed, "RollingLever: rolling_speed [rad/s]", positive=True)
+        lever = require_number(self.lever, "RollingResistanceArm: lever [m]", non_negative=True)
+        speed = require_number(self.rolling_speed, "RollingResistanceArm: rolling_speed [rad/s]", positive=True)
         object.__setattr__(self, "lever", lever)
         object.__setattr__(self, "rolling_speed", speed)
 

@@ -24,7 +24,7 @@ GONE = 1e-12  # of mu_s - mu_k: what is left of it where the fall ends
 
 @named_arguments
 @dataclass(frozen=True)
-class StribeckCoulomb(FrictionLaw):
+class Stribeck(FrictionLaw):
     """Friction with the coefficient `static` [-] at rest that falls to `kinetic` [-], by a factor e of their difference
     at the speed `decay_velocity` [m/s]: kinetic + (static - kinetic) exp(-(speed/decay_velocity)^exponent).
 
@@ -35,20 +35,20 @@ class StribeckCoulomb(FrictionLaw):
     kinetic: float
     decay_velocity: float
     exponent: float = 2.0
-    kind: ClassVar[str] = "stribeck_coulomb"
+    kind: ClassVar[str] = "stribeck"
 
     def __post_init__(self) -> None:
         for name, unit in (("static", ""), ("kinetic", ""), ("decay_velocity", " [m/s]"), ("exponent", "")):
-            value = require_number(getattr(self, name), f"StribeckCoulomb: {name}{unit}", positive=True)
+            value = require_number(getattr(self, name), f"Stribeck: {name}{unit}", positive=True)
             object.__setattr__(self, name, value)
         if self.kinetic > self.static:
             raise InputError(
-                f"StribeckCoulomb: kinetic must be at most static, got {self.kinetic:g} and {self.static:g}; for a "
-                "coefficient that rises use laws.TableCoulomb"
+                f"Stribeck: kinetic must be at most static, got {self.kinetic:g} and {self.static:g}; for a "
+                "coefficient that rises use laws.TabulatedFriction"
             )
         if self.exponent < 1.0:
             raise InputError(
-                f"StribeckCoulomb: exponent must be at least 1, got {self.exponent:g}: below, the coefficient falls "
+                f"Stribeck: exponent must be at least 1, got {self.exponent:g}: below, the coefficient falls "
                 "infinitely steeply at rest, and a step has more than one solution however short it is"
             )
 

@@ -1,4 +1,4 @@
-"""What recorded runs leave in their process: `python bench/recordings.py [--json FILE] [--runs N]`.
+"""What recorded runs leave in their process: `python bench/recording.py [--json FILE] [--runs N]`.
 
 A rigid body falls, the run is recorded and written as results; threads, open files and memory of the process after
 every 50 runs. All stay the same: a sweep over thousands of recorded runs is one process.

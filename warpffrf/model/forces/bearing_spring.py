@@ -36,7 +36,7 @@ _SIGNS = np.array([1.0, 1.0, 1.0, -1.0, 1.0, 1.0])
 
 
 @named_arguments
-class Bearing(TwoPorts):
+class BearingSpring(TwoPorts):
     """A bearing between two ports a and b, described by its stiffness and damping; b spins freely about `axis`.
 
     axis: direction (3,), world, at the initial pose; the law's axes stay with the first port. radial [N/m], axial
@@ -48,7 +48,7 @@ class Bearing(TwoPorts):
     `InputError`.
     """
 
-    kind = "bearing"
+    kind = "bearing_spring"
     quantities = (
         "radial", "axial", "tilt", "radial_tilt", "cross", "radial_damping", "axial_damping", "tilt_damping",
         "spin_damping",

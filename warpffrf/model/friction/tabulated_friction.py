@@ -15,35 +15,35 @@ from warpffrf.model.messages.named_arguments import named_arguments
 
 @named_arguments
 @dataclass(frozen=True)
-class TableCoulomb(FrictionLaw):
+class TabulatedFriction(FrictionLaw):
     """Friction with tabulated `coefficients` (n,) [-], positive, at slip `speeds` (n,) [m/s], which rise from 0; the
     first is the coefficient of static friction. Raises `InputError` for a table that folds over itself."""
 
     speeds: tuple[float, ...]
     coefficients: tuple[float, ...]
-    kind: ClassVar[str] = "table_coulomb"
+    kind: ClassVar[str] = "tabulated_friction"
 
     def __post_init__(self) -> None:
-        speeds = require_array(self.speeds, "TableCoulomb: speeds [m/s]", (None,))
-        coefficients = require_array(self.coefficients, "TableCoulomb: coefficients", (None,))
+        speeds = require_array(self.speeds, "TabulatedFriction: speeds [m/s]", (None,))
+        coefficients = require_array(self.coefficients, "TabulatedFriction: coefficients", (None,))
         if len(speeds) != len(coefficients) or len(speeds) < 2:
             raise InputError(
-                f"TableCoulomb: as many coefficients as speeds are needed, two at least, got {len(speeds)} speeds and "
-                f"{len(coefficients)} coefficients"
+                f"TabulatedFriction: as many coefficients as speeds are needed, two at least, got {len(speeds)} "
+                f"speeds and {len(coefficients)} coefficients"
             )
         if speeds[0] != 0.0:
             raise InputError(
-                f"TableCoulomb: the first speed must be 0, got {speeds[0]:g} m/s; add the static coefficient"
+                f"TabulatedFriction: the first speed must be 0, got {speeds[0]:g} m/s; add the static coefficient"
             )
         folds = np.diff(speeds) <= 0.0
         if np.any(folds):
             i = int(np.argmax(folds))
             raise InputError(
-                f"TableCoulomb: the table folds over itself, speeds must rise strictly, got {speeds[i]:g} and then "
-                f"{speeds[i + 1]:g} (points {i} and {i + 1})"
+                f"TabulatedFriction: the table folds over itself, speeds must rise strictly, got {speeds[i]:g} and "
+                f"then {speeds[i + 1]:g} (points {i} and {i + 1})"
             )
         if np.any(coefficients <= 0.0):
-            raise InputError(f"TableCoulomb: coefficients must be positive, got {coefficients.min():g}")
+            raise InputError(f"TabulatedFriction: coefficients must be positive, got {coefficients.min():g}")
         object.__setattr__(self, "speeds", tuple(float(v) for v in speeds))
         object.__setattr__(self, "coefficients", tuple(float(mu) for mu in coefficients))
 
