@@ -85,7 +85,7 @@ def _recorded(color: str) -> Callable[..., Any]:
 CASES: dict[str, Callable[..., Any]] = {
     "open": lambda r, out, n: r,
     "report": lambda r, out, n: r.report(progress=False),
-    "plot summary": lambda r, out, n: r.plot().savefig(out.with_suffix(".png")),
+    "plot summary": lambda r, out, n: r.summary().savefig(out.with_suffix(".png")),
     "to_dataframe": lambda r, out, n: r.to_dataframe(),
     "to_csv": lambda r, out, n: r.to_csv(out.with_suffix(".csv"), overwrite=True),
     "to_xarray": lambda r, out, n: r.to_xarray(),

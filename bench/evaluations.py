@@ -1,5 +1,6 @@
-"""The three evaluations of contact side by side: `python bench/evaluations.py [--json FILE] [--errors | --times |
---layers]`.
+"""Evaluations "semi" and "hyper" beside the law at FE nodes.
+
+`python bench/evaluations.py [--json FILE] [--errors | --times | --layers]`
 
 *Errors* of "semi" and "hyper" against "full", two rollers with a stiff layer between them rolling over each other at a
 constant approach: force, pressure and stress, on finer and finer meshes, with two layers, on equal and unequal grids.
@@ -18,8 +19,10 @@ from typing import Any
 
 import numpy as np
 
+from references import monolithic
 from scenes.rollers import PAIR
 from studies.contact.evaluations import (
+    OPTIONS,
     SEPARATED,
     STEP,
     STIFFER,
@@ -27,6 +30,7 @@ from studies.contact.evaluations import (
     hat_means,
     layer_of,
     points_of,
+    run_at_nodes,
     run_evaluation,
     scene_of,
     step_seconds,
@@ -137,10 +141,10 @@ def times(unit: float, full_steps: dict[str, int]) -> list[dict[str, Any]]:
 
     for name in SEPARATED:
         add(best[name])
-    scene = scene_of(body, "full", approach, swing, rate, SEPARATED_STEPS * STEP)
-    start = run_evaluation(scene, 1)
+    scene = scene_of(body, "semi", approach, swing, rate, SEPARATED_STEPS * STEP)
+    start = monolithic.run(scene, STEP, start="equilibrium", variant="low_rank", at_nodes=True, **OPTIONS)
     for variant, steps in full_steps.items():
-        result = run_evaluation(scene, steps, start=start, variant=variant)
+        result = run_at_nodes(scene, steps, start=start, variant=variant)
         contact = result.history.contacts[PAIR]
         add({
             "evaluation": f"full, {variant}", "points": axial + 1, "seconds_per_step": step_seconds(result),

@@ -29,12 +29,12 @@ import numpy as np
 from scipy.linalg import blas, lapack
 
 from demos import two_rollers
+from references import monolithic
+from references.monolithic.core import linear
+from references.monolithic.core.linear import VARIANTS
+from references.monolithic.line_of_centres.pair import LAWS, STIFFER, default_layer
 from scenes.rollers import PAIR
 from studies.speed.step_time import swinging_pair, tread_body
-from warpffrf import monolithic
-from warpffrf.monolithic.core import linear
-from warpffrf.monolithic.core.linear import VARIANTS
-from warpffrf.monolithic.line_of_centres.pair import LAWS, STIFFER, default_layer
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.study.machine import machine
 

@@ -100,7 +100,7 @@ def test_every_item_of_the_registries_has_a_kind() -> None:
             for cls in vars(module).values()
             if isinstance(cls, type) and getattr(cls, "scene_list", 0) == section
         }
-        assert set(kinds[section]) == public - {"joint", "force"}
+        assert set(kinds[section]) == public - {"joint", ""}
 
 
 def test_every_joint_can_be_written() -> None:
@@ -450,3 +450,30 @@ def test_files_of_other_runs_stay(tmp_path: Path) -> None:
     (folder / "oscillator.toml").write_text("# of warpffrf, by hand\n", encoding="utf-8")
     with pytest.raises(wf.InputError, match="is another scene, and is not replaced"):
         run_scene(file, out=folder, overwrite=True, progress=False)
+
+
+def test_a_series_runs_over_the_angle_of_another_signal(tmp_path: Path) -> None:
+    (tmp_path / "shake.toml").write_text(
+        """
+[signals.turn]
+kind = "ramp"
+start_value = 0
+end_value = 10.0
+duration = 0.1
+[signals.shake]
+kind = "harmonics"
+cosines = [1.0, 2.0]
+angle = "turn"
+duration = 0.1
+[bodies.bob]
+mass = 2.0
+inertia_tensor = [0.01, 0.01, 0.01]
+[forces.push]
+kind = "point_force"
+port = { body = "bob", point = [0, 0, 0] }
+force = ["shake", 0, 0]
+"""
+    )
+    (push,) = wf.load_scene(tmp_path / "shake.toml").scene.forces
+    shake = push.load().components[0]
+    assert float(shake(0.03)) == pytest.approx(np.cos(3.0) + 2.0 * np.cos(6.0), abs=1e-8)

@@ -1,4 +1,4 @@
-"""Options of bodies and runs in scene files: damping, inertia, stiffening, integrators, local modes, the method."""
+"""Options of bodies and runs in scene files: damping, inertia, stiffening, integrators, local modes."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 import warpffrf as wf
-from warpffrf.monolithic import Monolithic
 from warpffrf.online import INTEGRATORS
 from warpffrf.scene_file.load import scene_of
 
@@ -132,14 +131,6 @@ def test_treatments_of_local_modes_can_be_written() -> None:
         ('{ kind = "local_dynamic" }', "did you mean 'local_dynamics'"),
     ):
         _refused(BLOCK + RUN + f"local = {wrong}", "local =", said)
-
-
-def test_methods_can_be_written() -> None:
-    assert _options('method = "monolithic"')["method"] == "monolithic"
-    assert _options('method = { kind = "monolithic", variant = "modified" }')["method"] == Monolithic(
-        variant="modified"
-    )
-    _refused(BLOCK + RUN + 'method = { kind = "monolithic", varient = "full" }', "method", "did you mean 'variant'")
 
 
 def _options(line: str) -> dict:

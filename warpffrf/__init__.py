@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from warpffrf import examples, study
     from warpffrf.model import (
-        bases,
         bearings,
         damping,
         films,
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
         surfaces,
     )
     from warpffrf.model.contact import Contact
-    from warpffrf.model.errors import InputError
+    from warpffrf.model.errors import InputError, RunError
     from warpffrf.model.films import Film
     from warpffrf.model.laps import Lap, LapCells
     from warpffrf.model.lumped_contact import LumpedContact
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
-    from warpffrf.offline import reduce
+    from warpffrf.offline import bases, reduce
     from warpffrf.offline.contact.grid_rule import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
@@ -65,6 +64,7 @@ __all__ = [
     "Material",
     "ReducedBody",
     "Result",
+    "RunError",
     "Scene",
     "Stage",
     "StressPoints",
@@ -110,10 +110,11 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "Material": ("warpffrf.model.material", "Material"),
     "ReducedBody": ("warpffrf.model.reduced.body", "ReducedBody"),
     "Result": ("warpffrf.output.result", "Result"),
+    "RunError": ("warpffrf.model.errors", "RunError"),
     "Scene": ("warpffrf.model.scene", "Scene"),
     "Stage": ("warpffrf.online.stages", "Stage"),
     "StressPoints": ("warpffrf.model.reduced.stress_field", "StressPoints"),
-    "bases": ("warpffrf.model.bases", None),
+    "bases": ("warpffrf.offline.bases", None),
     "bearings": ("warpffrf.model.bearings", None),
     "campbell": ("warpffrf.output.campbell", "campbell"),
     "compare": ("warpffrf.output.comparison", "compare"),

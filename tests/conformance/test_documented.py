@@ -191,7 +191,7 @@ def test_laws_of_all_kinds_are_in_the_list_of_physics_or_are_definitions() -> No
         "wf.laws.Coulomb", "wf.laws.RegularisedCoulomb", "wf.laws.TabulatedFriction", "wf.laws.ExponentialAsperities",
         "wf.laws.LinearLayer", "wf.laws.NonlinearLayer", "wf.laws.TabulatedLayer", "wf.laws.Unilateral", "wf.laws.Law",
         "wf.laws.FrictionLaw", "wf.laws.LumpedLaw", "wf.laws.TabulatedForce", "wf.laws.PowerForce", "wf.oils.Newtonian",
-        "wf.oils.Oil", "wf.laws.RollingResistanceArm", "wf.laws.RollingResistance",
+        "wf.oils.Oil", "wf.laws.RollingResistanceArm", "wf.laws.RollingResistance", "wf.laws.Approach",
     }  # fmt: skip
     laws = {one.label for one in EVERYTHING if re.match(r"wf\.(laws|oils)\.[A-Z]\w*[a-z]\w*$", one.label)}
     classes = {

@@ -15,7 +15,7 @@ from warpffrf.model.checks.consistency import (
     refuse_velocities,
     velocity_defects,
 )
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 
@@ -92,16 +92,25 @@ def test_a_prescribed_position_begins_where_the_joint_stands() -> None:
         refuse_positions(scene)
 
 
+def test_a_sine_covers_its_duration() -> None:
+    scene = swing(np.zeros(3), np.zeros(3))
+    body = scene.bodies[0]
+    scene.add(forces.PointForce(body.at((0, 0, 0)), (signals.Sine(1.0, 2.0, duration=0.9), 0, 0), name="f"))
+    refuse_short_signals(scene, 0.0, 0.9)
+    with pytest.raises(InputError, match="'f': its signal covers 0 to 0.9 s, but 0 to 1 s are simulated; extend"):
+        refuse_short_signals(scene, 0.0, 1.0)
+
+
 @pytest.mark.parametrize(("times", "fits"), [((0.0, 1.0), True), ((0.0, 0.9), False), ((0.1, 1.0), False)])
 def test_a_table_covers_the_time(times: tuple[float, float], fits: bool) -> None:
     table = signals.Table(times, [1.0, 2.0])
 
     def refused(scene: Scene, name: str) -> None:
         if fits:
-            refuse_short_tables(scene, 0.0, 1.0)
+            refuse_short_signals(scene, 0.0, 1.0)
             return
-        with pytest.raises(InputError, match=rf"{name!r}: its table covers .* but 0 to 1 s are simulated; extend"):
-            refuse_short_tables(scene, 0.0, 1.0)
+        with pytest.raises(InputError, match=rf"{name!r}: its signal covers .* but 0 to 1 s are simulated; extend"):
+            refuse_short_signals(scene, 0.0, 1.0)
 
     scene = swing(np.zeros(3), np.zeros(3))
     scene.add(joints.Drive(scene.joint("hinge"), table, name="motor"))

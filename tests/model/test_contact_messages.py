@@ -98,8 +98,8 @@ def test_a_pair_is_checked_when_it_is_changed(body_maker) -> None:
     contact.friction = 0.1
     assert contact.friction == Coulomb(0.1)
     contact.law = laws.LinearLayer(1e12)
-    contact.capacity, contact.evaluation, contact.overlap = 30.0, "full", 1e-4
-    assert (contact.capacity, contact.evaluation, contact.overlap) == (30, "full", 1e-4)
+    contact.capacity, contact.overlap = 30.0, 1e-4
+    assert (contact.capacity, contact.overlap) == (30, 1e-4)
     wrong: dict[str, Any] = {
         "friction": -1, "law": 1e12, "capacity": 0, "overlap": -1e-6, "evaluation": "hyper",
     }  # fmt: skip

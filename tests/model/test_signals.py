@@ -1,5 +1,7 @@
 """Signals: values, derivatives, integrals, and the border."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -15,6 +17,9 @@ EXAMPLES = {
     "ramp": signals.Ramp(1.0, 4.0, duration=0.3, delay=0.1),
     "smooth": signals.SmoothStep(-1.0, 2.0, duration=0.5, delay=0.2),
     "table": signals.Table([0.1, 0.3, 0.35, 1.0], [1.0, -2.0, 0.5, 0.7]),
+    "step": signals.Step(-1.0, 2.0, at=0.25),
+    "sine": signals.Sine(2.0, 4.0, duration=1.5, phase=0.3, mean=1.0),
+    "chirp": signals.Chirp(2.0, 0.0, 8.0, duration=1.5),
     "cubic": signals.Table([-0.2, 0.3, 0.55, 1.0], [1.0, -2.0, 0.5, 0.7], cubic=True),
 }
 
@@ -37,7 +42,7 @@ def test_integral_is_the_antiderivative_from_zero(signal: signals.Signal) -> Non
     kinks = signal.polynomial()[0]
     for t in (0.05, 0.2, 0.33, 0.7, 1.5):
         inside = [k for k in kinks if 0.0 < k < t]
-        expected = quad(lambda x: float(signal(x)), 0.0, t, points=inside or None, epsabs=1e-13)[0]
+        expected = quad(lambda x: float(signal(x)), 0.0, t, points=inside or None, epsabs=1e-13, limit=400)[0]
         assert float(integral(t)) == pytest.approx(expected, abs=1e-11)
     np.testing.assert_allclose(signal.scaled(-3.0).integral()(0.8), -3.0 * integral(0.8), rtol=1e-13)
 
@@ -48,6 +53,72 @@ def test_ramp_and_smooth_step_values() -> None:
     np.testing.assert_allclose(smooth([0.0, 0.2, 0.45, 0.7, 9.0]), [-1.0, -1.0, 0.5, 2.0, 2.0])
     # one quarter: 6/1024 - 15/256 + 10/64
     assert float(smooth(0.325)) == pytest.approx(-1.0 + 3.0 * (6 / 1024 - 15 / 256 + 10 / 64))
+
+
+def over_an_angle(t: np.ndarray) -> np.ndarray:
+    """Two orders of an angle that is straight up to 0.3 s, and straight with another slope from there on."""
+    angle = np.interp(t, [0.0, 0.3, 1.0], [0.0, 6.0, 40.0])
+    return 0.5 + 2.0 * np.cos(angle) + 0.3 * np.sin(2.0 * angle)
+
+
+CLOSED = {
+    "sine": (EXAMPLES["sine"], lambda t: 1.0 + 2.0 * np.sin(8.0 * np.pi * t + 0.3), 2.0, 1.5),
+    "chirp": (EXAMPLES["chirp"], lambda t: 2.0 * np.sin(np.pi * 8.0 / 1.5 * t**2), 2.0, 1.5),
+    "falling chirp": (
+        signals.Chirp(1.0, 9.0, 3.0, duration=2.0, phase=1.0),
+        lambda t: np.sin(2.0 * np.pi * (9.0 * t - 1.5 * t**2) + 1.0), 1.0, 2.0,
+    ),
+    "harmonics": (
+        signals.Harmonics(
+            (2.0,), (0.0, 0.3), angle=signals.Table([0.0, 0.3, 1.0], [0.0, 6.0, 40.0]), duration=1.0, mean=0.5
+        ),
+        over_an_angle, 2.3, 1.0,
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("signal", "exact", "amplitude", "end"), CLOSED.values(), ids=CLOSED)
+def test_sines_are_their_closed_forms_within_the_tolerance(signal, exact, amplitude: float, end: float) -> None:
+    t = np.linspace(0.0, end, 20011)
+    error = np.abs(signal(t) - exact(t)).max()
+    assert 1e-3 * signals.TOLERANCE * amplitude < error < 1.02 * signals.TOLERANCE * amplitude
+    breaks, c = signal.polynomial()
+    assert breaks[0] == 0.0 and breaks[-1] == pytest.approx(end)
+    if "harmonics" not in repr(signal).lower():  # whose angle has a kink
+        for k in (1, 2):  # slope and curvature go on from piece to piece
+            ends = [np.polynomial.Polynomial(p).deriv(k)(h) for p, h in zip(c, np.diff(breaks), strict=True)]
+            begins = c[:, k] * k
+            np.testing.assert_allclose(ends[:-1], begins[1:], atol=1e-9 * np.abs(begins).max())
+
+
+def test_a_sine_takes_thirty_two_pieces_per_period() -> None:
+    assert len(signals.Sine(1.0, 50.0, duration=0.1).polynomial()[1]) == 5 * 32
+
+
+def test_a_step_is_a_jump() -> None:
+    np.testing.assert_array_equal(EXAMPLES["step"]([0.0, 0.2499, 0.25, 9.0]), [-1.0, -1.0, 2.0, 2.0])
+
+
+def test_a_table_of_a_file(tmp_path) -> None:
+    columns: Any
+    for text, columns in (
+        ("# of a bench\ntime [s];speed;load\n0;5;1.5\n0.2;6;2.5\n", {"time": "time [s]", "value": "load"}),
+        ("0, 1.5\n\n0.2, 2.5\n", {}),
+        ("9 0 1.5\n9 2e-1 2.5\n", {"time": 1, "value": 2}),
+    ):
+        (tmp_path / "load.csv").write_text(text)
+        found = signals.from_csv(tmp_path / "load.csv", **columns)
+        np.testing.assert_array_equal([found.times, found.values], [[0.0, 0.2], [1.5, 2.5]])
+    for text, columns, said in (
+        ("time;load\n0;1\n1;1,5\n", {}, "'load.csv': line 3 has no number in column 1"),
+        ("time;load\n0;1\n", {"value": "lod"}, "value 'lod' does not exist.*did you mean 'load'"),
+        ("time;load\n", {}, "at least two times"),
+    ):
+        (tmp_path / "load.csv").write_text(text)
+        with pytest.raises(InputError, match=said):
+            signals.from_csv(tmp_path / "load.csv", **columns)
+    with pytest.raises(InputError, match="'.*none.csv' does not exist; check the path"):
+        signals.from_csv(tmp_path / "none.csv")
 
 
 def test_smooth_step_is_twice_differentiable() -> None:

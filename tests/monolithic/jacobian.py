@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.monolithic.core.equations import Increment
-from warpffrf.monolithic.core.integrator import Formula
-from warpffrf.monolithic.core.linear import dense_jacobian
-from warpffrf.monolithic.core.state import State
-from warpffrf.monolithic.newton import Evaluation, System, evaluate
+from references.monolithic.core.equations import Increment
+from references.monolithic.core.integrator import Formula
+from references.monolithic.core.linear import dense_jacobian
+from references.monolithic.core.state import State
+from references.monolithic.newton import Evaluation, System, evaluate
 
 ROUND_OFF = 1e-15  # of the largest residual: sums of some hundred terms
 

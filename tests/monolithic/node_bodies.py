@@ -1,4 +1,4 @@
-"""Scenes of the tests of evaluation "full"."""
+"""Scenes of the tests of laws at nodes."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def on_ground(body: ReducedBody, partner: Any, *, friction: Any = 0.0, law: Any,
     held = scene.add_body(body, name="body", inertia="constant", **pose)
     (surface,) = body.contact_surfaces
     face = scene.ground.surface(partner, name="face")
-    scene.add(Contact(held[surface], face, friction=friction, law=law, evaluation="full", name=PAIR, overlap=1.0))
+    scene.add(Contact(held[surface], face, friction=friction, law=law, name=PAIR, overlap=1.0))
     return scene, held
 
 
@@ -35,7 +35,5 @@ def on_half_space(
         mass, (1e-4, 1e-4, 1e-4), name="partner", position=(0.0, 0.0, radius), surfaces={"face": shape}
     )
     scene.add(forces.PointForce(partner.at((0.0, 0.0, 0.0)), (0.0, 0.0, -load)))
-    scene.add(
-        Contact(space[surface], partner["face"], friction=friction, law=law, evaluation="full", name=PAIR, overlap=1.0)
-    )
+    scene.add(Contact(space[surface], partner["face"], friction=friction, law=law, name=PAIR, overlap=1.0))
     return scene, partner

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from mass_point_body import mass_point_body
 
-from warpffrf import monolithic
+from references import monolithic
+from references.monolithic.results import to_history
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, Settings, run
 from warpffrf.online.history.history import History
-from warpffrf.output.monolithic_run import to_history
 
 RHO = 0.8
 TIGHT = 1e-12  # tolerance of both, of the forces

@@ -7,14 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references import monolithic
+from references.monolithic.core.linear import VARIANTS
+from references.monolithic.line_of_centres.pair import default_layer
 from scenes.rollers import PAIR, Path, guided_pair, prescribed_pair, roller_body
-from warpffrf import monolithic
 from warpffrf.model import signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.local_modes import dynamic_modes
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.core.linear import VARIANTS
-from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Settings, run
 
 INTEGRATOR = GeneralizedAlpha(0.8)

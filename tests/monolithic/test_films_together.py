@@ -7,24 +7,23 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references import monolithic
+from references.monolithic.core.integrator import Formula
+from references.monolithic.films.basis import node_basis
+from references.monolithic.films.film import FilmState, Memory, Unknowns, rates_of
+from references.monolithic.results import simulate, to_history
+from references.monolithic.run import build
+from references.monolithic.start import _at_rest
 from studies.films.film_engine import CLEARANCE, GROOVE, SPEED, VISCOSITY, bearing, bore
-from warpffrf import monolithic
 from warpffrf.model import films, joints, laws, oils, signals, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.core.integrator import Formula
-from warpffrf.monolithic.films.basis import node_basis
-from warpffrf.monolithic.films.film import FilmState, Memory, Unknowns, rates_of
-from warpffrf.monolithic.run import build
-from warpffrf.monolithic.start import _at_rest
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, Settings, run
 from warpffrf.online.run import find_equilibrium
-from warpffrf.output.monolithic_run import to_history
-from warpffrf.output.simulate import simulate
 
 HATS = (32, 7)
 TIGHT = 1e-11  # tolerance of both solvers
@@ -35,7 +34,7 @@ MOVING = 1e-6  # of the largest value of a run: the tolerance times what some te
 # from tiny steps of sizes of their own
 STARTED = 1e-5
 DIFFERENCES = 1e-6  # of the largest entry: central differences, round-off beside truncation
-NODES = 0.03  # "full" beside "semi" on six columns a radian: triangles and hats differ by the square of the pitch
+NODES = 0.03  # at nodes beside hats, on six columns a radian: triangles and hats differ by the square of the pitch
 STEP = float(np.radians(2.0)) / SPEED  # s
 FIELDS = ("pressure", "gap", "void")
 SUMS = (
@@ -193,11 +192,11 @@ def test_a_bore_that_turns_around_a_shaft_of_the_ground() -> None:
 # --- the equations
 
 
-@pytest.mark.parametrize("evaluation", ["semi", "full"])
-def test_derivatives_are_those_of_the_equations(evaluation: str) -> None:
+@pytest.mark.parametrize("at_nodes", [False, True])
+def test_derivatives_are_those_of_the_equations(at_nodes: bool) -> None:
     """By pressures, voids and modes; those by the rigid coordinates are differences already."""
-    scene = journal(oil=oils.Barus(VISCOSITY, coefficient=1.5e-8), evaluation=evaluation)
-    system, state = build(scene)
+    scene = journal(oil=oils.Barus(VISCOSITY, coefficient=1.5e-8))
+    system, state = build(scene, at_nodes=at_nodes)
     data, rng = system.films[0], np.random.default_rng(1)
     state.q[:] = 1e-9 * rng.normal(size=len(state.q))
     n = data.basis.functions
@@ -231,8 +230,7 @@ def test_derivatives_are_those_of_the_equations(evaluation: str) -> None:
 
 
 def test_nodes_have_the_whole_surface_and_linear_pressures() -> None:
-    scene = journal(evaluation="full")
-    film = scene.films[0]
+    film = journal().films[0]
     b = node_basis(film)
     radius, length = 0.025, 0.025
     assert b.area.sum() == pytest.approx(2.0 * np.pi * radius * length, rel=1e-12)
@@ -253,23 +251,19 @@ def test_nodes_have_the_whole_surface_and_linear_pressures() -> None:
 
 @pytest.mark.parametrize("load", [2e3, 20e3])
 def test_pressures_at_nodes_are_near_those_of_hats(load: float) -> None:
-    found = {
-        evaluation: rest(journal((load, 0.0), evaluation=evaluation)).films["film"] for evaluation in ("semi", "full")
-    }
-    semi, full = found["semi"], found["full"]
-    assert off(semi.force[0], full.force[0]) < 1e-6  # of a given load
-    assert off(semi.eccentricity[0], full.eccentricity[0]) < NODES
-    assert full.largest_pressure[0] == pytest.approx(semi.largest_pressure[0], rel=NODES)
-    assert full.end_flow[0] == pytest.approx(semi.end_flow[0], rel=NODES)
-    assert full.void_fraction[0] == pytest.approx(semi.void_fraction[0], rel=NODES)
+    hats, nodes = (rest(journal((load, 0.0)), at_nodes=at_nodes).films["film"] for at_nodes in (False, True))
+    assert off(hats.force[0], nodes.force[0]) < 1e-6  # of a given load
+    assert off(hats.eccentricity[0], nodes.eccentricity[0]) < NODES
+    assert nodes.largest_pressure[0] == pytest.approx(hats.largest_pressure[0], rel=NODES)
+    assert nodes.end_flow[0] == pytest.approx(hats.end_flow[0], rel=NODES)
+    assert nodes.void_fraction[0] == pytest.approx(hats.void_fraction[0], rel=NODES)
 
 
 # --- a run like any other
 
 
 def test_a_result_of_it_reads_like_any_other() -> None:
-    scene = journal(evaluation="full")
-    found = simulate(scene, 4 * STEP, step=STEP, start="equilibrium", method="monolithic", progress=False)
+    found = simulate(journal(), 4 * STEP, step=STEP, start="equilibrium", at_nodes=True, progress=False)
     assert found.status == "completed", found.message
     film = found.film("film")
     assert film.force.shape == (5, 3) and film.pressure.shape == (5, *HATS)
@@ -280,13 +274,13 @@ def test_a_result_of_it_reads_like_any_other() -> None:
 def test_a_run_goes_on_where_another_has_ended() -> None:
     """Rates of second order have two steps behind them."""
     scene = journal((signals.SmoothStep(5e3, 10e3, duration=6 * STEP), 0.0))
-    more: dict[str, Any] = {"step": STEP, "method": "monolithic", "progress": False}
-    whole = simulate(scene, 6 * STEP, start="equilibrium", **more)
-    half = simulate(scene, 3 * STEP, start="equilibrium", **more)
-    other = simulate(scene, 3 * STEP, start=half, **more)
+    more: dict[str, Any] = {"step": STEP, "progress": False}
+    whole = monolithic.run(scene, 6 * STEP, start="equilibrium", **more)
+    half = monolithic.run(scene, 3 * STEP, start="equilibrium", **more)
+    other = monolithic.run(scene, 3 * STEP, start=half, **more)
     assert other.status == "completed", other.message
-    assert off(whole.film("film").force[-1], other.film("film").force[-1]) < AT_REST
-    assert off(whole.film("film").void[-1], other.film("film").void[-1]) < AT_REST
+    assert off(whole.films["film"].force[-1], other.films["film"].force[-1]) < AT_REST
+    assert off(whole.films["film"].void[-1], other.films["film"].void[-1]) < AT_REST
 
 
 # --- refusals
@@ -297,7 +291,7 @@ def test_a_run_goes_on_where_another_has_ended() -> None:
     [
         ({"evaluation": "hyper"}, {}, "evaluation 'hyper'.*evaluation='semi'"),
         ({"asperities": laws.ExponentialAsperities(2e9, 0.2e-6, 2.8e-6)}, {}, "asperities.*leave asperities out"),
-        ({"roughness": films.Roughness(0.5e-6)}, {}, "smooth walls.*leave roughness out"),
+        ({"roughness_a": films.Roughness(0.5e-6)}, {}, "smooth walls.*leave roughness out"),
         ({"oil": oils.Newtonian(VISCOSITY, density=oils.DowsonHigginson())}, {}, "constant density.*leave density"),
         ({}, {"local": "hht"}, "quasi-static.*local='quasi_static'"),
         ({}, {"variant": "modified"}, "variant 'modified'.*variant='full'"),
@@ -306,23 +300,18 @@ def test_a_run_goes_on_where_another_has_ended() -> None:
 def test_what_films_of_this_solver_do_not_do_is_refused(
     film: dict[str, Any], options: dict[str, Any], words: str
 ) -> None:  # fmt: skip
-    with pytest.raises(InputError, match=f"film 'film': method 'monolithic'.*{words}.*'separated'"):
+    with pytest.raises(InputError, match=f"film 'film': the monolithic reference.*{words}.*warpffrf.simulate"):
         build(journal(**film), **options)
 
 
-def test_pressures_at_nodes_are_refused_by_the_separated_solver() -> None:
-    with pytest.raises(InputError, match="film 'film': evaluation 'full'.*method='monolithic'"):
-        find_equilibrium(journal(evaluation="full"))
-
-
 def test_a_feed_between_the_nodes_is_refused() -> None:
-    scene = journal(evaluation="full", feeds=[films.AxialGroove(np.pi + 0.03, 1e-4, 0.0)])
+    scene = journal(feeds=[films.AxialGroove(np.pi + 0.03, 1e-4, 0.0)])
     with pytest.raises(InputError, match=r"feed 1, the groove at theta = 3\.1.*between the nodes.*wider"):
-        build(scene)
+        build(scene, at_nodes=True)
 
 
 def test_surfaces_that_touch_at_the_start_are_refused() -> None:
     scene = journal()
     scene.bodies[1].position = np.array([1.1 * CLEARANCE, 0.0, 0.0])
     with pytest.raises(InputError, match="overlap at the start"):
-        simulate(scene, STEP, step=STEP, method="monolithic", progress=False)
+        simulate(scene, STEP, step=STEP, progress=False)

@@ -9,12 +9,20 @@ import numpy as np
 import pytest
 from mass_point_body import mass_point_body
 
+from references import monolithic
+from references.monolithic.core import local_coordinates
 from scenes.rollers import PAIR, guided_pair
-from warpffrf import monolithic
-from warpffrf.model import forces, joints, laws, signals
+from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.errors import InputError
+from warpffrf.model.laps import Lap
+from warpffrf.model.lumped_contact import LumpedContact
+from warpffrf.model.material import Material
+from warpffrf.model.mesh import box
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.core import local_coordinates
+from warpffrf.offline import reduce
+
+STEEL = Material(210e9, 0.3, 7850.0)
+PLANE = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0))
 
 
 def falling() -> Scene:
@@ -92,6 +100,31 @@ def test_a_layer_is_not_covered(roller) -> None:
         monolithic.run(scene, 1e-3, step=1e-4, progress=False)
 
 
+def test_what_it_does_not_have() -> None:
+    """Friction in joints, lumped contacts and laps are refused, with the cure."""
+    scene = falling()
+    pin = scene.add(joints.Revolute(scene.ground, scene.bodies[0].at((0, 0, 0)), axis=(0, 1, 0), name="pin"))
+    scene.add(forces.RevoluteFriction(pin, 0.3, pin_radius=0.01, name="rub"))
+    with pytest.raises(InputError, match="'rub'.*has no friction in joints; use warpffrf.simulate"):
+        monolithic.run(scene, 1.0, step=0.1)
+    scene = Scene()
+    floor = scene.ground.surface(PLANE, name="floor")
+    ball = surfaces.Sphere(radius=0.01, axis_point=(0, 0, 0), axis_direction=(0, 1, 0))
+    body = scene.add_rigid_body(1.0, (0.1, 0.1, 0.1), name="ball", position=(0, 0, 0.01), surfaces={"skin": ball})
+    scene.add(LumpedContact(body["skin"], floor, law=laws.HertzPoint(STEEL, STEEL), name="spot"))
+    with pytest.raises(InputError, match="lumped contact 'spot': .*has no lumped contacts; use warpffrf.simulate"):
+        monolithic.run(scene, 1.0, step=0.1)
+    block = reduce(
+        box((0.02, 0.02, 0.02), (2, 2, 2), order=1), STEEL, laps={"foot": "z_min"}, modes=4,
+        cache=False, progress=False,
+    )  # fmt: skip
+    scene = Scene()
+    held = scene.add_body(block, name="block", position=(0.0, 0.0, 0.01))
+    scene.add(Lap(held["foot"], scene.ground.surface(PLANE, name="floor"), name="lap"))
+    with pytest.raises(InputError, match="lap 'lap': .*has no laps; use warpffrf.simulate"):
+        monolithic.run(scene, 1.0, step=0.1)
+
+
 def test_a_mechanism_without_a_load_path_has_no_equilibrium() -> None:
     history = monolithic.run(falling(), 0.2, step=0.1, start="equilibrium", progress=False)
     assert history.status == "no_equilibrium" and "rest" in history.message
@@ -100,7 +133,7 @@ def test_a_mechanism_without_a_load_path_has_no_equilibrium() -> None:
 def test_an_interrupted_run_keeps_what_was_found(roller, monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C in the fourth step leaves the start and three steps."""
     scene = guided_pair(roller, roller, load=1e3)
-    run_module = importlib.import_module("warpffrf.monolithic.run")
+    run_module = importlib.import_module("references.monolithic.run")
     real = run_module.solve_step
 
     def broken(*args: Any) -> Any:

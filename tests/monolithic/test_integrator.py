@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf import monolithic
+from references import monolithic
+from references.monolithic.core.integrator import coefficients_of
 from warpffrf.model import forces, joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark, RungeKutta4
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.core.integrator import coefficients_of
 
 
 def oscillator(step: float, duration: float, integrator: Any) -> float:

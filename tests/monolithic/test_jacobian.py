@@ -9,16 +9,16 @@ import pytest
 from jacobian import analytic, differences, worst_entry
 from mass_point_body import mass_point_body
 
+from references.monolithic.core.equations import predicted
+from references.monolithic.core.integrator import Formula
+from references.monolithic.line_of_centres.pair import LAWS
+from references.monolithic.newton import evaluate
+from references.monolithic.run import build
 from scenes.rollers import guided_pair
 from warpffrf.model import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.integrators import HHT
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.core.equations import predicted
-from warpffrf.monolithic.core.integrator import Formula
-from warpffrf.monolithic.line_of_centres.pair import LAWS
-from warpffrf.monolithic.newton import evaluate
-from warpffrf.monolithic.run import build
 
 AGREE = 2e-6  # central differences: truncation and round-off meet at about 1e-7 of the largest entry of a row
 STEP = 1e-2  # s: elastic, gyroscopic and inertia terms are all seen

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from references.monolithic import results as monolithic
 from scenes.rollers import roller_body
 from warpffrf.model import joints, laws, surfaces
 from warpffrf.model.contact import Contact
@@ -16,7 +17,6 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.laws import curves
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic import Monolithic
 from warpffrf.output.simulate import simulate
 
 RADIUS, ACROSS = 0.05, (0.0, 1.0, 0.0)
@@ -50,7 +50,7 @@ class GaussianAsperities(laws.Law):
         return f"its asperities are no higher than {BEGINS:g} deviations"
 
 
-def pressed(body: ReducedBody, evaluation: Any) -> Any:
+def pressed(body: ReducedBody, at_nodes: bool) -> Any:
     """A roller held above the ground, asperities alone between them; the run."""
     scene = Scene()
     roller = scene.add_body(body, name="roller", position=(0.0, 0.0, RADIUS - 6e-4))
@@ -58,15 +58,18 @@ def pressed(body: ReducedBody, evaluation: Any) -> Any:
     plane = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=ACROSS)
     floor = scene.ground.surface(plane, name="floor")
     law = GaussianAsperities(2e8, 2e-5)
-    scene.add(Contact(roller["rim"], floor, law=law, evaluation=evaluation, name="pair", overlap=1.0))
-    method = Monolithic("low_rank") if evaluation == "full" else "separated"
-    result = simulate(scene, 1e-6, step=1e-6, start="equilibrium", method=method, progress=False)
+    scene.add(Contact(roller["rim"], floor, law=law, name="pair", overlap=1.0))
+    options: dict[str, Any] = {"step": 1e-6, "start": "equilibrium", "progress": False}
+    if at_nodes:
+        result = monolithic.simulate(scene, 1e-6, variant="low_rank", at_nodes=True, **options)
+    else:
+        result = simulate(scene, 1e-6, **options)
     assert result.status == "completed", result.message
     return result
 
 
 def test_both_solvers_take_a_law_that_is_one_class(fine_roller: ReducedBody) -> None:
-    full, semi = (pressed(fine_roller, evaluation) for evaluation in ("full", "semi"))
+    full, semi = (pressed(fine_roller, at_nodes) for at_nodes in (True, False))
     force = [r.history.contacts["pair"].force[0, 2] for r in (full, semi)]
     assert force[0] == pytest.approx(force[1], rel=NODES_AND_HATS) and force[1] > 0.0
     assert semi.history.contacts["pair"].pressure.max() > 1e4

@@ -1,4 +1,4 @@
-"""Evaluation "full" by true shapes: flat punches on layers, gross slip, energy, momentum, continued runs, refusals."""
+"""The law at nodes by true shapes: flat punches on layers, gross slip, energy, momentum, continued runs, refusals."""
 
 from __future__ import annotations
 
@@ -8,11 +8,14 @@ import numpy as np
 import pytest
 from node_bodies import PAIR, on_half_space
 
+from references import monolithic
 from references.half_space.bodies import half_space
+from references.monolithic.core.linear import VARIANTS
+from references.monolithic.line_of_centres.pair import default_layer
+from references.monolithic.results import simulate
 from references.stick_slip import BeltOscillator
 from scenes.rollers import roller_body
 from studies.rolling.full_friction import with_nodes
-from warpffrf import monolithic
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
@@ -21,12 +24,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.rotation import matrix
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic.core.linear import VARIANTS
-from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha, Newmark
-from warpffrf.online.stages import Stage
-from warpffrf.output.simulate import simulate
 
 RIGID = Material(2.1e20, 0.3, 7850.0)  # yields a billionth of what steel does: only the layer is left
 STEEL = Material(210e9, 0.3, 7850.0)
@@ -35,6 +33,7 @@ AREA = (COLUMNS - 1) * (ROWS - 1) * PITCH**2
 FLAT = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, -1.0), direction=(0.0, 1.0, 0.0))
 BALL = surfaces.Sphere(radius=0.01, axis_point=(0.0, 0.0, 0.0), axis_direction=(0.0, 1.0, 0.0))
 LOAD, MASS = 600.0, 0.1  # N, kg
+AT_NODES: dict[str, Any] = {"at_nodes": True, "progress": False}
 LAYERS = {
     "linear_layer": laws.LinearLayer(1e13),
     "nonlinear_layer": laws.NonlinearLayer(1e16, 1.5),
@@ -73,7 +72,7 @@ def test_flat_punch_on_a_layer(kind: str, variant: str, rigid_space: ReducedBody
     if variant == "full":
         for body in scene.bodies[1:]:
             body.position = body.position + np.array([0.0, 0.0, 2e-5])
-    found = monolithic.run(scene, 1e-5, step=1e-5, start="equilibrium", variant=variant, progress=False)
+    found = monolithic.run(scene, 1e-5, step=1e-5, start="equilibrium", variant=variant, **AT_NODES)
     assert found.status == "completed", found.message
     z = float(found.bodies["partner"].position[0, 2])
     assert float(law.pressure(z)) == pytest.approx(LOAD / AREA, rel=1e-7)
@@ -94,8 +93,8 @@ def dragged(body: ReducedBody, friction: Any, pull: Any, stick: float, steps: in
     guided(scene, partner)
     scene.add(forces.PointForce(partner.at((0.0, 0.0, 0.0)), (pull, (1.0, 0.0, 0.0))))
     found = simulate(
-        scene, steps * step, step=step, start="equilibrium", progress=False, integrator=GeneralizedAlpha(0.0),
-        method=Monolithic("low_rank", stick_stiffness=stick),
+        scene, steps * step, step=step, start="equilibrium", integrator=GeneralizedAlpha(0.0), variant="low_rank",
+        stick_stiffness=stick, **AT_NODES,
     )  # fmt: skip
     assert found.status == "completed", found.message
     return found
@@ -122,8 +121,8 @@ def test_a_punch_sticks_and_slips(rigid_space: ReducedBody) -> None:
     pull = signals.Ramp(0.0, k * V * end, duration=end)  # with the spring together k (V t - x)
     scene.add(forces.PointForce(punch.at((0.0, 0.0, 0.0)), (pull, (1.0, 0.0, 0.0))))
     result = simulate(
-        scene, end, step=step, start="equilibrium", progress=False, integrator=GeneralizedAlpha(0.0),
-        method=Monolithic("low_rank", stick_stiffness=1e13),
+        scene, end, step=step, start="equilibrium", integrator=GeneralizedAlpha(0.0), variant="low_rank",
+        stick_stiffness=1e13, **AT_NODES,
     )  # fmt: skip
     assert result.status == "completed", result.message
     y = V * result.time - result.history.bodies["partner"].position[:, 0]
@@ -169,9 +168,7 @@ def test_restitution_of_a_damped_layer(rigid_space: ReducedBody) -> None:
         scene.forces.clear()
         scene.add(joints.Prismatic(scene.ground, partner.at((0.0, 0.0, 0.0)), axis=(0.0, 0.0, 1.0), name="down"))
         partner.position, partner.velocity = (0.0, 0.0, 1e-8), (0.0, 0.0, -speed)
-        found = monolithic.run(
-            scene, 1.2e-4, step=1.2e-4 / steps, variant="low_rank", integrator=Newmark(), progress=False
-        )
+        found = monolithic.run(scene, 1.2e-4, step=1.2e-4 / steps, variant="low_rank", integrator=Newmark(), **AT_NODES)
         assert found.status == "completed", found.message
         assert not found.contacts[PAIR].active[-1]  # apart again
         errors.append(abs(found.bodies["partner"].velocity[-1, 2] / speed - e))
@@ -190,7 +187,7 @@ def test_energy_of_a_ball_that_bounces_askew(steel_space: ReducedBody) -> None:
         scene, partner = on_half_space(steel_space, BALL, 0.0, law=law, friction=0.2)
         partner.position = (0.0, 0.0, 0.01 + 1e-7)
         partner.velocity, partner.angular_velocity = (0.05, 0.02, -0.1), (3.0, 0.0, 1.0)
-        found = monolithic.run(scene, 8e-5, step=8e-5 / steps, variant="low_rank", integrator=Newmark(), progress=False)
+        found = monolithic.run(scene, 8e-5, step=8e-5 / steps, variant="low_rank", integrator=Newmark(), **AT_NODES)
         assert found.status == "completed", found.message
         e = found.energy
         assert np.all(np.diff(e["friction"]) <= 0.0) and np.all(np.diff(e["layer"]) >= 0.0)
@@ -214,11 +211,9 @@ def test_momentum_of_two_free_bodies() -> None:
         inertia="constant",
     )  # fmt: skip
     k = 0.01 * default_layer(body.contact_surfaces["rim"])
-    scene.add(
-        Contact(scene.body("lower")["rim"], scene.body("upper")["rim"], law=laws.LinearLayer(k), friction=0.3,
-                evaluation="full", name=PAIR)
-    )  # fmt: skip
-    found = monolithic.run(scene, 1e-4, step=2e-6, variant="low_rank", progress=False)
+    rims = scene.body("lower")["rim"], scene.body("upper")["rim"]
+    scene.add(Contact(*rims, law=laws.LinearLayer(k), friction=0.3, name=PAIR))
+    found = monolithic.run(scene, 1e-4, step=2e-6, variant="low_rank", **AT_NODES)
     assert found.status == "completed", found.message
     force = found.contacts[PAIR].force
     assert np.abs(force[:, 0]).max() > 0.1 * np.abs(force[:, 2]).max() > 1.0  # friction, not the normal force alone
@@ -237,9 +232,9 @@ def test_momentum_of_two_free_bodies() -> None:
 
 
 @pytest.mark.slow
-def test_two_wheels_on_the_ground_in_stages() -> None:
+def test_two_wheels_on_the_ground() -> None:
     """One at rest, one that slides with spin: while it slides, tractions are mu p all over its patch and slow it down;
-    two stages are one run."""
+    a run that goes on from another is one run."""
     body = roller_body(40, layers=2, axial=2, grading=1.6, modes=3, tangential=True, contact_fixed=False, cache=False)
     scene = Scene(gravity=(0.0, 0.0, -9.81))
     plane = surfaces.Plane(origin=(0.0, 0.0, 0.0), outward=(0.0, 0.0, 1.0), direction=(0.0, 1.0, 0.0))
@@ -251,12 +246,12 @@ def test_two_wheels_on_the_ground_in_stages() -> None:
     )  # fmt: skip
     layer = laws.LinearLayer(0.01 * default_layer(body.contact_surfaces["rim"]))
     law = RegularisedCoulomb(0.2, 1e-3)
-    scene.add(Contact(rest["rim"], floor, law=layer, friction=0.3, evaluation="full", name="stands"))
-    scene.add(Contact(wheel["rim"], floor, law=layer, friction=law, evaluation="full", name="slides"))
-    more: dict[str, Any] = {"method": Monolithic("low_rank"), "progress": False}
-    whole = simulate(scene, 2e-3, step=1e-4, **more)
-    parts = simulate(scene, stages=[Stage("one", 1e-3, 1e-4), Stage("two", 1e-3, 1e-4)], **more)
-    assert whole.status == parts.status == "completed", whole.message + parts.message
+    scene.add(Contact(rest["rim"], floor, law=layer, friction=0.3, name="stands"))
+    scene.add(Contact(wheel["rim"], floor, law=layer, friction=law, name="slides"))
+    more: dict[str, Any] = {"step": 1e-4, "variant": "low_rank", **AT_NODES}
+    whole = simulate(scene, 2e-3, **more)
+    rest_of_it = monolithic.run(scene, 1e-3, start=monolithic.run(scene, 1e-3, **more), **more)
+    assert whole.status == rest_of_it.status == "completed", whole.message + rest_of_it.message
     c = whole.history.contacts["slides"]
     assert c.friction is not None
     for t in range(1, len(c.force)):
@@ -264,8 +259,8 @@ def test_two_wheels_on_the_ground_in_stages() -> None:
         np.testing.assert_allclose(size, 0.2 * c.pressure[t], rtol=1e-6, atol=1.0)
     assert c.force[-1, 2] > 1.0 and np.all(c.friction.power[1:] >= 0.0) and c.friction.power[-1] > 0.0
     assert whole.history.bodies["wheel"].velocity[-1, 0] < 0.5 and np.abs(c.friction.creep_velocity[1:, 0]).min() > 0.2
-    other = parts.history.contacts["slides"]
-    assert other.friction is not None and other.friction.state.shape[1:] == other.pressure.shape[1:]
+    other = rest_of_it.contacts["slides"]
+    assert other.friction is not None and other.friction["state"].shape == other.pressure.shape
     assert np.abs(other.force[-1] - c.force[-1]).max() < 1e-6 * np.abs(c.force[-1]).max()
     stands = whole.history.contacts["stands"]
     assert np.abs(stands.force[:, :2]).max() < 1e-6 * np.abs(stands.force[:, 2]).max()
@@ -279,46 +274,45 @@ def test_variants_agree(variant: str, steel_space: ReducedBody) -> None:
         scene, partner = on_half_space(steel_space, BALL, 20.0, law=laws.LinearLayer(1e16), friction=0.3)
         guided(scene, partner)
         scene.add(forces.PointForce(partner.at((0.0, 0.0, 0.0)), (signals.Ramp(0.0, 4.0, duration=1e-3), (1.0, 0, 0))))
-        found.append(monolithic.run(scene, 5e-4, step=1e-4, start="equilibrium", variant=way, progress=False))
+        found.append(monolithic.run(scene, 5e-4, step=1e-4, start="equilibrium", variant=way, **AT_NODES))
         assert found[-1].status == "completed", found[-1].message
     a, b = (history.contacts[PAIR].force for history in found)
     assert np.abs(a - b).max() < 1e-7 * np.abs(a).max()
 
 
-def test_a_run_goes_on_with_what_its_nodes_remember(steel_space: ReducedBody, tmp_path: Any) -> None:
+def test_a_run_goes_on_with_what_its_nodes_remember(steel_space: ReducedBody) -> None:
     def scene() -> Scene:
         made, partner = on_half_space(steel_space, BALL, 20.0, law=laws.LinearLayer(1e16), friction=0.3)
         guided(made, partner)
         made.add(forces.PointForce(partner.at((0.0, 0.0, 0.0)), (signals.Ramp(0.0, 4.0, duration=1e-3), (1.0, 0, 0))))
         return made
 
-    more: dict[str, Any] = {"step": 1e-4, "method": Monolithic("low_rank"), "progress": False}
-    whole = simulate(scene(), 8e-4, start="equilibrium", **more)
-    file = tmp_path / "half.h5"
-    half = simulate(scene(), 4e-4, start="equilibrium", results=file, **more)
-    rest = simulate(scene(), 4e-4, start=file, **more)
+    more: dict[str, Any] = {"step": 1e-4, "variant": "low_rank", **AT_NODES}
+    whole = monolithic.run(scene(), 8e-4, start="equilibrium", **more)
+    half = monolithic.run(scene(), 4e-4, start="equilibrium", **more)
+    rest = monolithic.run(scene(), 4e-4, start=half, **more)
     assert half.status == rest.status == "completed"
-    a, b = (r.history.contacts[PAIR].force[-1] for r in (whole, rest))
+    a, b = (history.contacts[PAIR].force[-1] for history in (whole, rest))
     assert np.abs(a - b).max() < 1e-8 * np.abs(a).max()
-    rubs = [r.history.contacts[PAIR].friction for r in (whole, rest)]
-    tau = [np.sort(rub.traction[-1].ravel())[-20:] for rub in rubs if rub is not None]
+    rubs = [history.contacts[PAIR].friction for history in (whole, rest)]
+    tau = [np.sort(rub["traction"][-1].ravel())[-20:] for rub in rubs if rub is not None]
     np.testing.assert_allclose(tau[0], tau[1], rtol=1e-5, atol=1e-6 * tau[0].max())
-    assert rest.history.energy["friction"][-1] == pytest.approx(whole.history.energy["friction"][-1], rel=1e-6)
+    assert rest.energy["friction"][-1] == pytest.approx(whole.energy["friction"][-1], rel=1e-6)
 
 
 def test_what_it_refuses(steel_space: ReducedBody, rigid_space: ReducedBody) -> None:
     def refused(scene: Scene, word: str, **options: Any) -> None:
         with pytest.raises(InputError, match=word):
-            monolithic.run(scene, 1e-4, step=1e-5, progress=False, **options)
+            monolithic.run(scene, 1e-4, step=1e-5, **{**AT_NODES, **options})
 
     scene, _ = on_half_space(steel_space, BALL, 1.0, law=laws.Unilateral())
     refused(scene, "has no unilateral; use laws.LinearLayer")
-    scene.contacts[0].evaluation = "semi"
-    refused(scene, "a rigid partner, partner\\['face'\\], with the law at nodes only; use evaluation='full'")
+    hats = {"at_nodes": False}
+    refused(scene, "a rigid partner, partner\\['face'\\], with the law at nodes only; use at_nodes=True", **hats)
     scene.contacts[0].kinematics = "closest_point"
-    refused(scene, 'has kinematics="closest_point" with the law at nodes only')
+    refused(scene, 'has kinematics="closest_point" with the law at nodes only', **hats)
     scene.contacts[0].friction = 0.1
-    refused(scene, "has friction with the law at nodes only; use evaluation='full'")
+    refused(scene, "has friction with the law at nodes only; use at_nodes=True", **hats)
     scene, _ = on_half_space(steel_space, BALL, 1.0, law=laws.LinearLayer(1e16), friction=0.1)
     refused(scene, "friction is there for quasi-static local modes only", local="hht")
     refused(scene, "stick_stiffness", stick_stiffness=0.0)

@@ -9,6 +9,16 @@ import pytest
 from jacobian import differences, worst_entry
 from node_bodies import PAIR, on_ground
 
+from references.monolithic.core.equations import predicted
+from references.monolithic.core.integrator import Formula
+from references.monolithic.core.linear import dense_jacobian
+from references.monolithic.newton import Evaluation, System, evaluate
+from references.monolithic.nodal.friction import SLIP, STICK
+from references.monolithic.nodal.newton import stiffness_of
+from references.monolithic.nodal.pair import FORCE, TRACTION, NodePairState
+from references.monolithic.nodal.tangent import LinearisedPair
+from references.monolithic.run import build
+from references.monolithic.start import standing
 from scenes.rollers import roller_body
 from warpffrf.model import laws, surfaces
 from warpffrf.model.contact import Contact
@@ -19,16 +29,6 @@ from warpffrf.model.mesh import sleeve
 from warpffrf.model.placement.gap import smallest_gap
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic.core.equations import predicted
-from warpffrf.monolithic.core.integrator import Formula
-from warpffrf.monolithic.core.linear import dense_jacobian
-from warpffrf.monolithic.newton import Evaluation, System, evaluate
-from warpffrf.monolithic.nodal.friction import SLIP, STICK
-from warpffrf.monolithic.nodal.newton import stiffness_of
-from warpffrf.monolithic.nodal.pair import FORCE, TRACTION, NodePairState
-from warpffrf.monolithic.nodal.tangent import LinearisedPair
-from warpffrf.monolithic.run import build
-from warpffrf.monolithic.start import standing
 from warpffrf.offline import reduce
 
 AGREE = 1e-5  # of the largest entry of a row: how the lean turns with the place is left out (`nodal.gap`)
@@ -76,7 +76,7 @@ def pair_of(first: ReducedBody, second: Any, along: Any, *, friction: Any, law: 
             b = scene.add_body(second, name="second", inertia="constant")
             port = b[next(iter(second.contact_surfaces))]
         (surface,) = first.contact_surfaces
-        scene.add(Contact(a[surface], port, law=law, friction=friction, evaluation="full", name=PAIR, overlap=1.0))
+        scene.add(Contact(a[surface], port, law=law, friction=friction, name=PAIR, overlap=1.0))
     else:
         scene, a = on_ground(first, second, friction=friction, law=law, **pose)
     return closed(scene, a, along)
@@ -84,7 +84,7 @@ def pair_of(first: ReducedBody, second: Any, along: Any, *, friction: Any, law: 
 
 def stirred(scene: Scene, seed: int = 2) -> tuple[System, Any, Formula, Any, Evaluation]:
     """Both bodies deformed a little, moved a little over the step, the friction with something to remember."""
-    system, state = build(scene, stick_stiffness=2e13)
+    system, state = build(scene, stick_stiffness=2e13, at_nodes=True)
     rng = np.random.default_rng(seed)
     n = system.layout.modes
     state.q[:n] = 1e-7 * rng.normal(size=n)

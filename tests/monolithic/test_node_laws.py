@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from references.monolithic.nodal.friction import SLIP, STICK, closest_point, node_traction
+from references.monolithic.nodal.layer_slopes import layer_pressure, reach
 from warpffrf.model import laws
 from warpffrf.model.friction import Coulomb, RegularisedCoulomb
-from warpffrf.monolithic.nodal.friction import SLIP, STICK, closest_point, node_traction
-from warpffrf.monolithic.nodal.layer_slopes import layer_pressure, reach
 
 LAYERS = {
     "linear_layer": laws.LinearLayer(1e13),

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references import monolithic
 from scenes.rollers import PAIR, guided_pair
-from warpffrf import monolithic
 from warpffrf.model import signals
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from references import monolithic
 from scenes.rollers import roller_body
-from warpffrf import monolithic
 from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.body import ReducedBody
@@ -68,17 +68,18 @@ def test_both_solvers_agree(rollers: tuple[ReducedBody, ReducedBody], order: str
 
 @pytest.mark.slow
 def test_nodes_of_all_pairs_load_one_surface(rollers: tuple[ReducedBody, ReducedBody]) -> None:
-    """Evaluation "full", friction on one of the two pairs: every surface has its coordinates once, those that friction
+    """At nodes, friction on one of the two pairs: every surface has its coordinates once, those that friction
     needs; forces are those along the line of centres, where each pair alone would miss them."""
     law = laws.LinearLayer(3e14)
-    scene = stack(rollers, ORDER["low first"], law=law, evaluation="full")
+    scene = stack(rollers, ORDER["low first"], law=law)
     scene.contacts[0].friction = laws.Coulomb(0.2)
-    history = monolithic.run(scene, STEPS * STEP, step=STEP, integrator=GeneralizedAlpha(0.8), progress=False)
+    options: dict[str, Any] = {"step": STEP, "integrator": GeneralizedAlpha(0.8), "at_nodes": True, "progress": False}
+    history = monolithic.run(scene, STEPS * STEP, **options)
     assert history.status == "completed", history.message
     of_low, of_high = history.contacts["low"].local[1], history.contacts["high"].local[0]
     assert of_low.shape == of_high.shape and np.array_equal(of_low, of_high)  # of the middle roller
-    alone = stack(rollers, ORDER["low first"], law=law, evaluation="full")
-    plain = monolithic.run(alone, STEPS * STEP, step=STEP, integrator=GeneralizedAlpha(0.8), progress=False)
+    alone = stack(rollers, ORDER["low first"], law=law)
+    plain = monolithic.run(alone, STEPS * STEP, **options)
     for name in ("low", "high"):
         size = np.abs(plain.contacts[name].force).max()
         assert np.abs(history.contacts[name].force - plain.contacts[name].force).max() < LIKE * size

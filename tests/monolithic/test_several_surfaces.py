@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf import monolithic
+from references import monolithic
+from references.monolithic.core import local_coordinates
+from references.monolithic.core.local_coordinates import Loaded, static_coordinates
+from references.monolithic.local_systems import local_systems
 from warpffrf.model import forces, joints, laws, signals
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
@@ -18,9 +21,6 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.slopes import leant
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Bore, Cylinder, Plane
-from warpffrf.monolithic.core import local_coordinates
-from warpffrf.monolithic.core.local_coordinates import Loaded, static_coordinates
-from warpffrf.monolithic.local_systems import local_systems
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha, Settings, run
 
@@ -120,7 +120,7 @@ def stack(bodies: list[ReducedBody]) -> Scene:
         body = scene.add_body(reduced, name=f"sheet {i}", position=(0.0, 0.0, i * THICKNESS))
         scene.add(joints.Prismatic(scene.ground, body["x_min"], axis=(0, 0, 1), name=f"guide {i}"))
         law = laws.LinearLayer(1e12)
-        scene.add(Contact(body["z_min"], below, law=law, evaluation="full", name=f"below {i}"))
+        scene.add(Contact(body["z_min"], below, law=law, name=f"below {i}"))
         below = body["z_max"]
         if i + 1 == len(bodies):
             scene.add(forces.PointForce(body["spot"], (-LOAD, (0.0, 0.0, 1.0))))
@@ -132,7 +132,7 @@ def pressed(modes: int, *, crossed: bool = True, variant: str = "full") -> list[
     bodies = [sheet(modes, 0.04 - 0.005 * i) for i in range(4)]
     scene = stack(bodies if crossed else [replace(body, cross=()) for body in bodies])
     history = monolithic.run(
-        scene, STEP, step=STEP, start="equilibrium", tolerance=TIGHT, variant=variant, progress=False
+        scene, STEP, step=STEP, start="equilibrium", tolerance=TIGHT, variant=variant, at_nodes=True, progress=False
     )
     assert history.status == "completed", history.message
     assert len([note for note in history.notes if "global modes only" in note]) == (0 if crossed else 3)
@@ -201,7 +201,7 @@ def forces_of(scene: Scene, **options: Any) -> np.ndarray:
     [
         ({"law": "hats"}, {}, "full"),
         ({"law": "nodes"}, {}, "low_rank"),
-        ({}, {"law": laws.LinearLayer(3e14), "evaluation": "full", "friction": laws.Coulomb(0.2)}, "low_rank"),
+        ({"at_nodes": True}, {"law": laws.LinearLayer(3e14), "friction": laws.Coulomb(0.2)}, "low_rank"),
     ],
     ids=["hats", "nodes", "nodes with friction"],
 )  # fmt: skip

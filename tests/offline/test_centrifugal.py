@@ -11,14 +11,13 @@ from reference_fe import free_response, matrices
 
 from scenes.rotating_disc import INNER, OUTER, THICKNESS, closed_form
 from scenes.rotating_disc import STEEL as DISC_STEEL
-from warpffrf.model import bases
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import PRODUCTS, modal_forces
-from warpffrf.offline import reduce
-from warpffrf.offline.bases import build_basis
+from warpffrf.offline import bases, reduce
+from warpffrf.offline.bases.build import build_basis
 from warpffrf.offline.bases.global_basis import attachment_modes
 from warpffrf.offline.cyclic.centrifugal import turning_waves
 from warpffrf.offline.cyclic.harmonics import Harmonics

@@ -16,12 +16,12 @@ import scipy.sparse as sp
 from offline_bodies import STEEL
 
 import warpffrf.offline.general.unit_loads as unit_loads
-from warpffrf.model.bases import FreeFree
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
+from warpffrf.offline.bases import FreeFree
 from warpffrf.offline.elastic import free_model
 from warpffrf.offline.fe.assembly import fe_matrices
 from warpffrf.offline.fe.materials import assign

@@ -11,13 +11,13 @@ from offline_bodies import STEEL
 from plates import plate
 
 from references.large_deflections.body import StVenantKirchhoffBody
+from references.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.elements import CELL_KINDS
 from warpffrf.model.mesh.rigid import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import free_model
 from warpffrf.offline.fe.assembly import assemble

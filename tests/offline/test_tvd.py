@@ -11,10 +11,9 @@ from interface_bodies import free_body
 from offline_bodies import STEEL
 
 from references.small_sliding.sheets import ROOT, one_body, stack
-from warpffrf.model import bases
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.offline import reduce
+from warpffrf.offline import bases, reduce
 from warpffrf.offline.bases.tvd import joint_modes, node_pairs
 from warpffrf.offline.elastic import free_model
 

@@ -9,6 +9,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
+from references.membrane import membrane_energy
 from warpffrf.model import joints
 from warpffrf.model.forces import PointForce
 from warpffrf.model.integrators import RungeKutta4
@@ -16,7 +17,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.interface_motion import interface_motion
-from warpffrf.model.reduced.membrane import membrane_energy, membrane_forms
+from warpffrf.model.reduced.membrane import membrane_forms
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.diagnosis.deflections import (
@@ -208,11 +209,7 @@ def test_contact_surfaces_have_no_second_order_motion() -> None:
     assert "which is up to 5 % of the deflection; split it" in line
 
 
-def test_every_method_says_it() -> None:
-    """The monolithic reference, and integrators of single bodies on the host."""
-    scene = cantilever((0.0, 0.0, 2.0 * BENDING), stiffening=False)
-    result = simulate(scene, 0.04, step=2e-3, method="monolithic", progress=False)
-    assert about(result.history.notes, "of its smallest extent")
+def test_integrators_for_checks_say_it() -> None:
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     body = scene.add_body(beam("membrane"), name="beam", inertia="constant")
     for name, pull in (("x_min", -1.0), ("x_max", 1.0)):

@@ -205,8 +205,6 @@ def test_points_off_the_stations_are_looked_at_in_the_general_way(plain_body) ->
 
 
 def test_what_is_refused(plain_body) -> None:
-    scene = pressing(plain_body, plain_body, "full")
-    with pytest.raises(InputError, match="'full' is solved with all coordinates at once"):
-        run(scene, STEP, step=STEP, progress=False)
+    scene = pressing(plain_body, plain_body, "semi")
     with pytest.raises(InputError, match="hyper"):
         Contact(scene.body("lower")["rim"], scene.body("upper")["rim"], evaluation="hyper")

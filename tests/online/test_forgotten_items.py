@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 import numpy as np
 import pytest
 
@@ -24,15 +22,14 @@ def falling(gravity: float = G) -> wf.Scene:
     return scene
 
 
-def notes(scene: wf.Scene, method: Literal["separated", "monolithic"] = "separated") -> str:
-    run = wf.simulate(scene, 0.1, step=0.01, method=method, progress=False)
+def notes(scene: wf.Scene) -> str:
+    run = wf.simulate(scene, 0.1, step=0.01, progress=False)
     assert run.status == "completed"
     return "\n".join(run.history.notes)
 
 
-@pytest.mark.parametrize("method", ["separated", "monolithic"])
-def test_a_body_that_falls_is_named(method: Literal["separated", "monolithic"]) -> None:
-    said = notes(falling(), method)
+def test_a_body_that_falls_is_named() -> None:
+    said = notes(falling())
     assert f"body 'loose' by {0.5 * G * 0.1**2:.3g} m" in said and "'arm'" not in said and "add the joint" in said
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
+from references import monolithic
 from warpffrf.model.errors import InputError
 from warpffrf.online import Engine, run
 
@@ -59,10 +60,10 @@ def test_layers_side_by_side_share_the_pressure(roller: wf.ReducedBody) -> None:
 
 
 def test_the_monolithic_reference_shares_alike(roller: wf.ReducedBody) -> None:
-    scene = pressed(roller, *layers(*PARTS, evaluation="full"))
-    history = wf.simulate(scene, STEP, step=STEP, start="equilibrium", method="monolithic", progress=False)
+    scene = pressed(roller, *layers(*PARTS))
+    history = monolithic.run(scene, STEP, step=STEP, start="equilibrium", at_nodes=True, progress=False)
     for number, stiffness in enumerate(PARTS):
-        force = history.contact(f"part {number}").force[-1]
+        force = history.contacts[f"part {number}"].force[-1]
         assert float(force[2]) == pytest.approx(-stiffness / WHOLE * LOAD, rel=SAME)
 
 

@@ -19,6 +19,7 @@ from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
+from warpffrf.scene_file.forms import item_kinds
 
 MASS, INERTIA = 2.0, (0.1, 0.2, 0.25)
 SPEED, ARM = 12.0, np.array([0.3, 0.1, 0.0])
@@ -160,14 +161,39 @@ def test_stress_sensor_reads_one_point_of_the_recovery(tmp_path: Path) -> None:
     assert np.array_equal(loaded.sensor("hot spot").values, values)
 
 
-def test_every_sensor_of_the_registry_has_a_name_and_a_row_of_components() -> None:
+def test_every_kind_of_sensor_has_a_name_and_a_row_of_components() -> None:
     scene = spinning_arm()
     kinds = {s.kind for s in scene.sensors} | {"stress"}
-    assert kinds == set(sensors.SENSORS)
+    assert kinds == set(item_kinds()["sensors"])
     result = simulate(scene, 2e-3, step=1e-3, progress=False)
     for name in result.sensor_names:
         sensor = result.sensor(name)
         assert sensor.values.shape == (len(result.time), len(sensor.components))
+
+
+class Unevaluated(sensors.Sensor):
+    """One whose values have the wrong shape."""
+
+    kind = "unevaluated"
+
+    def __init__(self, body: Any) -> None:
+        self.body = body
+
+    @property
+    def ports(self) -> tuple[Any, ...]:
+        return (self.body.at((0, 0, 0)),)
+
+    def evaluate(self, run: Any) -> np.ndarray:
+        return run.time
+
+
+def test_a_sensor_that_fails_leaves_the_run() -> None:
+    scene = spinning_arm()
+    scene.add(Unevaluated(scene.body("arm")))
+    result = simulate(scene, 2e-3, step=1e-3, progress=False)
+    assert result.status == "completed" and np.all(np.isnan(result.sensor("unevaluated_1").values))
+    assert "sensor 'unevaluated_1' has no values (NaN)" in result.report()
+    assert "must be (3, 3), saved steps by components" in result.report()
 
 
 def refused() -> dict[str, tuple[Any, str]]:

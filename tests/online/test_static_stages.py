@@ -320,7 +320,6 @@ def test_what_says_nothing_of_equilibria_is_refused(beam: ReducedBody) -> None:
     refused: list[tuple[dict[str, Any], str]] = [
         ({"step_error": 1e-3}, "step_error"),
         ({"accuracy": 0.01}, "accuracy"),
-        ({"method": "monolithic"}, "monolithic"),
         ({"integrator": wf.GeneralizedAlpha()}, "integrator"),
     ]
     for options, word in refused:
@@ -332,8 +331,6 @@ def test_what_says_nothing_of_equilibria_is_refused(beam: ReducedBody) -> None:
         wf.Stage("press", 1.0, 0.1, {"integrator": wf.GeneralizedAlpha()}, kind="static")
     with pytest.raises(InputError, match="'dynamic' or 'static'"):
         wf.Stage("press", 1.0, 0.1, kind="slow")
-    with pytest.raises(InputError, match="monolithic"):
-        wf.simulate(scene, stages=[wf.Stage("press", 1.0, 0.1, kind="static")], method="monolithic", progress=False)
 
 
 def test_an_interrupted_static_run_keeps_what_it_has(beam: ReducedBody, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -135,7 +135,6 @@ def test_results_are_written(tmp_path: Path) -> None:
         ({"accuracy": 0.5}, "for one per cent give 0.01"),
         ({"accuracy": 1e-9}, "from 1e-05"),
         ({"accuracy": 0.01, "step_error": 1e-4}, "one of the two"),
-        ({"accuracy": 0.01, "method": "monolithic"}, "error budgets"),
         ({"accuracy": 0.01, "integrator": wf.integrators.RungeKutta4()}, "error budgets"),
         ({"accuracy": 0.01, "resume": True, "results": "x.h5"}, "not kept on the way"),
         ({"accuracy": 0.01, "step": -1.0}, "step"),
@@ -232,7 +231,7 @@ def test_energy_of_impacts_is_kept_by_its_tolerance() -> None:
     with pytest.raises(InputError, match="energy_tolerance"):
         bounces(step=1e-3, energy_tolerance=0.0)
     with pytest.raises(InputError, match="energy_tolerance halves steps"):
-        bounces(step=1e-3, energy_tolerance=1e-5, method="monolithic")
+        bounces(step=1e-3, energy_tolerance=1e-5, integrator=wf.integrators.RungeKutta4())
 
 
 def test_it_gives_up_where_errors_do_not_fall() -> None:

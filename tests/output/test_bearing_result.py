@@ -12,10 +12,11 @@ from references.closed_forms.elliptic import EllipticContact
 from warpffrf.model import forces, laws
 from warpffrf.model.bearings import PocketCage
 from warpffrf.model.errors import InputError
+from warpffrf.model.joints import Fixed
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.output.result import Result
-from warpffrf.output.simulate import equilibrium
+from warpffrf.output.simulate import equilibrium, simulate
 
 matplotlib.use("Agg")
 MM = 1e-3
@@ -226,3 +227,11 @@ def test_a_bearing_without_load_says_so() -> None:
         "b", elements=3, ball_diameter=10 * MM, pitch_diameter=40 * MM, clearance=20e-6, outer=scene.ground
     )
     assert "no element is loaded: the inner ring is free" in equilibrium(scene, progress=False).bearing("b").report()
+
+
+def test_a_bearing_without_load_has_no_stiffness() -> None:
+    scene = Scene()
+    bearing = scene.add_ball_bearing("b", elements=8, ball_diameter=0.01, pitch_diameter=0.05, outer=scene.ground)
+    scene.add(Fixed(scene.ground, bearing.inner.at((0, 0, 0)), axis=(0, 0, 1)))  # pyright: ignore[reportAttributeAccessIssue]
+    found = simulate(scene, 1e-5, step=1e-5, progress=False).bearing_stiffness("b")
+    assert np.all(np.isnan(found.matrix)) and "no element is loaded" in found.reason

@@ -17,7 +17,7 @@ from synthetic_run import PEAK, make_history
 
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.plots.bearing import element_loads
-from warpffrf.output.plots.figure import OVER_TIME, drawable, summary_figure
+from warpffrf.output.plots.figure import OVER_TIME, drawable, summary
 from warpffrf.output.plots.films import gap as gap_map
 from warpffrf.output.plots.overlay import Overlaid
 from warpffrf.output.plots.panels import Panel
@@ -154,7 +154,7 @@ def test_an_equilibrium_has_numbers_in_place_of_dots(body: ReducedBody, monkeypa
         monkeypatch.setattr(module, "STEPS", 1)
     result = Result(add_friction(make_history(body)))
     assert not OVER_TIME & set(drawable(result))
-    figure = summary_figure(result)
+    figure = summary(result)
     curves = [[len(np.ravel(line.get_xdata())) for line in ax.get_lines()] for ax in figure.axes if ax.get_lines()]
     assert len(curves) >= 3 and all(max(points) > 1 for points in curves)
     force, numbers = figure.axes[:2]

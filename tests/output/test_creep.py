@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -30,7 +29,6 @@ from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
 from warpffrf.output.geometry.grid_places import rotate
-from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
@@ -250,7 +248,7 @@ def test_too_fast_patches_are_in_the_budget(patch: Result) -> None:
 
 @pytest.mark.parametrize("kind", [*FRICTION_PLOTS, "summary"])
 def test_plots_draw_cells(patch: Result, kind: str, tmp_path: Path) -> None:
-    figure = patch.plot("summary") if kind == "summary" else Figure()
+    figure = patch.summary() if kind == "summary" else Figure()
     if kind != "summary":
         axes = patch.plot(kind, figure.add_subplot())
         assert "[" in axes.get_xlabel() and "[" in axes.get_ylabel() and axes.has_data()
@@ -367,18 +365,6 @@ def test_a_ball_that_spins_on_the_contact_grid(shape: Any) -> None:
     assert found.spin_creepage == pytest.approx([spin], rel=ROUND)
     assert found.t_gamma == pytest.approx(found.field_power, rel=ROUND)
     assert found.spin_moment[0] < 0.0
-
-
-def test_creep_at_nodes_is_that_of_the_centre(rubbing: Result, tmp_path: Path) -> None:
-    """Pairs of evaluation "full" record the creep of the node next to the middle of the force, also after a file."""
-    scene = rubbing.history.scene
-    assert isinstance(scene, SceneView)
-    scene = replace(scene, pairs={name: replace(pair, at_nodes=True) for name, pair in scene.pairs.items()})
-    loaded = Result.load(Result(replace(rubbing.history, scene=scene)).save(tmp_path / "run.h5"))
-    for result, at_nodes in ((loaded, True), (rubbing, False)):
-        contact = result.contact(PAIR)
-        assert contact.view.at_nodes is at_nodes
-        assert np.array_equal(contact.creep_place, contact.patch_center) is at_nodes
 
 
 def test_a_frictionless_pair_has_no_creepages(result: Result) -> None:

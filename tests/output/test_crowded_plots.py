@@ -77,7 +77,7 @@ def test_tractions_of_both_signs_are_inside_the_axes(body: ReducedBody, sign: fl
 
 
 def test_on_a_page_the_names_stand_below_the_panels(crowded: Result) -> None:
-    figure = crowded.plot("summary")
+    figure = crowded.summary()
     figure.canvas.draw()
     (legend,) = figure.legends
     box, panels = legend.get_window_extent(), [ax.get_window_extent() for ax in figure.axes if ax.get_xlabel()]

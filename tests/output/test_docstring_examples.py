@@ -57,7 +57,7 @@ def test_they_run_as_they_stand(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
 
 def test_the_most_used_names_have_one() -> None:
     """By how often demos, README and pages call them; a name that several classes have counts for none."""
-    pages = [*(ROOT / "docs").glob("*.md"), ROOT / "README.md", *(ROOT / "warpffrf" / "demos").glob("*.py")]
+    pages = [*(ROOT / "docs").glob("*.md"), ROOT / "README.md", *(ROOT / "demos").glob("*.py")]
     text = "\n".join(page.read_text(encoding="utf-8") for page in pages)
     calls = Counter(re.findall(r"(?<![\w.])([\w.]+)\(", text))  # "wf.mesh.roller", "scene.add_body", ...
     of_method = Counter()

@@ -152,7 +152,7 @@ def test_kinds_of_histories(rolling: Result, kind: str, speed: str | None) -> No
 @pytest.mark.parametrize("run", ["rolling", "oiled", "rubbing_lap"])
 def test_summaries(run: str, request: pytest.FixtureRequest) -> None:
     """Their panels are those of the kinds, whose pixels are looked at one by one."""
-    check(request.getfixturevalue(run).plot("summary"), seen=False)
+    check(request.getfixturevalue(run).summary(), seen=False)
 
 
 def test_pages_of_laps_and_loops(rubbing_lap: Result) -> None:

@@ -50,7 +50,7 @@ def test_vtu_refuses_wrong_arguments(result: Result, tmp_path: Path) -> None:
 
 
 def test_every_plot_has_axes_with_units(result: Result) -> None:
-    figure = result.plot("summary")
+    figure = result.summary()
     labelled = [axes for axes in figure.axes if axes.get_xlabel()]
     assert len(labelled) == len(PLOTS)
     for axes in labelled:

@@ -453,14 +453,14 @@ def test_the_smallest_film_is_drawn_over_time(result: Result) -> None:
 
 
 def test_the_summary_has_every_plot(result: Result, tmp_path: Path) -> None:
-    figure = result.plot("summary")
+    figure = result.summary()
     labelled = [axes for axes in figure.axes if axes.get_xlabel()]
     assert len(labelled) == len(FILM_PLOTS) + 2  # force and energy
     assert all("[" in axes.get_xlabel() and "[" in axes.get_ylabel() and axes.has_data() for axes in labelled)
     assert "Film force" in [axes.get_title() for axes in labelled]
     assert write_figure(result, tmp_path / "run.png").stat().st_size > 20_000
     flat = on_a_floor()
-    assert len([axes for axes in flat.plot("summary").axes if axes.get_xlabel()]) == len(FILM_PLOTS) + 1
+    assert len([axes for axes in flat.summary().axes if axes.get_xlabel()]) == len(FILM_PLOTS) + 1
     assert flat.plot("film_pressure").get_xlabel() == "along e_1 [mm]"
 
 

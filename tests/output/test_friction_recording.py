@@ -158,8 +158,8 @@ def test_the_traction_plot_shows_what_the_profile_holds(rubbing: Result) -> None
 
 
 def test_the_summary_has_friction_where_there_is_some(rubbing: Result, result: Result) -> None:
-    titles = [axes.get_title() for axes in rubbing.plot("summary").axes]
+    titles = [axes.get_title() for axes in rubbing.summary().axes]
     assert any("Stick and slip" in t for t in titles) and any("Creepage" in t for t in titles)
     with pytest.raises(InputError, match="no contact pair of the run has friction"):
         result.plot("traction")
-    assert not any("Stick" in axes.get_title() for axes in result.plot("summary").axes)
+    assert not any("Stick" in axes.get_title() for axes in result.summary().axes)

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, RunError
 from warpffrf.online.history.history import History
 from warpffrf.output import simulate as module
 from warpffrf.output.result import Result
@@ -96,6 +96,18 @@ def test_a_run_that_ended_early_is_written_as_well(calls: list, scene: Any, hist
     assert (tmp_path / "r.rrd").exists()
 
 
+def test_with_check_a_run_that_ended_early_raises_with_its_result(
+    calls: list, scene: Any, history: History, tmp_path: Path
+) -> None:
+    assert simulate(scene, 1e-3, step=1e-4, check=True, progress=False).status == "completed"
+    history.status, history.message = "not_converged", "reduce step"
+    for call in (lambda **o: simulate(scene, 1e-3, step=1e-4, **o), lambda **o: equilibrium(scene, **o)):
+        with pytest.raises(RunError, match="^not_converged: reduce step$") as caught:
+            call(check=True, results=tmp_path / "run.h5", overwrite=True, progress=False)
+        assert caught.value.result.time is history.time
+        assert Result.load(tmp_path / "run.h5").status == "not_converged"
+
+
 def test_paths_are_checked_before_the_run(calls: list, scene: Any, tmp_path: Path) -> None:
     blocked = tmp_path / "file"
     blocked.write_text("")
@@ -129,7 +141,7 @@ def test_another_scenes_result_is_refused(calls: list, result: Result) -> None:
     assert not calls
 
 
-@pytest.mark.parametrize("option", ["start", "method", "local"])
+@pytest.mark.parametrize("option", ["start", "kind", "local"])
 def test_unknown_options_list_the_known(calls: list, scene: Any, option: str) -> None:
     with pytest.raises(InputError, match=f"{option} (is )?'nonsense'.*; known: '"):
         simulate(scene, 0.1, step=1e-4, **{option: "nonsense"})  # pyright: ignore[reportArgumentType]

@@ -78,7 +78,7 @@ def test_a_table_is_judged_by_the_stage_that_uses_it() -> None:
     scene.add(forces.PointForce(port, (table, 0.0, 0.0), name="push"))
     held = forces.PointForce(port, (2.0, 0.0, 0.0), name="held")
     stages = [Stage("one", 0.01, 1e-3), Stage("two", 0.01, 1e-3)]
-    with pytest.raises(wf.InputError, match="'push': its table covers 0 to 0.015 s, but 0.01 to 0.02 s"):
+    with pytest.raises(wf.InputError, match="'push': its signal covers 0 to 0.015 s, but 0.01 to 0.02 s"):
         wf.simulate(scene, stages=stages, progress=False)
     stages[1] = Stage("two", 0.01, 1e-3, {"forces": {"push": held}})
     assert wf.simulate(scene, stages=stages, progress=False).status == "completed"

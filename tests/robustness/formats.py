@@ -146,7 +146,7 @@ def read_results(path: Path) -> str:
 def make_source(path: Path) -> None:
     """What rows of a run under way are of."""
     make_toml(path.with_suffix(".toml"))
-    unfinished._write_source(path, Source("separated", wf.load_scene(path.with_suffix(".toml")).scene))
+    unfinished._write_source(path, Source("steps", wf.load_scene(path.with_suffix(".toml")).scene))
 
 
 def read_source(path: Path) -> str:
@@ -154,7 +154,7 @@ def read_source(path: Path) -> str:
     folder.mkdir(exist_ok=True)
     shutil.copy(path, folder / unfinished.SCENE)
     found = unfinished._read_source(folder)
-    return digest(found.scene.content_hash(), found.method)
+    return digest(found.scene.content_hash(), found.kind)
 
 
 def copied(name: str | Path) -> Callable[[Path], Any]:

@@ -37,13 +37,13 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model import bases, joints, signals
+from warpffrf.model import joints, signals
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import bases, reduce
 from warpffrf.online import History, run
 
 Array = np.ndarray

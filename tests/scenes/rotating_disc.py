@@ -19,12 +19,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model import bases
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import bases, reduce
 from warpffrf.online import run
 from warpffrf.output.result import Result
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from studies.bodies.bases import Entry, arm, by_size, full_body, measure, page
-from warpffrf.model import bases
+from warpffrf.offline import bases
 from warpffrf.offline.products import Limits
 
 

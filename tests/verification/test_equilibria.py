@@ -14,7 +14,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.online.history.history import History
-from warpffrf.online.history.sensors import point_motion
+from warpffrf.online.history.interface_motion import point_motion
 from warpffrf.online.run import find_equilibrium
 
 STEEL = Material(210e9, 0.3, 7850.0)

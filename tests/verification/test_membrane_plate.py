@@ -11,11 +11,12 @@ from skfem import Basis
 from references.finite_elements.meshes import scalar_basis
 from references.large_deflections.body import StVenantKirchhoffBody
 from references.large_deflections.statics import by_load
+from references.membrane import membrane_gradient, membrane_tangent
 from warpffrf.model import joints
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.membrane import membrane_amplitudes, membrane_gradient, membrane_tangent
+from warpffrf.model.reduced.membrane import membrane_amplitudes
 from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce

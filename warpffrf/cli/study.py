@@ -30,7 +30,7 @@ def choice_of(text: str) -> tuple[str, list[Any]]:
 
 def choices_of(texts: Sequence[str]) -> dict[str, list[Any]]:
     """All `--choice` of a command. Options of the run may be written as the scene file has them, `simulate.step`, and
-    integrators, local treatments and methods as its kinds: `hht`, `{kind="hht", alpha=-0.3}`. Raises `InputError`."""
+    integrators and local treatments as its kinds: `hht`, `{kind="hht", alpha=-0.3}`. Raises `InputError`."""
     from warpffrf.model.errors import InputError
     from warpffrf.study.speed_against_error.choices import RUN
 

@@ -22,7 +22,7 @@ from warpffrf.model.reduced.far_field import LONGEST, UNUSABLE
 from warpffrf.model.surfaces.round_form import refuse_form
 
 UNILATERAL = Unilateral()
-EVALUATIONS = ("full", "semi", "hyper")
+EVALUATIONS = ("semi", "hyper")
 GRIDS = ("auto", "body_fixed", "contact_fixed")
 KINEMATICS = ("auto", "closest_point")
 CELL_ERROR = 0.005  # of force and largest pressure: what half-space and mesh leave is of this size
@@ -36,8 +36,8 @@ class Contact(reprs.Item):
     Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing
     by default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible
     bodies that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of
-    the contact grid, "hyper" at the few points chosen when the first body was reduced, "full" at every surface
-    node, the slow reference. grid: "body_fixed", pressures on the contact grid of the first body, bound to its
+    the contact grid, "hyper" at the few points chosen when the first body was reduced.
+    grid: "body_fixed", pressures on the contact grid of the first body, bound to its
     material, which wants four nodes in a contact half-width; "contact_fixed", on cells that travel with the patch, for
     meshes of any size (bodies reduced on coarse meshes, or with contact_fixed=True); "auto", the latter where the
     bodies have what it needs and nothing is asked that it cannot do, which a run's notes say. cell_error: what the
@@ -68,7 +68,7 @@ class Contact(reprs.Item):
         *,
         law: Law = UNILATERAL,
         friction: FrictionLike = 0.0,
-        evaluation: Literal["full", "semi", "hyper"] = "semi",
+        evaluation: Literal["semi", "hyper"] = "semi",
         grid: Literal["auto", "body_fixed", "contact_fixed"] = "auto",
         kinematics: Literal["auto", "closest_point"] = "auto",
         cell_error: float = CELL_ERROR,

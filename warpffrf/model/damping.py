@@ -3,7 +3,8 @@ rules.
 
 A global mode of unit mass obeys `qddot + 2 zeta omega qdot + omega^2 q = f`; what damping a body has is its ratios
 zeta. Since the modes are M- and K-orthogonal, C = alpha M + beta K (Rayleigh) is diagonal in them too, `2 zeta omega =
-alpha + beta omega^2`. A rule is a class with `__call__(frequencies [Hz]) -> ratios` and a line in DAMPINGS.
+alpha + beta omega^2`. A rule is a function of the frequencies [Hz] that gives ratios;
+those of DAMPINGS are known to scene files.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The error raised at the border when a description cannot be used, and small checks that raise it."""
+"""The errors that users see: of a description that cannot be used, with small checks that raise it, and of a run that
+did not complete."""
 
 from __future__ import annotations
 
@@ -15,6 +16,15 @@ MOST_COUNTED = 2**31 - 1  # what is counted is counted in 32-bit integers
 
 class InputError(ValueError):
     """A wrong or incomplete description. The message names the thing at fault and the cure."""
+
+
+class RunError(RuntimeError):
+    """A run that did not complete, of a call with `check=True`. The message has its status, the reason and the cure;
+    `result` has what was computed up to there."""
+
+    def __init__(self, result: Any) -> None:
+        super().__init__(f"{result.status}: {result.message}")
+        self.result = result
 
 
 def require_number(value: Any, name: str, *, positive: bool = False, non_negative: bool = False) -> float:

@@ -26,6 +26,7 @@ with the kernels: what they find is a check of them, and `EnergyMomentum` keeps 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -36,6 +37,7 @@ from warpffrf.model.messages.named_arguments import named_arguments
 
 __all__ = [
     "INTEGRATORS",
+    "Coefficients",
     "EnergyMomentum",
     "GeneralizedAlpha",
     "HHT",
@@ -53,7 +55,7 @@ LEAST_ALPHA = -1.0 / 3.0  # HHT is unconditionally stable down to here
 
 
 class Coefficients(NamedTuple):
-    """The four numbers of a method, see the module."""
+    """The four numbers of a method [-], alpha_m, alpha_f, beta and gamma: see `warpffrf.model.integrators`."""
 
     alpha_m: float
     alpha_f: float
@@ -61,9 +63,24 @@ class Coefficients(NamedTuple):
     gamma: float
 
 
+class Integrator(ABC):
+    """Base of the methods that the stepper knows: four numbers, see the module.
+
+    project_velocities: after each step the velocities are projected onto those that the joints allow, in the mass
+    metric.
+    """
+
+    project_velocities: bool = False
+
+    @property
+    @abstractmethod
+    def coefficients(self) -> Coefficients:
+        """Its four numbers."""
+
+
 @named_arguments
 @dataclass(frozen=True)
-class GeneralizedAlpha:
+class GeneralizedAlpha(Integrator):
     """Second order, unconditionally stable for linear systems, with dissipation by choice.
 
     rho_inf [-]: spectral radius at infinite frequency, 0 (annihilates what it cannot resolve) to 1 (dissipates
@@ -87,7 +104,6 @@ class GeneralizedAlpha:
 
     @property
     def coefficients(self) -> Coefficients:
-        """Its four numbers."""
         alpha_m = (2.0 * self.rho_inf - 1.0) / (self.rho_inf + 1.0)
         alpha_f = self.rho_inf / (self.rho_inf + 1.0)
         gamma = 0.5 - alpha_m + alpha_f
@@ -96,7 +112,7 @@ class GeneralizedAlpha:
 
 @named_arguments
 @dataclass(frozen=True)
-class HHT:
+class HHT(Integrator):
     """HHT-I3, the method of Hilber, Hughes and Taylor with joints at position level; second order.
 
     alpha: 0 (trapezoidal rule) to -1/3 (most dissipation). project_velocities: as in `GeneralizedAlpha`. Raises
@@ -114,13 +130,12 @@ class HHT:
 
     @property
     def coefficients(self) -> Coefficients:
-        """Its four numbers."""
         return Coefficients(0.0, -self.alpha, 0.25 * (1.0 - self.alpha) ** 2, 0.5 - self.alpha)
 
 
 @named_arguments
 @dataclass(frozen=True)
-class Newmark:
+class Newmark(Integrator):
     """Newmark's method. Second order for gamma = 1/2 only, first order and dissipative above.
 
     gamma >= 1/2 and beta >= gamma/2, where it is unconditionally stable; others raise `InputError`.
@@ -146,7 +161,6 @@ class Newmark:
 
     @property
     def coefficients(self) -> Coefficients:
-        """Its four numbers."""
         return Coefficients(0.0, 0.0, float(self.beta), float(self.gamma))
 
 
@@ -165,8 +179,6 @@ class EnergyMomentum:
     allowed, nothing else. At any step, energy and both momenta keep to round-off
     (`warpffrf.online.free_flight.energy_momentum`)."""
 
-
-Integrator = GeneralizedAlpha | HHT | Newmark
 
 INTEGRATORS = {
     "generalized_alpha": GeneralizedAlpha,

@@ -18,7 +18,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.damping import Damping, damping_ratios
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number, unknown_name
 from warpffrf.model.films import Film
-from warpffrf.model.forces import JointSpringDamper, Pretension
+from warpffrf.model.forces import Pretension
 from warpffrf.model.joints import Drive, Joint
 from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
@@ -26,7 +26,7 @@ from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.placement.assembly import joined_bodies, shift_bodies
 from warpffrf.model.placement.gap import closing_distance
-from warpffrf.model.sensors import JointReaction, Sensor
+from warpffrf.model.sensors import Sensor
 
 if TYPE_CHECKING:
     from warpffrf.model.checks.scene import SceneCheck
@@ -197,6 +197,8 @@ class Scene(reprs.Shown):
                 f"scene: {item!r} cannot be added; joints, drives, forces, contacts, films, laps and sensors can"
             )
         thing: Any = item
+        if not thing.kind:
+            raise InputError(f"scene: {type(thing).__name__} has no kind; give the class one, as kind = 'power'")
         members = getattr(self, where)
         names = {member.name for member in members}
         if thing.name in names and any(member is thing for member in members):
@@ -204,8 +206,8 @@ class Scene(reprs.Shown):
         for port in thing.ports:
             if port.body is not self.ground and not any(port.body is b for b in self.bodies):
                 raise InputError(self._stranger(thing, port))
-        if isinstance(thing, (Drive, JointSpringDamper, Pretension, JointReaction)):
-            self._check_driven_joint(thing)
+        if isinstance(getattr(thing, "joint", None), Joint):
+            self._check_joint_of(thing)
         if isinstance(thing, Lap):
             refuse_double_laps(thing, self.laps)
         if isinstance(thing, (Contact, LumpedContact, Film)):
@@ -358,7 +360,7 @@ class Scene(reprs.Shown):
         if name in taken or name == "ground":
             raise InputError(f"{kind} {name!r}: the name is taken, choose another")
 
-    def _check_driven_joint(self, item: Drive | JointSpringDamper | Pretension | JointReaction) -> None:
+    def _check_joint_of(self, item: Any) -> None:
         if not any(item.joint is joint for joint in self.joints):
             raise InputError(f"{item.kind}: add its joint {item.joint.name!r} to the scene first")
         if isinstance(item, (Drive, Pretension)):

@@ -1,21 +1,25 @@
-"""Sensors: quantities of a run that get a name and one row a saved step, `result.sensor(name).values`.
+"""Sensors: quantities of a run that have a name and one row per saved step, `result.sensor(name).values`.
 
 They are evaluated from what is saved, so they cost the simulation nothing and change nothing in it; a scene with other
-sensors is the same scene. `SENSORS` is the registry by kind.
+sensors is the same scene. A sensor of one's own is a subclass of `Sensor` with `evaluate`.
 """
 
 from __future__ import annotations
 
-from typing import Literal
+from abc import ABC, abstractmethod
+from typing import Any, Literal
+
+import numpy as np
 
 from warpffrf.model.bodies import Body, Ground, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_count, unknown_name
-from warpffrf.model.joints import Joint
+from warpffrf.model.forces import BodyLoad, SpringLaw
+from warpffrf.model.joints import Joint, coincident_within
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.reduced.stress_field import von_mises
 
 __all__ = [
-    "SENSORS",
     "Acceleration",
     "InterfaceForce",
     "JointReaction",
@@ -35,15 +39,29 @@ AXES = ("x", "y", "z")
 WRENCH = ("force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z")
 
 
-class Sensor(reprs.Item):
-    """Base of the sensors: a name, a unit, and names of the components of a row of values."""
+class Sensor(reprs.Item, ABC):
+    """Base of the sensors.
+
+    A subclass gives its `kind`, the `unit` of its values, the names of their `components`, the `frame` of their axes
+    ("world" or "body"), `ports` and `evaluate`. Its constructor sets `name`.
+    """
 
     scene_list = "sensors"
     kind = ""
     unit = ""
     components: tuple[str, ...] = AXES
     frame = "world"
+    of_result = False  # True: evaluated from the `Result`, when it is asked for
     name: str | None = None
+
+    @abstractmethod
+    def evaluate(self, run: Any) -> np.ndarray:
+        """Values (T, components) of the saved steps.
+
+        run: what was saved, with `time` (T,) [s], `scene` and dictionaries by name: `bodies`, `joints`, `forces`,
+        `contacts`, `lumped_contacts`, `films`, with what `result.body(name)` etc. give; `run.motion(port)` is the
+        position, velocity and acceleration (T, 3) of a port. A class with `of_result` has the `Result` itself.
+        """
 
     def _label(self, name: str | None) -> str:
         return f"{self.kind} sensor {name!r}" if name else f"{self.kind} sensor"
@@ -81,12 +99,18 @@ class Position(_PortSensor):
     def __init__(self, port: PortLike, *, name: str | None = None) -> None:
         super().__init__(port, name=name)
 
+    def evaluate(self, run: Any) -> np.ndarray:
+        return run.motion(self.port)[0]
+
 
 class Velocity(_PortSensor):
     """Velocity of a port (T, 3) [m/s] against the world. frame: axes of its components, "world" or "body"."""
 
     kind = "velocity"
     unit = "m/s"
+
+    def evaluate(self, run: Any) -> np.ndarray:
+        return run.motion(self.port, frame=self.frame)[1]
 
 
 class Acceleration(_PortSensor):
@@ -95,6 +119,9 @@ class Acceleration(_PortSensor):
 
     kind = "acceleration"
     unit = "m/s2"
+
+    def evaluate(self, run: Any) -> np.ndarray:
+        return run.motion(self.port, frame=self.frame)[2]
 
 
 @named_arguments
@@ -115,6 +142,10 @@ class JointReaction(Sensor):
     @property
     def ports(self) -> tuple[Port, Port]:
         return self.joint.ports
+
+    def evaluate(self, run: Any) -> np.ndarray:
+        joint = run.joints[self.joint.name]
+        return np.hstack([joint.force, joint.torque])
 
 
 @named_arguments
@@ -138,6 +169,38 @@ class InterfaceForce(Sensor):
     def ports(self) -> tuple[Port, ...]:
         return (self.port,)
 
+    def evaluate(self, run: Any) -> np.ndarray:
+        x = run.motion(self.port)[0]
+        total = np.zeros((len(x), 6))
+
+        def add(sign: float, force: np.ndarray, torque: np.ndarray, at: np.ndarray) -> None:
+            total[:, :3] += sign * force
+            total[:, 3:] += sign * (torque + np.cross(at - x, force))
+
+        for joint in run.scene.joints:
+            history = run.joints[joint.name]
+            points = [marker.point for marker in joint.frames()]
+            at = run.motion(joint.b, point=points[1])[0]
+            for sign, port, point in zip((-1.0, 1.0), joint.ports, points, strict=True):
+                if _same_place(port, point, self.port):
+                    add(sign, history.force, history.torque, at)
+        for item in run.scene.forces:
+            history = run.forces[item.name]
+            law: Any = next((getattr(item, term)() for term in ("law", "slip", "tension") if hasattr(item, term)), None)
+            if law is not None:
+                given = law.points if isinstance(law, SpringLaw) else None
+                points = given or [marker.point for marker in law.joint.frames()]
+                at = run.motion(law.ports[1], point=points[1])[0]
+                for sign, port, point in zip((-1.0, 1.0), law.ports, points, strict=True):
+                    if _same_place(port, point, self.port):
+                        add(sign, history.force, history.torque, at)
+            elif len(item.ports) == 1 and _same_place(item.ports[0], None, self.port):
+                at = x
+                if isinstance(item.load(), BodyLoad):  # its torque is about the user origin
+                    at = run.bodies[self.port.body.name].position
+                add(1.0, history.force, history.torque, at)
+        return total
+
 
 @named_arguments
 class Stress(Sensor):
@@ -151,6 +214,7 @@ class Stress(Sensor):
     unit = "Pa"
     components = ("xx", "yy", "zz", "xy", "yz", "zx", "von_mises")
     frame = "body"
+    of_result = True
 
     def __init__(self, body: Body, points: str, index: int = 0, *, name: str | None = None) -> None:
         label = self._label(name)
@@ -170,5 +234,18 @@ class Stress(Sensor):
     def ports(self) -> tuple[Port, ...]:
         return (Port(self.body, None, None),)
 
+    def evaluate(self, run: Any) -> np.ndarray:
+        tensor = run.stress(self.body.name, self.points, only=[self.index]).tensor[:, 0]
+        return np.concatenate([tensor, von_mises(tensor)[:, None]], axis=1)
 
-SENSORS = {s.kind: s for s in (Position, Velocity, Acceleration, JointReaction, InterfaceForce, Stress)}
+
+def _same_place(port: Port, point: np.ndarray | None, other: Port) -> bool:
+    """True for two ports of the same interface, or of the same point of a body without; `point` stands for that of a
+    port on the bare ground."""
+    if port.body is not other.body:
+        return False
+    name, other_name = getattr(port, "interface_name", ""), other.interface_name
+    if name is not None or other_name is not None:
+        return name == other_name
+    here = point if port.point is None else port.point
+    return here is not None and float(np.linalg.norm(here - other.point)) <= coincident_within(port, other)

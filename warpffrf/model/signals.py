@@ -7,28 +7,40 @@ Every signal is reduced to breaks t_0 < ... < t_n and coefficients c (n, 8): on 
 the last piece extends to infinity, before t_0 the value at t_0 holds. Drives need the antiderivative of a velocity,
 which is exact in this form: S = sum_k c_k (t - t_i)^(k+1) / (k+1) + S(t_i). Degree 7 leaves room for two integrations
 of the quintic smooth step 6 x^5 - 15 x^4 + 10 x^3, whose first and second derivatives vanish at both ends.
+
+Sines of an angle are no polynomials. They are represented by quintic pieces that have their value, slope and curvature
+at both ends, so that the signal is twice differentiable; the error of a piece of length h is max |s^(6)| h^6/46080.
+Pieces are halved until the error is below TOLERANCE of the amplitude: 32 pieces per period of a sine.
 """
 
 from __future__ import annotations
 
+import os
 from functools import cached_property
 from math import comb
+from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from warpffrf.model.arguments import Matrix, Vector
-from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
+from warpffrf.model.files.regular_file import read_named
 from warpffrf.model.messages.named_arguments import named_arguments
 
 __all__ = [
+    "Chirp",
     "Constant",
+    "Harmonics",
     "Polynomial",
     "Ramp",
     "Signal",
     "SignalLike",
+    "Sine",
     "SmoothStep",
+    "Step",
     "Table",
+    "from_csv",
 ]
 
 
@@ -38,11 +50,20 @@ def __dir__() -> list[str]:
 
 TERMS = 8  # coefficients of a piece: degree up to 7
 SAMPLES = 9  # points of a piece where it is looked at
+TOLERANCE = 2e-9  # of the sum of the amplitudes: error of the pieces of a sine
+FIRST = 0.25 * np.pi  # rad of the highest order, of pieces that are then halved
+MOST_PIECES = 1 << 18  # of a signal: 16 MiB of coefficients
 
 
 @named_arguments
 class Signal:
-    """A function of time [s]; call it with a time or an array of times."""
+    """A function of time [s]; call it with a time or an array of times.
+
+    A signal of one's own is a subclass with `polynomial`. `covers`: the first and the last time [s] at which it is
+    known; a run beyond them is refused.
+    """
+
+    covers: tuple[float, float] = (-np.inf, np.inf)
 
     def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
         """Breaks (n+1,) [s] and coefficients (n, 8) in ascending powers of (t - breaks[i]); see the module."""
@@ -87,7 +108,9 @@ class Signal:
     def scaled(self, factor: float) -> Signal:
         """The signal times a `factor` [-]."""
         breaks, c = self._pieces
-        return Polynomial(breaks, c * require_number(factor, "signal: factor"))
+        found = Polynomial(breaks, c * require_number(factor, "signal: factor"))
+        found.covers = self.covers
+        return found
 
     def describe(self) -> dict[str, Any]:
         """Plain numbers that define the signal, for hashing."""
@@ -224,6 +247,8 @@ class Table(Signal):
             at = int(np.flatnonzero(np.diff(self.times) <= 0.0)[0])
             raise InputError(f"signal table: times must increase, times[{at + 1}] does not")
         self.cubic, self.hold = bool(cubic), bool(hold)
+        if not self.hold:
+            self.covers = float(self.times[0]), float(self.times[-1])
 
     def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
         t, v = self.times, self.values
@@ -237,9 +262,193 @@ class Table(Signal):
             c[:-1, 1] = np.diff(v) / np.diff(t)
         return np.append(t, 2.0 * t[-1] - t[-2]), c
 
-    def scaled(self, factor: float) -> Table:
-        """The table with its values times `factor`; still a table, so that a time it does not cover is noticed."""
-        return Table(self.times, factor * self.values, cubic=self.cubic, hold=self.hold)
+
+class Step(_Transition):
+    """From `start_value` to `end_value` [unit of what it drives] at once, at the time `at` [s]."""
+
+    shape = (0.0,)
+
+    def __init__(self, start_value: float, end_value: float, *, at: float) -> None:
+        super().__init__(start_value, end_value, duration=1.0, delay=at)
+
+    def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
+        breaks, c = super().polynomial()
+        return breaks - self.duration, c
+
+
+@named_arguments
+class Harmonics(Signal):
+    """A Fourier series over an angle: mean + sum over n of cosines[n-1] cos(n angle) + sines[n-1] sin(n angle).
+
+    angle: [rad], a signal of time, as `Ramp(0, 200, duration=1)` or the `position()` of a drive; duration [s]: how long
+    the series is represented, to TOLERANCE (2e-9) of the sum of its amplitudes; a longer run is refused. Raises
+    `InputError` where this takes more than 262144 pieces.
+
+    >>> mesh = wf.signals.Harmonics((0.0, 3.0), angle=wf.signals.Ramp(0, 6.0, duration=0.1), duration=0.1)
+    >>> round(float(mesh(0.05)), 6)  # 3 cos(2 * 3 rad)
+    2.880511
+    """
+
+    def __init__(
+        self, cosines: Vector, sines: Vector = (), *, angle: SignalLike, duration: float, mean: float = 0.0
+    ) -> None:
+        label = type(self).__name__
+        self.cosines = require_array(cosines, f"{label}: cosines", (None,))
+        self.sines = require_array(sines, f"{label}: sines", (None,))
+        self.angle = as_signal(angle, f"{label}: angle")
+        self.duration = require_number(duration, f"{label}: duration", positive=True)
+        self.mean = require_number(mean, f"{label}: mean")
+        self.covers = (-np.inf, self.duration)
+
+    def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
+        breaks, c = self.angle._from_zero()
+        inner = breaks[(breaks > 0.0) & (breaks < self.duration)]
+        ends = np.concatenate([[0.0], inner, [self.duration]])
+        owner = np.minimum(np.arange(len(ends) - 1), len(c) - 1)
+        orders = max(len(self.cosines), len(self.sines), 1)
+        powers = np.arange(1, TERMS)
+        fastest = np.sum(powers * np.abs(c[owner, 1:]) * np.diff(ends)[:, None] ** (powers - 1), axis=1)
+        counts = np.maximum(np.ceil(fastest * np.diff(ends) * orders / FIRST - 1e-9), 1.0)
+        self._require_few(float(counts.sum()))
+        parts = [np.linspace(ends[i], ends[i + 1], int(n), endpoint=False) for i, n in enumerate(counts)]
+        owner = np.repeat(owner, counts.astype(int))
+        at = np.append(np.concatenate(parts), self.duration)
+        pair = [np.pad(series, (0, orders - len(series))) for series in (self.cosines, self.sines)]
+        allowed = TOLERANCE * float(np.hypot(*pair).sum())
+        x = np.array([0.25, 0.5, 0.75])
+        while True:
+            self._require_few(len(owner))
+            h = np.diff(at)
+            left, right = self._at(at[:-1] - breaks[owner], c[owner]), self._at(at[1:] - breaks[owner], c[owner])
+            found = _quintic(h, left, right)
+            middle = (found[:, None] * (x * h[:, None])[..., None] ** np.arange(TERMS)).sum(axis=-1)
+            exact = np.stack([self._at(at[:-1] + s * h - breaks[owner], c[owner])[0] for s in x], axis=1)
+            coarse = np.abs(middle - exact).max(axis=1) > allowed
+            if not coarse.any():
+                return at, found
+            at = np.sort(np.append(at, (at[:-1] + 0.5 * h)[coarse]))
+            owner = np.repeat(owner, np.where(coarse, 2, 1))
+
+    def _at(self, tau: np.ndarray, c: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """The series (n,), its slope [1/s] and curvature [1/s^2], `tau` [s] into pieces `c` (n, 8) of the angle."""
+        k = np.arange(TERMS)
+        p = tau[:, None] ** k
+        angle = (c * p).sum(axis=1)
+        speed = (c[:, 1:] * k[1:] * p[:, :-1]).sum(axis=1)
+        change = (c[:, 2:] * k[2:] * k[1:-1] * p[:, :-2]).sum(axis=1)
+        value, first, second = np.full_like(tau, self.mean), np.zeros_like(tau), np.zeros_like(tau)
+        for amplitudes, phase in ((self.cosines, 0.0), (self.sines, -0.5 * np.pi)):
+            for n, amplitude in enumerate(amplitudes, start=1):
+                value += amplitude * np.cos(n * angle + phase)
+                first -= amplitude * n * np.sin(n * angle + phase)
+                second -= amplitude * n**2 * np.cos(n * angle + phase)
+        return value, first * speed, second * speed**2 + first * change
+
+    def _require_few(self, pieces: float) -> None:
+        if not pieces <= MOST_PIECES:
+            raise InputError(
+                f"{type(self).__name__}: {self.duration:g} s take more than {MOST_PIECES} pieces; shorten duration"
+            )
+
+
+def _quintic(h: np.ndarray, left: tuple[np.ndarray, ...], right: tuple[np.ndarray, ...]) -> np.ndarray:
+    """Coefficients (n, 8) of pieces of length `h` (n,) with value, slope and curvature (n,) at both ends."""
+    c = np.zeros((len(h), TERMS))
+    c[:, 0], c[:, 1], c[:, 2] = left[0], left[1], 0.5 * left[2]
+    D = right[0] - left[0] - h * (left[1] + 0.5 * h * left[2])
+    E, F = h * (right[1] - left[1] - h * left[2]), h**2 * (right[2] - left[2])
+    c[:, 3], c[:, 4], c[:, 5] = (
+        (10.0 * D - 4.0 * E + 0.5 * F) / h**3,
+        (-15.0 * D + 7.0 * E - F) / h**4,
+        (6.0 * D - 3.0 * E + 0.5 * F) / h**5,
+    )
+    return c
+
+
+class Sine(Harmonics):
+    """mean + amplitude sin(2 pi frequency t + phase) with frequency [Hz] and phase [rad], for `duration` [s]; a longer
+    run is refused. Represented as `Harmonics`.
+
+    >>> round(float(wf.signals.Sine(2.0, 50.0, duration=0.1)(0.005)), 6)
+    2.0
+    """
+
+    def __init__(
+        self, amplitude: float, frequency: float, *, duration: float, phase: float = 0.0, mean: float = 0.0
+    ) -> None:
+        self.amplitude, self.frequency, self.phase, series = _sine("Sine", amplitude, frequency, phase)
+        angle = Polynomial([0.0, 1.0], [[0.0, 2.0 * np.pi * self.frequency]])
+        super().__init__(*series, angle=angle, duration=duration, mean=mean)
+
+
+class Chirp(Harmonics):
+    """mean + amplitude sin(angle + phase) with a frequency that changes in proportion to time from `start_frequency` to
+    `end_frequency` [Hz] within `duration` [s]; phase [rad]. A longer run is refused. Represented as `Harmonics`."""
+
+    def __init__(
+        self,
+        amplitude: float,
+        start_frequency: float,
+        end_frequency: float,
+        *,
+        duration: float,
+        phase: float = 0.0,
+        mean: float = 0.0,
+    ) -> None:
+        self.amplitude, self.start_frequency, self.phase, series = _sine("Chirp", amplitude, start_frequency, phase)
+        self.end_frequency = require_number(end_frequency, "Chirp: end_frequency [Hz]", non_negative=True)
+        length = require_number(duration, "Chirp: duration", positive=True)
+        change = np.pi * (self.end_frequency - self.start_frequency) / length
+        angle = Polynomial([0.0, length], [[0.0, 2.0 * np.pi * self.start_frequency, change]])
+        super().__init__(*series, angle=angle, duration=length, mean=mean)
+
+
+def _sine(label: str, amplitude: Any, frequency: Any, phase: Any) -> tuple[float, float, float, tuple[Any, Any]]:
+    """Checked numbers, and the cosine and sine of the series of one order."""
+    a = require_number(amplitude, f"{label}: amplitude")
+    f = require_number(frequency, f"{label}: frequency [Hz]", non_negative=True)
+    p = require_number(phase, f"{label}: phase [rad]")
+    return a, f, p, ((a * np.sin(p),), (a * np.cos(p),))
+
+
+@named_arguments
+def from_csv(
+    path: str | os.PathLike[str], *, time: int | str = 0, value: int | str = 1, cubic: bool = False, hold: bool = False
+) -> Table:
+    """The `Table` of two columns of the text file `path`: times [s] and values.
+
+    time, value: the columns, numbers from 0, or names in the first line. Columns are separated by semicolons, commas or
+    blanks; lines that begin with # do not count. cubic, hold: as of `Table`. Raises `InputError` for a file that cannot
+    be read, a column that there is not, and what is no number, with its line.
+    """
+    file = Path(path).expanduser()
+    text = read_named(file, "from_csv: table").decode("utf-8-sig", errors="replace")
+    lines = [(n, s) for n, s in enumerate(text.splitlines(), start=1) if s.strip() and not s.lstrip().startswith("#")]
+    separator = next((s for s in ";," if lines and s in lines[0][1]), None)
+    rows = [(number, [word.strip() for word in line.split(separator)]) for number, line in lines]
+    names: list[str] = []
+    if rows and not _is_number(rows[0][1][0]):
+        names = rows.pop(0)[1]
+    columns = []
+    for label, given in (("time", time), ("value", value)):
+        if isinstance(given, str) and given not in names:
+            raise unknown_name(f"from_csv: {file.name!r}: {label}", given, names)
+        columns.append(names.index(given) if isinstance(given, str) else given)
+    found = np.zeros((2, len(rows)))
+    for i, (number, words) in enumerate(rows):
+        for k, column in enumerate(columns):
+            if not 0 <= column < len(words) or not _is_number(words[column]):
+                raise InputError(f"from_csv: {file.name!r}: line {number} has no number in column {column}")
+            found[k, i] = float(words[column])
+    return Table(*found, cubic=cubic, hold=hold)
+
+
+def _is_number(word: str) -> bool:
+    try:
+        float(word)
+    except ValueError:
+        return False
+    return True
 
 
 SignalLike: TypeAlias = Signal | float  # a number stands for itself at all times
@@ -261,7 +470,7 @@ def _cure(value: Any) -> str:
     if callable(value):
         return (
             "a function of time is sampled into a table, signals.Table(times, [f(t) for t in times], cubic=True), or "
-            "is one of signals.Ramp, SmoothStep, Polynomial"
+            "is one of signals.Sine, Chirp, Harmonics, Ramp, SmoothStep, Polynomial"
         )
     if isinstance(value, (str, bytes)):
         return "signals are objects, signals.Table(times, values), signals.Ramp(0.0, 1.0, duration=0.1)"

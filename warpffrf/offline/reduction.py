@@ -13,7 +13,6 @@ import numpy as np
 
 import warpffrf.offline.cache as body_cache
 from warpffrf.model.arguments import Matrix
-from warpffrf.model.bases import Basis
 from warpffrf.model.checks.plausibility import warn
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
@@ -27,6 +26,7 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.stress_field import StressPoints
 from warpffrf.model.surfaces import Shape
+from warpffrf.offline.bases import Basis
 from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
 from warpffrf.offline.contact.contact_grid import largest_radius
 from warpffrf.offline.contact.cubature import choose_sampling

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bases import Basis, basis_options
 from warpffrf.model.errors import InputError, require_count, require_number
 from warpffrf.model.laps import LapCells
 from warpffrf.model.laps.lap_cells import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.contact_grid import KINDS, require_kind
+from warpffrf.offline.bases import Basis, basis_options
 from warpffrf.offline.inertia.membrane import MEMBRANE
 from warpffrf.offline.inertia.stiffening import require_cells
 from warpffrf.offline.interfaces.kinds import INTERFACE_KINDS

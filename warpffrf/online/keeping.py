@@ -20,7 +20,7 @@ from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core import control as k
 
-METHOD = "separated"
+KIND = "steps"
 MOST_ATTEMPTS = 1000  # to end a step that an interruption has cut
 
 
@@ -34,7 +34,7 @@ class Keeping:
         if not engine.chunks[0]:
             engine.chunks[0].append(taken(engine.ring.on_host(), 0, range(0)))  # says what rows are like
         options = {"local": engine.compiled.local.options, "settings": engine.settings, "off_end": engine.off_end}
-        keeper.begin(Source(METHOD, engine.scene, options))
+        keeper.begin(Source(KIND, engine.scene, options))
 
     def look(self) -> None:
         """Keep what there is, where it is time to and a step has just ended. Raises KeyboardInterrupt afterwards if

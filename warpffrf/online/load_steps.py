@@ -37,7 +37,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.checks.consistency import refuse_singular_mass
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
@@ -124,7 +124,7 @@ def _run_static(
     refuse_singular_mass(scene)
     if not isinstance(start, Unfinished):
         began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
-        refuse_short_tables(scene, began, began + steps * step)
+        refuse_short_signals(scene, began, began + steps * step)
     if isinstance(start, History) and start.status != "completed" and not len(start.time):
         raise InputError(f"simulate: start has no row to go on from ({start.status}: {start.message})")
     begin = time.perf_counter()

@@ -12,7 +12,7 @@ from warpffrf.model.bearings.bearing import loose_ring, without_cage
 from warpffrf.model.checks.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
 from warpffrf.model.checks.overlap import excessive_wedge, refuse_overlap
 from warpffrf.model.checks.scene import connecting
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.checks.wedge import find_wedge
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
@@ -221,7 +221,7 @@ def _run(
         began = time_of(start.checkpoint) if isinstance(start, History) else 0.0
         for drive in scene.drives:
             _check_velocity(drive, began, began + steps * step)
-        refuse_short_tables(scene, began, began + steps * step)
+        refuse_short_signals(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
     loaded = isinstance(start, History) and is_loaded(start.checkpoint)  # what `run_static` leaves
     # what `find_equilibrium` leaves

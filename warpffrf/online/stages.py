@@ -8,8 +8,7 @@ equilibrium to equilibrium (`warpffrf.online.load_steps`); one in time after it 
 time gives up the velocities, with a note. What a stage overrides holds for that
 stage alone, the next one is back at the scene and the options of the run:
 
-    save_every, integrator, local, method,
-    step_error                                options of `simulate`
+    save_every, integrator, local, step_error options of `simulate`
     gravity                                   (3,) m/s2
     forces                                    {name: force}: takes the place of the scene's force of that name
 
@@ -35,7 +34,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import is_dynamic, is_loaded
 from warpffrf.online.history.history import ENERGY_LINES, History, JointHistory
 
-RUN_OPTIONS = ("save_every", "integrator", "local", "method", "step_error")
+RUN_OPTIONS = ("save_every", "integrator", "local", "step_error")
 OF_TIME = ("integrator", "step_error")
 KINDS = ("dynamic", "static")
 SCENE_VALUES = ("gravity", "forces")

@@ -7,7 +7,7 @@ import os
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +25,7 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SensorHistory,
 )
+from warpffrf.online.history.sensors import sensor_history, sensor_values
 from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from warpffrf.model.scene import Scene
+    from warpffrf.model.sensors import Sensor
     from warpffrf.output.bearings.stiffness import BearingStiffness
     from warpffrf.output.bodies.stress import StressResult
     from warpffrf.output.bodies.stress_below import StressBelow
@@ -171,8 +173,8 @@ class Result(reprs.Shown):
     def bearing_stiffness(self, name: str, row: int = -1) -> BearingStiffness:
         """Stiffness (6, 6) [N/m, N/rad, N m/rad] of the bearing called `name` about the saved step `row`, by central
         differences of twelve equilibria (`warpffrf.output.bearings.stiffness`); `.left_out` names friction and loads of
-        elements that are not in it. Raises InputError for flexible rings that nothing holds, for a bearing without
-        load, and for a result that was read from a file."""
+        elements that are not in it. NaN, with `.reason`, of a bearing without load. Raises InputError for flexible
+        rings that nothing holds, and for a result that was read from a file."""
         from warpffrf.output.bearings.stiffness import bearing_stiffness
 
         return bearing_stiffness(self.scene, name, self.history, row)
@@ -240,7 +242,7 @@ class Result(reprs.Shown):
     @property
     def sensor_names(self) -> list[str]:
         """Names of the sensors."""
-        return [*self.history.sensors, *self._stress_sensors]
+        return [*self.history.sensors, *self._late_sensors]
 
     def sensor(self, name: str) -> SensorHistory:
         """The sensor called `name`: `.values` (T, components), `.components`, `.unit`; raises InputError when there is
@@ -249,21 +251,16 @@ class Result(reprs.Shown):
         >>> result.sensor("place").unit
         'm'
         """
-        from warpffrf.model.reduced.stress_field import von_mises
-        from warpffrf.output.bodies.stress import stress_at_point
+        late = self._late_sensors
+        if name in late:
+            return sensor_history(late[name], sensor_values(late[name], self))
+        return _named({**self.history.sensors, **late}, "sensor", name)
 
-        if name not in self.history.sensors and name in self._stress_sensors:
-            sensor = self._stress_sensors[name]
-            tensor = stress_at_point(self, sensor.body.name, sensor.points, sensor.index)
-            values = np.concatenate([tensor, von_mises(tensor)[:, None]], axis=1)
-            return SensorHistory(sensor.kind, sensor.unit, sensor.frame, sensor.components, values)
-        return _named({**self.history.sensors, **self._stress_sensors}, "sensor", name)
-
-    @cached_property
-    def _stress_sensors(self) -> dict[str, Any]:
-        """Sensors of a live scene that the run itself has not evaluated; a file holds the values of all."""
+    @property
+    def _late_sensors(self) -> dict[str, Sensor]:
+        """Sensors of a live scene that are evaluated when they are asked for; a file holds the values of all."""
         sensors = getattr(self.history.scene, "sensors", [])
-        return {s.name: s for s in sensors if s.name not in self.history.sensors and s.kind == "stress"}
+        return {s.name: s for s in sensors if s.name not in self.history.sensors}
 
     def contact(self, name: str) -> PairResult:
         """The contact pair called `name`; raises InputError when there is none.
@@ -291,17 +288,25 @@ class Result(reprs.Shown):
             if body.reduced is not None
         }
 
-    def stress(self, body: str, points: str, *, rows: Sequence[int] | np.ndarray | None = None) -> StressResult:
+    def stress(
+        self,
+        body: str,
+        points: str,
+        *,
+        rows: Sequence[int] | np.ndarray | None = None,
+        only: Sequence[int] | None = None,
+    ) -> StressResult:
         """Stress [Pa] of the body at the `points` that were named when it was reduced (`reduce(..., stress={name:
         points})`): `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        rows: numbers (r,) of the saved steps wanted, negative ones from the end; all if None, which takes 48 bytes a
-        point and step: of many points name the rows. Raises InputError for a body without stress points of that name,
-        the message lists those there are, and for rows that the run does not have.
+        rows: numbers (r,) of the saved steps wanted, negative ones from the end; only: numbers (p,) of the points
+        wanted; all if None, which takes 48 bytes per point and step: of many points name the rows. Raises InputError
+        for a body without stress points of that name, the message lists those there are, and for rows and points that
+        there are not.
         """
         from warpffrf.output.bodies.stress import stress_result
 
-        return stress_result(self, body, points, rows)
+        return stress_result(self, body, points, rows, only)
 
     def stress_below(
         self, contact: str | None = None, row: int | None = None, depth: np.ndarray | None = None
@@ -355,14 +360,14 @@ class Result(reprs.Shown):
         a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far
         it is, on stderr.
 
-        Raises InputError where it cannot be made: of results that were read from a file without one, of the monolithic
-        method and the check integrators.
+        Where it cannot be made, of results that were read from a file without one and of the check integrators, it is one
+        line "not estimated" of size NaN, whose `basis` is the reason.
         """
         from warpffrf.output.budget import budget
 
         if not self.history.budget:
             if reason := budget.why_not(self):
-                raise InputError(f"not made: {reason}")
+                return [BudgetLine(budget.UNKNOWN, "all results", np.nan, f"not made: {reason}")]
             with speaking(progress):
                 self.history.budget = budget.error_budget(self, progress=progress)
         return self.history.budget
@@ -391,27 +396,12 @@ class Result(reprs.Shown):
         end = f"{self.time[-1]:.6g} s" if len(self.time) else "no step saved"
         return f"Result(status={self.status!r}, rows={len(self.time)}, end={end}, contacts={self.contact_names})"
 
-    @overload
-    def plot(
-        self, kind: Literal["summary"] = "summary", ax: Axes | None = None, contact: str | None = None,
-        film: str | None = None, row: int | None = None, lap: str | None = None, channel: str | None = None,
-        speed: str | None = None, bearing: str | None = None,
-    ) -> Figure: ...  # fmt: skip
-
-    @overload
     def plot(
         self, kind: str, ax: Axes | None = None, contact: str | None = None, film: str | None = None,
         row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
         bearing: str | None = None,
-    ) -> Axes: ...  # fmt: skip
-
-    def plot(
-        self, kind: str = "summary", ax: Any = None, contact: str | None = None, film: str | None = None,
-        row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
-        bearing: str | None = None,
-    ) -> Any:  # fmt: skip
-        """Draw one kind of plot on the matplotlib axes `ax` (a new one when None) and return it; "summary"
-        returns a Figure.
+    ) -> Axes:  # fmt: skip
+        """Draw one kind of plot on the matplotlib axes `ax` (new ones when None) and return them.
 
         contact: the pair whose patch is drawn, by name; the first one (with friction, where that is drawn) if None.
         film, lap, bearing: likewise the oil film, the lap and the bearing; row: the saved step of their maps and loads,
@@ -420,12 +410,23 @@ class Result(reprs.Shown):
         `warpffrf plot --list`. Raises InputError for an unknown kind, pair, film, lap, bearing, history or body, and
         what a run has not.
 
-        >>> result.plot().savefig("summary.png")
         >>> axes = result.plot("ripple", contact="lower-upper")
         """
         from warpffrf.output.plots import figure
 
         return figure.plot(self, kind, ax, contact, film, row, lap, channel, speed, bearing)
+
+    def summary(
+        self, *, contact: str | None = None, film: str | None = None, row: int | None = None, lap: str | None = None
+    ) -> Figure:
+        """A matplotlib Figure with every plot that the run has data for; contact, film, row, lap: as of `plot`. Raises
+        InputError as `plot`.
+
+        >>> result.summary().savefig("summary.png")
+        """
+        from warpffrf.output.plots import figure
+
+        return figure.summary(self, contact, film, row, lap)
 
     def picture(
         self, path: str | os.PathLike[str], field: str = "displacement", *, time: float | None = None,

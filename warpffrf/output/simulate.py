@@ -9,15 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.checks.signal_cover import refuse_short_tables
-from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
+from warpffrf.model.checks.signal_cover import refuse_short_signals
+from warpffrf.model.errors import MOST_COUNTED, InputError, RunError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
 from warpffrf.model.messages.console import speaking
 from warpffrf.model.messages.interruption import terminated_as_interrupted
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic import checkpoint as monolithic_checkpoint
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.budget_line import BudgetLine
@@ -32,11 +30,9 @@ from warpffrf.output.accuracy.setting import Setting
 from warpffrf.output.budget.budget import largest_of_each
 from warpffrf.output.files.results import SUFFIXES
 from warpffrf.output.files.unfinished import ENDING
-from warpffrf.output.monolithic_run import refuse_other_method, run_monolithic, same_windows
-from warpffrf.output.outputs import KEEP_EVERY, Outputs
+from warpffrf.output.outputs import KEEP_EVERY, Kind, Outputs
 from warpffrf.output.result import Result
 
-METHODS = ("separated", "monolithic")
 STARTS = ("initial", "equilibrium")
 DEFAULT_INTEGRATOR = GeneralizedAlpha(rho_inf=0.8)
 
@@ -66,7 +62,6 @@ def simulate(
     step: float | None = None,
     stages: Sequence[Stage] | None = None,
     start: str | os.PathLike[str] | Result = "initial",
-    method: Literal["separated", "monolithic"] | Monolithic = "separated",
     local: str | LocalDynamics = "quasi_static",
     integrator: Integrator | RungeKutta4 | EnergyMomentum | None = None,
     accuracy: float | None = None,
@@ -78,6 +73,7 @@ def simulate(
     record_every: int | None = None,
     device: str | None = None,
     progress: bool = True,
+    check: bool = False,
     project_start: bool = False,
     overwrite: bool = False,
     resume: bool = False,
@@ -88,15 +84,13 @@ def simulate(
 
     start: "initial" (positions and velocities of the scene), "equilibrium" (static state under load first), or the
     Result, or results file, of an earlier run or equilibrium of the same scene, which is continued bit for bit (to
-    the tolerance of the iteration with method="monolithic", to round-off with laps, some 1e-9). Saved are every
+    round-off with laps, some 1e-9). Saved are every
     `save_every`th step and the last. project_start: change initial velocities that do not agree with the joints as
     little as possible, with a note, instead of refusing them; a drive changes them in any case, it says what the
     velocity is. stages: see
-    `warpffrf.online.stages`; returns a StagedResult. method: "separated", or "monolithic" or a Monolithic for the
-    reference with all coordinates in one Newton system (`warpffrf.output.monolithic_run`): fixed steps, thousands
-    of times slower with thousands of local modes. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
-    EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8), of the monolithic method
-    HHT(alpha=-0.3). accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent;
+    `warpffrf.online.stages`; returns a StagedResult. integrator: GeneralizedAlpha, HHT or Newmark; RungeKutta4 and
+    EnergyMomentum for checks on free bodies; None: GeneralizedAlpha(rho_inf=0.8).
+    accuracy: the error wanted of forces, motions and deformations (0.01 for one per cent;
     pressures may err by twice): chooses step, inertia levels, stiffening, contact grids and cells from the error
     budgets of coarse runs (`warpffrf.output.accuracy`), says in the notes what and why, and what only another
     reduction could give; `step` may be left out, or is the longest. What the scene sets itself is kept, and the
@@ -112,15 +106,16 @@ def simulate(
     variable WARPFFRF_DEVICE names, else the CPU. progress: what is being done, and the notes of the run, on stderr:
     bars on a terminal, lines elsewhere; through `logging` alone where the application has set that up. With stages,
     results "run.h5" also means "run.NAME.h5" at the end of each stage: a checkpoint to start from. A solver that fails
-    does not raise: see `status` and `message` of the Result. Wrong input raises InputError before the run. Threads may
-    call it at once, and get the same bits: steps go on side by side, all else one after the other
+    does not raise, see `status` and `message` of the Result; with check a run that does not complete raises `RunError`,
+    whose `result` has what was computed, after its files were written. Wrong input raises InputError before the run.
+    Threads may call it at once, and get the same bits: steps go on side by side, all else one after the other
     (`warpffrf.online.turn`).
 
     overwrite: replace files of an earlier run; without it existing ones are refused, and files that warpffrf did not
     write always. While it runs, what it has done is put into the folder `run.h5.unfinished` every `keep_every` [s] of
     wall time, by a thread beside it (less often where a checkpoint takes more than 2 % of that). resume: go on from
     there, or from an interrupted run, with the same options, bit for bit as if it had not been stopped (with laps to
-    round-off), by every method and integrator; a finished run is read, and one that never began is begun.
+    round-off), with every integrator; a finished run is read, and one that never began is begun.
 
     device: where kernels run, "cpu" or "cuda:0". kind: "dynamic", or "static" for equilibria at the end of every step,
     under the forces and prescribed motions of that time, friction with its history (`warpffrf.online.load_steps`); of
@@ -131,7 +126,6 @@ def simulate(
     'completed'
     """
     known_scene(scene, "simulate")
-    _known_method(method)
     as_local_dynamics(local)
     known_integrator(integrator, "simulate")
     known("kind", kind, KINDS)
@@ -140,7 +134,6 @@ def simulate(
             "simulate", integrator=integrator, step_error=step_error, accuracy=accuracy,
             energy_tolerance=energy_tolerance, project_start=project_start or None, stages=stages,
         )  # fmt: skip
-        _refuse_reference(method, "simulate")
     if resume and results is None:
         raise InputError("simulate: resume goes on from what stands beside the results; give results")
     require_number(keep_every, "simulate: keep_every", positive=True)
@@ -153,52 +146,45 @@ def simulate(
     if accuracy is not None:
         limits = Limits.of(accuracy)
         refuse_other_options(
-            stages=stages, step_error=step_error, separated=_method_name(method) == "separated",
-            fixed=isinstance(integrator, CHECK_INTEGRATORS), resume=resume,
+            stages=stages, step_error=step_error, fixed=isinstance(integrator, CHECK_INTEGRATORS), resume=resume
         )  # fmt: skip
     options = {"integrator": integrator, "save_every": save_every, "device": device, "progress": progress}
-    options |= {"project_start": project_start, "local": local, "step_error": step_error, "method": method}
+    options |= {"project_start": project_start, "local": local, "step_error": step_error}
     if kind == "static":
         options["kind"] = kind
     if energy_tolerance is not None:
         options["energy_tolerance"] = require_number(energy_tolerance, "simulate: energy_tolerance", positive=True)
     with terminated_as_interrupted(), speaking(progress):
         if stages is None:
-            if isinstance(beginning, History):
-                refuse_other_method(beginning.checkpoint, _method_name(method), "simulate: start")
             if limits is not None and duration is not None:
                 found = _accurate(scene, beginning, duration, step, limits, options, outputs, results)
-                return outputs.record(found, record, record_every, progress)
+                return checked(outputs.record(found, record, record_every, progress), check)
             if duration is None or step is None:
                 raise InputError(
                     "simulate: give duration and step, or stages=[Stage(name, duration, step), ...], or duration and "
                     "accuracy="
                 )
             found = outputs.run(scene, _run, beginning, duration, step, options, results)
-            return outputs.record(found, record, record_every, progress)
+            return checked(outputs.record(found, record, record_every, progress), check)
         if duration is not None or step is not None:
             raise InputError("simulate: stages have their own duration and step; leave those of the run out")
         found = _staged(scene, check_stages(scene, stages), beginning, results, options, outputs)
-        return outputs.record(found, record, record_every, progress)
+        return checked(outputs.record(found, record, record_every, progress), check)
 
 
 def _run(
-    scene: Any, duration: float, *, method: str | Monolithic, integrator: Any, energy_tolerance: float | None = None,
-    kind: str = "dynamic", **options: Any,
+    scene: Any, duration: float, *, integrator: Any, energy_tolerance: float | None = None, kind: str = "dynamic",
+    **options: Any,
 ) -> History:  # fmt: skip
-    """The run by its method."""
+    """The run by its kind."""
     log.info("%s", _what_is_run(scene, duration, options["step"], options["start"], kind))
     if kind == "static":
         own = {name: value for name, value in options.items() if name not in ("step_error", "project_start")}
         return run_static(scene, duration, **own)
-    monolithic = _method_name(method) == "monolithic"
     if energy_tolerance is not None:
-        if monolithic or isinstance(integrator, CHECK_INTEGRATORS):
+        if isinstance(integrator, CHECK_INTEGRATORS):
             raise InputError("simulate: energy_tolerance halves steps, and these are all alike here; leave it out")
         options["settings"] = Settings(energy_tolerance=energy_tolerance)
-    if monolithic:
-        chosen = method if isinstance(method, Monolithic) else None
-        return run_monolithic(scene, duration, integrator=integrator, options=chosen, **options)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
 
 
@@ -223,14 +209,6 @@ def refuse_in_statics(where: str, **options: Any) -> None:
     for name, value in options.items():
         if value is not None:
             raise InputError(f"{where}: {name} is for runs in time, and kind='static' has none; leave one of them out")
-
-
-def _refuse_reference(method: str | Monolithic, where: str) -> None:
-    if _method_name(method) == "monolithic":
-        raise InputError(
-            f"{where}: method 'monolithic' has no static runs; use method='separated', or compare with single "
-            "equilibria, start='equilibrium'"
-        )
 
 
 def _accurate(
@@ -266,32 +244,16 @@ def _staged(
     scene: Any, stages: list[Stage], beginning: Any, results: Any, options: dict[str, Any], outputs: Outputs
 ) -> StagedResult:
     """The stages one after the other, each from the checkpoint of the one before."""
-    methods = []
     for stage in stages:
-        method = stage.options.get("method", options["method"])
-        _known_method(method)
-        methods.append(_method_name(method))
         as_local_dynamics(stage.options.get("local", options["local"]))
         known_integrator(stage.options.get("integrator"), f"stage {stage.name!r}")
-        if stage.kind == "static":
-            _refuse_reference(method, f"stage {stage.name!r}")
         if results is not None:
             outputs.check(stage_file(results, stage.name), None)
-    if len(set(methods)) > 1:
-        raise InputError(
-            "simulate: all stages must have the same method, because a run of one cannot go on with the state of "
-            f"another, got {', '.join(map(repr, methods))}"
-        )
-    reference = methods[0] == "monolithic"
-    if not reference:
-        refuse_other_modes(scene, stages, options["local"])
-    end = 0.0
-    if isinstance(beginning, History):
-        refuse_other_method(beginning.checkpoint, methods[0], f"stage {stages[0].name!r}")
-        end = (monolithic_checkpoint.time_of if reference else time_of)(beginning.checkpoint)
+    refuse_other_modes(scene, stages, options["local"])
+    end = time_of(beginning.checkpoint) if isinstance(beginning, History) else 0.0
     for stage in stages:
         begin, end = end, end + stage.duration
-        refuse_short_tables(stage.scene(scene), begin, end)
+        refuse_short_signals(stage.scene(scene), begin, end)
     parts: dict[str, Result] = {}
     interrupted = ""
     with outputs.locked(results) as whole:
@@ -301,7 +263,7 @@ def _staged(
             if stage.kind == "static":
                 own |= {"kind": stage.kind, "integrator": None, "step_error": None, "project_start": False}
             file = None if results is None else stage_file(results, stage.name)
-            run_stage = _in_its_loads(scene, stage.scene(scene), reference)
+            run_stage = _in_its_loads(scene, stage.scene(scene))
             try:
                 if isinstance(beginning, History) and beginning.stopping:
                     raise KeyboardInterrupt
@@ -315,24 +277,22 @@ def _staged(
             parts[stage.name], beginning = part, part.history
             if part.status != "completed":
                 break
-        histories = [part.history for part in parts.values()]
-        found = StagedResult(joined(same_windows(histories) if reference else histories, list(parts)), parts)
+        found = StagedResult(joined([part.history for part in parts.values()], list(parts)), parts)
         if interrupted:
             found.history.status, found.history.message, found.history.stopping = INTERRUPTED, interrupted, True
         return whole.written(found)
 
 
-def _in_its_loads(scene: Any, staged: Any, reference: bool) -> Callable[..., History]:
+def _in_its_loads(scene: Any, staged: Any) -> Callable[..., History]:
     """`_run` of the scene `staged`, a stage of `scene`, from and to checkpoints of `scene`."""
 
     def run_stage(_scene: Any, duration: float, *, start: Any, **options: Any) -> History:
-        if isinstance(start, History) and not reference:
+        if isinstance(start, History):
             start = replace(start, checkpoint=with_potential(start.checkpoint, scene, staged))
         history = _run(staged, duration, start=start, **options)
         # loads of one stage do not make another machine: it is continued with the scene
         history.scene = scene
-        if not reference:
-            history.checkpoint = with_potential(history.checkpoint, staged, scene)
+        history.checkpoint = with_potential(history.checkpoint, staged, scene)
         return history
 
     return run_stage
@@ -353,6 +313,7 @@ def equilibrium(
     record: str | os.PathLike[str] | None = None,
     device: str | None = None,
     progress: bool = True,
+    check: bool = False,
     overwrite: bool = False,
 ) -> Result:
     """The static state of `scene` under its loads and prescribed motions at time 0, as a Result with one row.
@@ -361,9 +322,9 @@ def equilibrium(
     contact surfaces from where they are pressed together, as that of laps does in any case
     (`warpffrf.online.start.rub_to_rest`, with the path of loads that this means). Runs that `start` from the Result, in
     time or static, go on with it.
-    Not converging is a status, not an exception; wrong input raises InputError. results, record: files to write (.h5,
-    .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on stderr.
-    overwrite: replace files of an earlier call.
+    Not converging is a status; with check it raises `RunError`. Wrong input raises InputError. results, record: files
+    to write (.h5, .rrd). device: where kernels run, "cpu" or "cuda:0". progress: what is being done, and the notes, on
+    stderr. overwrite: replace files of an earlier call.
 
     >>> rest = wf.equilibrium(scene, progress=False)
     >>> round(float(rest.contact("lower-upper").force_magnitude[0]))  # N, of the spring and the push
@@ -375,7 +336,14 @@ def equilibrium(
     with terminated_as_interrupted(), speaking(progress), outputs.locked(results) as whole:
         log.info("equilibrium: %s", _holds(scene))
         found = whole.written(Result(find_equilibrium(scene, friction=friction, device=device, progress=progress)))
-        return outputs.record(found, record, None, progress)
+        return checked(outputs.record(found, record, None, progress), check)
+
+
+def checked(result: Kind, check: bool) -> Kind:
+    """The `result`. Raises `RunError` for one that did not complete, if `check`."""
+    if check and result.status != "completed":
+        raise RunError(result)
+    return result
 
 
 def known(option: str, value: str, values: tuple[str, ...]) -> None:
@@ -388,19 +356,13 @@ def known_scene(scene: Any, caller: str) -> None:
         raise InputError(f"{caller}: a Scene is needed first, got {scene!r}")
 
 
-def _known_method(method: Any) -> None:
-    if not isinstance(method, Monolithic):
-        known("method", method, METHODS)
-
-
-def _method_name(method: str | Monolithic) -> str:
-    return "monolithic" if isinstance(method, Monolithic) else method
-
-
 def known_integrator(integrator: Any, where: str) -> None:
-    if integrator is not None and not isinstance(integrator, tuple(INTEGRATORS.values())):
+    if integrator is not None and not isinstance(integrator, (Integrator, *CHECK_INTEGRATORS)):
         names = ", ".join(f"integrators.{kind.__name__}()" for kind in INTEGRATORS.values())
-        raise InputError(f"{where}: integrator must be one of {names}, got {integrator!r}; names are for scene files")
+        raise InputError(
+            f"{where}: integrator must be one of {names}, or an integrators.Integrator of your own, got "
+            f"{integrator!r}; names are for scene files"
+        )
 
 
 def _start(scene: Any, start: str | os.PathLike[str] | Result) -> Any:

@@ -82,8 +82,7 @@ def simulate_worlds(
     save every so many steps, and the last. device: "cpu" or "cuda:0", None for what WARPFFRF_DEVICE names. progress:
     bar and notes on stderr, notes that several scenes share once. project_start: change initial velocities that do not
     fit the joints.
-    Stages, accuracy, going on from a Result, resume, recordings, the monolithic method and check integrators are for
-    single runs.
+    Stages, accuracy, going on from a Result, resume, recordings and check integrators are for single runs.
 
     Raises InputError before the run for wrong input, with the number of the scene, counted from 0, in front; and where
     scenes are of another kind than the first, with what differs.
@@ -128,7 +127,7 @@ def simulate_worlds(
         )
 
     named = {"integrator": integrator, "save_every": save_every, "project_start": project_start, "local": local}
-    named |= {"step_error": step_error, "method": "separated"} | ({"kind": kind} if kind == "static" else {})
+    named |= {"step_error": step_error} | ({"kind": kind} if kind == "static" else {})
     named |= {} if energy_tolerance is None else {"energy_tolerance": energy_tolerance}
     outputs = Outputs(overwrite)
     files, left_over = _files(results, len(scenes), outputs)

@@ -192,15 +192,18 @@ def signal_kinds() -> dict[str, Form]:
     from warpffrf.model import signals
 
     classes = [cls for _, cls in _classes(signals) if issubclass(cls, signals.Signal) and cls is not signals.Signal]
-    return {snake_case(cls.__name__): form_of(snake_case(cls.__name__), cls, {}) for cls in classes}
+    found = {}
+    for cls in classes:
+        signals_in = [p.name for p in inspect.signature(cls).parameters.values() if "Signal" in str(p.annotation)]
+        found[snake_case(cls.__name__)] = form_of(snake_case(cls.__name__), cls, dict.fromkeys(signals_in, "value"))
+    return found
 
 
 @cache
 def value_kinds() -> dict[str, Form]:
     """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
     laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators,
-    treatments of local modes, the monolithic method, stress points, parts of bearings."""
-    from warpffrf.model.bases import BASES
+    treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
@@ -211,10 +214,10 @@ def value_kinds() -> dict[str, Form]:
     from warpffrf.model.oils import OILS, DowsonHigginson, iso_vg
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.surfaces import SHAPES
-    from warpffrf.monolithic import Monolithic
+    from warpffrf.offline.bases import BASES
 
     online = importlib.import_module("warpffrf.online")
-    others = [StressPoints, LapCells, Monolithic, DowsonHigginson, iso_vg]
+    others = [StressPoints, LapCells, DowsonHigginson, iso_vg]
     others += [online.LocalDynamics, *online.INTEGRATORS.values()]
     found = dict(signal_kinds())
     registered = {
@@ -316,9 +319,11 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
             "place": form_of("place", Scene.place, {"port": "port", "onto": "port"}, ("self",)),
             "close_gap": form_of("close_gap", Scene.close_gap, {"contact": "contacts"}, ("self", "with_bodies")),
         },
-        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "progress", "overwrite"))},
+        "equilibrium": {"": form_of("equilibrium", equilibrium, {}, ("scene", "progress", "overwrite", "check"))},
         "simulate": {
-            "": form_of("simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume"))
+            "": form_of(
+                "simulate", simulate, {"stages": "stages"}, ("scene", "progress", "overwrite", "resume", "check")
+            )
         },
         "stages": {"": form_of("stage", Stage, {"overrides": "overrides"})},
     }

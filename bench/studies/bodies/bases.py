@@ -17,10 +17,10 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model import bases
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.bases import build_basis
+from warpffrf.offline import bases
+from warpffrf.offline.bases.build import build_basis
 from warpffrf.offline.bases.global_basis import attachment_modes
 from warpffrf.offline.bases.shifted import shifted_solver
 from warpffrf.offline.elastic import ElasticModel, free_model

@@ -1,8 +1,10 @@
-r"""The three evaluations of one contact side by side: "semi" and "hyper" against "full", and what a step of each costs.
+r"""The evaluations of one contact side by side: "semi" and "hyper" against the law at FE nodes, "full" in what follows,
+and what a step of each costs.
 
 Two rollers with the mesh of the two-roller demo and hats on a part of their rims (a *tread*) roll on each other at a
 constant approach, with a stiff layer between them: the same in all three, in the hats of "semi" and "hyper" and
-at every FE node of "full", where all local modes are coordinates of one Newton system. Compared over the saved steps
+at every FE node of "full", where all local modes are coordinates of one Newton system (`references.monolithic`).
+Compared over the saved steps
 are
 
     force      |F - F_full| over |F_full|, the largest
@@ -21,6 +23,9 @@ from typing import Any
 
 import numpy as np
 
+from references.monolithic import results as monolithic
+from references.monolithic.line_of_centres.pair import STIFFER as HARDEST
+from references.monolithic.line_of_centres.pair import default_layer
 from scenes.rollers import PAIR, STEEL
 from studies.speed.step_time import BORE, RADIUS, WIDTH, swinging_pair
 from warpffrf.model.laws import LinearLayer
@@ -30,9 +35,6 @@ from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND
 from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic.line_of_centres.pair import STIFFER as HARDEST
-from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.offline import reduce
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
@@ -44,6 +46,7 @@ ACROSS, DEEP = 21, 6  # stress points around and in depth
 SHALLOWEST, DEEPEST = 0.3, 2.0  # half-widths: the largest shear stress of a line contact lies at 0.78
 RHO = 0.8  # of the integrator, the same for all
 STEP = 1e-4  # s
+OPTIONS: dict[str, Any] = {"step": STEP, "integrator": GeneralizedAlpha(RHO), "progress": False}
 SEPARATED = ("semi", "hyper")
 STIFFER = 3.0  # layer over a hat: it yields by some per cent of the approach, as penalties are chosen
 
@@ -119,15 +122,20 @@ def scene_of(
     return scene
 
 
-def run_evaluation(scene: Scene, steps: int, *, start: Any = "equilibrium", variant: str = "low_rank") -> Result:
-    """`steps` steps of the scene by the method that its evaluation needs."""
-    full = scene.contacts[0].evaluation == "full"
-    method: Any = Monolithic(variant) if full else "separated"
-    result = simulate(
-        scene, steps * STEP, step=STEP, start=start, method=method, integrator=GeneralizedAlpha(RHO), progress=False
-    )
+def run_evaluation(scene: Scene, steps: int) -> Result:
+    """`steps` steps of the scene by the engine."""
+    return _completed(simulate(scene, steps * STEP, start="equilibrium", **OPTIONS), scene.contacts[0].evaluation)
+
+
+def run_at_nodes(scene: Scene, steps: int, *, start: Any = "equilibrium", variant: str = "low_rank") -> Result:
+    """`steps` steps of the scene by the monolithic reference, with the law at the nodes."""
+    options = {**OPTIONS, "start": start, "variant": variant, "at_nodes": True}
+    return _completed(monolithic.simulate(scene, steps * STEP, **options), "full")
+
+
+def _completed(result: Result, evaluation: str) -> Result:
     if result.status != "completed":
-        raise RuntimeError(f"{scene.contacts[0].evaluation}: {result.status}: {result.message}")
+        raise RuntimeError(f"{evaluation}: {result.status}: {result.message}")
     return result
 
 
@@ -141,13 +149,12 @@ def compare(
     second: ReducedBody | None = None,
 ) -> list[Errors]:
     """Errors of "semi" and "hyper" against "full" over `steps` steps of rolling; arguments as of `scene_of`."""
-    found = {
-        evaluation: run_evaluation(
-            scene_of(body, evaluation, approach, swing, rate, steps * STEP, stiffer, second), steps
-        )
-        for evaluation in ("full", *SEPARATED)
+    scenes = {
+        evaluation: scene_of(body, evaluation, approach, swing, rate, steps * STEP, stiffer, second)
+        for evaluation in SEPARATED
     }
-    full = found["full"]
+    full = run_at_nodes(scenes["semi"], steps)
+    found = {"full": full, **{name: run_evaluation(scene, steps) for name, scene in scenes.items()}}
     sizes = np.linalg.norm(full.history.contacts[PAIR].force, axis=1)
     stress = under(body, full, True)
     pressures = {name: hat_means(body, result, name == "full") for name, result in found.items()}

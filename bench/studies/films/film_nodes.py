@@ -12,22 +12,22 @@ from typing import Any
 
 import numpy as np
 
+from references import monolithic
+from references.monolithic.results import to_history
 from studies.contact.tables import table
 from studies.films.film_engine import CLEARANCE, GROOVE, at_rest, bearing, bore, completed
-from warpffrf import monolithic
 from warpffrf.model.scene import Scene
 from warpffrf.online import History
-from warpffrf.output.monolithic_run import to_history
 
 MADE = "Made by `python -m studies.films.film_nodes`; do not edit.\n"
 SAME_LAW = ("force", "torque_second", "smallest_gap", "largest_pressure", "pressure", "gap", "void", "friction_power")
 MESHES, NODE_LOADS = (((64, 9), 32), ((64, 9), None), ((96, 13), None)), (2e3, 20e3)
 
 
-def solved_whole(scene: Scene) -> History:
+def solved_whole(scene: Scene, at_nodes: bool = False) -> History:
     """Its equilibrium by the monolithic reference, in the first row."""
-    found = to_history(monolithic.run(scene, 1e-6, step=1e-6, start="equilibrium", progress=False), [])
-    return completed(found)
+    options: dict[str, Any] = {"step": 1e-6, "start": "equilibrium", "at_nodes": at_nodes, "progress": False}
+    return completed(to_history(monolithic.run(scene, 1e-6, **options), []))
 
 
 def node_rows() -> list[list[str]]:
@@ -38,9 +38,10 @@ def node_rows() -> list[list[str]]:
         grid = body.contact_surfaces["bore"].grid
         for load in NODE_LOADS:
             given: dict[str, Any] = {"feeds": [GROOVE]}
+            scene = bearing(body, (load, 0.0), **given)
             cases = {
-                "semi, engine": at_rest(bearing(body, (load, 0.0), **given)).films["film"],
-                "full": solved_whole(bearing(body, (load, 0.0), evaluation="full", **given)).films["film"],
+                "semi, engine": at_rest(scene).films["film"],
+                "full": solved_whole(scene, at_nodes=True).films["film"],
             }
             for name, film in cases.items():
                 at = 0 if name == "full" else -1
@@ -72,7 +73,7 @@ def page() -> str:
     return f"""# Oil films beside the monolithic reference
 
 {MADE}
-Target: 1e-6 by the same law. The steady bearing by `warpffrf.monolithic`, which has all coordinates, pressures and
+Target: 1e-6 by the same law. The steady bearing by `references.monolithic`, which has all coordinates, pressures and
 voids in one Newton system and shares no code with the engine; differences from the engine over the largest value.
 
 {table(["load [kN]", *SAME_LAW], same_rows())}

@@ -1,9 +1,9 @@
 """Friction with the law at nodes beside cells and closed forms.
 
 `python -m studies.rolling.full_friction [FOLDER]` writes docs/studies/full_friction.md, in some minutes. A rigid
-cylinder on an exact elastic half-plane with a stiff layer between them, evaluation "full" (nodes,
-`warpffrf.monolithic`) and "semi" (hats and cells, the separated solver) with the same bodies, layer and steps: shifted
-to and fro (Cattaneo and Mindlin), and rolled along (Carter).
+cylinder on an exact elastic half-plane with a stiff layer between them, "full" (law at nodes, `references.monolithic`)
+and "semi" (hats and cells, the engine) with the same bodies, layer and steps: shifted to and fro (Cattaneo and
+Mindlin), and rolled along (Carter).
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ import numpy as np
 
 from references.closed_forms import CarterRolling, LineContact, MindlinLine, contact_modulus
 from references.half_space.bodies import FACE, HOLD, half_plane
+from references.monolithic import results as monolithic
+from references.monolithic.line_of_centres.pair import default_layer
 from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
@@ -24,8 +26,6 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
-from warpffrf.monolithic import Monolithic
-from warpffrf.monolithic.line_of_centres.pair import default_layer
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import simulate
@@ -171,14 +171,15 @@ def _run(
 ) -> Result:  # fmt: skip
     unit = default_layer(face.surface)
     law = laws.LinearLayer(stiffer * unit)
-    scene.add(Contact(face, port, friction=FRICTION, law=law, evaluation=evaluation, name=PAIR, overlap=1.0))
-    method: Any = "separated"
+    scene.add(Contact(face, port, friction=FRICTION, law=law, name=PAIR, overlap=1.0))
+    options: dict[str, Any] = {
+        "step": step, "start": "equilibrium", "integrator": GeneralizedAlpha(rho_inf=0.0), "progress": False
+    }  # fmt: skip
     if evaluation == "full":
-        method = Monolithic("low_rank", stick_stiffness=None if stick is None else stick * unit)
-    result = simulate(
-        scene, duration, step=step, start="equilibrium", progress=False, method=method,
-        integrator=GeneralizedAlpha(rho_inf=0.0),
-    )  # fmt: skip
+        options |= {"variant": "low_rank", "stick_stiffness": None if stick is None else stick * unit}
+        result = monolithic.simulate(scene, duration, at_nodes=True, **options)
+    else:
+        result = simulate(scene, duration, **options)
     if result.status != "completed":
         raise RuntimeError(f"{evaluation}: {result.status}: {result.message}")
     return result

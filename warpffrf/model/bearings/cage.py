@@ -52,8 +52,9 @@ class Cage(ABC):
     def hold(self, scene: Scene, bearing: Bearing) -> None:
         """Add the cage to the scene and to `bearing`. Raises `InputError` for what does not fit."""
 
-    def _body(self, scene: Scene, bearing: Bearing) -> Body:
-        """Its body, a thin ring on the pitch circle, and where it is guided the axle."""
+    def ring(self, scene: Scene, bearing: Bearing) -> Body:
+        """Add its body to the `scene`, a thin ring on the pitch circle, which becomes the cage of the `bearing`. Raises
+        `InputError` for a mass that is not positive."""
         label = f"bearing {bearing.name!r}: cage"
         total = sum(element.mass for element in bearing.elements)
         mass = LIGHT * total if self.mass is None else require_number(self.mass, f"{label}: mass [kg]", positive=True)
@@ -64,8 +65,9 @@ class Cage(ABC):
         bearing.cage = body
         return body
 
-    def _axle(self, scene: Scene, bearing: Bearing, body: Body) -> Revolute:
-        """The joint about which the cage turns."""
+    def axle(self, scene: Scene, bearing: Bearing, body: Body) -> Revolute:
+        """Add the joint to the `scene` about which the `body` of the cage rotates, "cage_axle" of the `bearing`. Raises
+        `InputError` for a guide that is no port."""
         label = f"bearing {bearing.name!r}: cage: guide"
         center, guide = bearing.place.center, self.guide
         if guide is None:
@@ -93,8 +95,8 @@ class PrescribedCage(Cage):
     kind: ClassVar[str] = "prescribed_cage"
 
     def hold(self, scene: Scene, bearing: Bearing) -> None:
-        body = self._body(scene, bearing)
-        axle = self._axle(scene, bearing, body)
+        body = self.ring(scene, bearing)
+        axle = self.axle(scene, bearing, body)
         bearing.drive = scene.add(Drive(axle, self.speed, name=f"{bearing.name} cage drive"))
         place = bearing.place
         for i, element in enumerate(bearing.elements, start=1):
@@ -153,12 +155,12 @@ class PocketCage(Cage):
                 f"{label}: pockets are of rigid elements, these are flexible; take cage=bearings.PrescribedCage(...), "
                 "with the speed of bearing.orbit_speed(...)"
             )
-        body = self._body(scene, bearing)
+        body = self.ring(scene, bearing)
         if self.inertia is not None:
             across, other, about = require_array(self.inertia, f"{label}: inertia", (3,))
             body.inertia = bearing.place.axes.T @ np.diag([across, other, about]) @ bearing.place.axes
         if self.guided:
-            self._axle(scene, bearing, body)
+            self.axle(scene, bearing, body)
         for i, element in enumerate(bearing.elements, start=1):
             for name, shape in self._walls(bearing, body, i, 0.5 * (D + play)).items():
                 wall = body.surface(shape, name=name.replace("_", " "))

@@ -1,7 +1,8 @@
-"""The signals of a scene: do its tables cover the time that is simulated, and how soon do signals change?
+"""The signals of a scene: do they cover the time that is simulated, and how soon do they change?
 
 A `Table` holds its end values outside its times, which is right for what is evaluated in passing but wrong for a run: a
-measured load that ends early would go on unnoticed as a constant one. `Table(hold=True)` says that it should.
+measured load that ends early would go on unnoticed as a constant one. `Table(hold=True)` says that it should. A `Sine`
+covers its duration.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.signals import Signal, Table
+from warpffrf.model.signals import Signal
 
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
@@ -20,18 +21,17 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9  # of the duration: ends that differ by less were meant to be the same
 
 
-def refuse_short_tables(scene: Scene, begin: float, end: float) -> None:
-    """Raises `InputError` naming the drive or force whose table does not cover `begin` to `end` [s]."""
+def refuse_short_signals(scene: Scene, begin: float, end: float) -> None:
+    """Raises `InputError` naming the drive or force whose signal does not cover `begin` to `end` [s]."""
     slack = ROUNDING * (end - begin)
     for item in (*scene.drives, *scene.forces):
-        for table in signals_in(vars(item)):
-            if not isinstance(table, Table):
-                continue
-            first, last = float(table.times[0]), float(table.times[-1])
-            if not table.hold and (first > begin + slack or last < end - slack):
+        for signal in signals_in(vars(item)):
+            first, last = signal.covers
+            if first > begin + slack or last < end - slack:
                 raise InputError(
-                    f"{item.kind} {item.name!r}: its table covers {first:g} to {last:g} s, but {begin:g} to {end:g} s "
-                    "are simulated; extend the table, shorten the run, or give it hold=True if its end values hold"
+                    f"{item.kind} {item.name!r}: its signal covers {max(first, 0.0):g} to {last:g} s, but {begin:g} to "
+                    f"{end:g} s are simulated; extend it, shorten the run, or give a Table hold=True if its end values "
+                    "hold"
                 )
 
 

@@ -50,11 +50,12 @@ class Feed(ABC):
             found[:, [0, -1]] = False
         if found.any():
             return found, True
-        return self._nearest(shape, theta, z), False
+        return self.nearest(shape, theta, z), False
 
     @abstractmethod
-    def _nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """The nodes (columns, rows) nearest to it, none in the first and the last row."""
+    def nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
+        """The nodes (columns, rows) bool of the grid of the surface `shape`, at theta (columns,) [rad, of a plane m],
+        z (rows,) [m], that are nearest to it, none in the first and the last row."""
 
     def describe(self) -> dict[str, Any]:
         """Plain data for hashing."""
@@ -110,7 +111,7 @@ class AxialGroove(Feed):
         across = off * shape.radius_at(z) <= 0.5 * self.width
         return across if self.z is None else across & (z >= self.z[0]) & (z <= self.z[1])
 
-    def _nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
         if self.z is None:
             middle, rows = 0.5 * (z[0] + z[-1]), np.ones(len(z), dtype=bool)
             rows[[0, -1]] = False
@@ -146,7 +147,7 @@ class CircumferentialGroove(Feed):
         _, z = np.broadcast_arrays(np.asarray(theta, float), np.asarray(z, float))
         return _along(shape, z, self.z) <= 0.5 * self.width
 
-    def _nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
         rows = _within(_between_ends(_along(shape, z, self.z)), 0.5 * self.width)
         return np.repeat(rows[None, :], len(theta), axis=0)
 
@@ -176,7 +177,7 @@ class SupplyHole(Feed):
     def covers(self, shape: Any, theta: Any, z: Any) -> np.ndarray:
         return self._distance(shape, theta, z) <= 0.5 * self.diameter
 
-    def _nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
+    def nearest(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> np.ndarray:
         distance = self._distance(shape, theta[:, None], z[None, :])
         distance[:, [0, -1]] = np.inf
         return _within(distance.ravel(), 0.5 * self.diameter).reshape(distance.shape)

@@ -28,7 +28,7 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces.form_deviations import Form, as_form
 from warpffrf.model.surfaces.round_form import refuse_form
 
-EVALUATIONS = ("semi", "hyper", "full")
+EVALUATIONS = ("semi", "hyper")
 PROFILES = (0, 1, 2)  # axial degrees: a shaft that tilts needs odd ones
 MOST_POWER = 8
 LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
@@ -51,8 +51,7 @@ class Film(reprs.Item):
     form deviations of the two surfaces (`warpffrf.films`). roughness_a, roughness_b: `films.Roughness` of the two
     walls, with the flow factors of Patir and Cheng; None for smooth walls. evaluation: "semi", all hats of the contact
     grid at all points, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m of `axial_degrees`,
-    0 first, at few points, or "full", pressures at the FE nodes of the first surface, which method "monolithic" solves
-    for. name: default "<first body>-<second body>". Raises `InputError`.
+    0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "films"

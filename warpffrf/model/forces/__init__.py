@@ -1,8 +1,8 @@
-"""Applied forces and compliant elements, one file each; `FORCES` is the registry by kind.
+"""Applied forces and compliant elements, one file each; `FORCES` has them by kind.
 
 An element says what it is in the terms of `laws`: springs give a `SpringLaw`, friction in joints a `SlipLaw`, a
-pretension a `TensionLaw`, loads a `PointLoad` or a `BodyLoad`. The simulation knows no more of it, so a new element is
-one new file and one line here. What a spring or damper does that is not in proportion to deformation or rate is a
+pretension a `TensionLaw`, loads a `PointLoad` or a `BodyLoad`. The simulation knows no more of it: an element of one's
+own is a subclass of `Force`. What a spring or damper does that is not in proportion to deformation or rate is a
 `characteristics`.
 """
 
@@ -13,10 +13,18 @@ from typing import TYPE_CHECKING
 from warpffrf.model.errors import no_attribute
 from warpffrf.model.forces.bearing_spring import BearingSpring
 from warpffrf.model.forces.bushing import Bushing
-from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic, ForcePolynomial, ForceTable, PowerLaw
+from warpffrf.model.forces.characteristics import (
+    CHARACTERISTICS,
+    Characteristic,
+    ForcePolynomial,
+    ForceTable,
+    Pieces,
+    PowerLaw,
+)
 from warpffrf.model.forces.cylindrical_friction import CylindricalFriction
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.joint_spring import JointSpringDamper, TorsionalSpringDamper
-from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw, TensionLaw
+from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw, TensionLaw, scalar_law
 from warpffrf.model.forces.nodal_load import NodalLoad
 from warpffrf.model.forces.point import PointForce, PointTorque
 from warpffrf.model.forces.pretension import Pretension
@@ -53,10 +61,12 @@ __all__ = [
     "Characteristic",
     "Coordinate",
     "CylindricalFriction",
+    "Force",
     "ForcePolynomial",
     "ForceTable",
     "JointSpringDamper",
     "NodalLoad",
+    "Pieces",
     "PointForce",
     "PointLoad",
     "PointTorque",
@@ -70,6 +80,7 @@ __all__ = [
     "SurfaceLoad",
     "TensionLaw",
     "TorsionalSpringDamper",
+    "scalar_law",
 ]
 
 

@@ -25,6 +25,7 @@ from warpffrf.model.arguments import Matrix, Vector
 from warpffrf.model.bodies import Port, PortLike, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.forces.characteristics import Characteristic
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import (
     Coordinate,
     SpringLaw,
@@ -36,7 +37,6 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import coincident_within
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 
 ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
@@ -45,11 +45,10 @@ ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mi
 Directions: TypeAlias = Matrix | Sequence[float | Characteristic]  # (6, 6), or one a direction
 
 
-class TwoPorts(reprs.Item):
+class TwoPorts(Force):
     """Two ports, of two bodies or two interfaces of one, that meet in a point, and marker axes there; base of bushing
     and bearing."""
 
-    scene_list = "forces"
     kind = ""
 
     def __init__(self, a: PortLike, b: PortLike, point: Vector | None, name: str | None) -> None:

@@ -15,18 +15,17 @@ from typing import Any, ClassVar
 
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import Coordinate, SlipLaw
 from warpffrf.model.friction import FrictionLike, as_constant_friction
 from warpffrf.model.joints import Joint
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments
-class JointFriction(reprs.Item):
+class JointFriction(Force):
     """Friction of a joint of the kind `joint_kind`; see the subclasses."""
 
-    scene_list = "forces"
     kind: ClassVar[str] = "joint_friction"
     joint_kind: ClassVar[str] = ""
     numbers: ClassVar[tuple[str, ...]] = ()  # attributes that describe it beside joint and law

@@ -9,6 +9,7 @@ import numpy as np
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics import Characteristic
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import (
     Coordinate,
     SpringLaw,
@@ -20,7 +21,6 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import Joint
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import Constant, Signal, as_signal
 
@@ -28,7 +28,7 @@ ROTATION = "rotation"
 
 
 @named_arguments
-class JointSpringDamper(reprs.Item):
+class JointSpringDamper(Force):
     """A spring and damper on a coordinate s of a joint: a displacement or an angle that it leaves free.
 
     The force [N] along (torque [N m] about) the axis on the second body is preload - stiffness (s - reference) -
@@ -46,7 +46,6 @@ class JointSpringDamper(reprs.Item):
     >>> press = scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e5, damping=100.0, preload=load, name="press"))
     """
 
-    scene_list = "forces"
     kind = "joint_spring_damper"
 
     def __init__(

@@ -236,7 +236,9 @@ def scalar_law(
     preload: float,
     **where: Any,
 ) -> SpringLaw:
-    """A law on one coordinate."""
+    """The `SpringLaw` of one `coordinate`: stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad], numbers or
+    characteristics, about the reference [m, rad], and a preload [N, N m]. where: `ports`, and `points` and `axes`, or a
+    `joint`, of the law."""
     (k, elastic), (d, viscous) = split([stiffness]), split([damping])
     curves = {} if elastic == viscous == (None,) else {"elastic": elastic, "viscous": viscous}
     return SpringLaw(

@@ -18,14 +18,14 @@ import numpy as np
 from warpffrf.model.arguments import Matrix, Vector
 from warpffrf.model.bodies import Body, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_array
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import BodyLoad
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import SignalLike, as_signal
 
 
 @named_arguments
-class NodalLoad(reprs.Item):
+class NodalLoad(Force):
     """Forces on the nodes of a free interface of a flexible body, in body axes.
 
     port: `body['name of the interface']`. forces: (k, 3) [N], one a node in the order of the interface's `nodes`, or
@@ -33,7 +33,6 @@ class NodalLoad(reprs.Item):
     `InputError` for another kind of interface.
     """
 
-    scene_list = "forces"
     kind = "nodal_load"
 
     def __init__(

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from warpffrf.model.arguments import Vector
 from warpffrf.model.bodies import Ground, Port, PortLike, as_port
 from warpffrf.model.errors import InputError, require_direction
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import PointLoad
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import Signal, SignalLike, as_signal
 
@@ -23,10 +23,9 @@ FRAMES = ("world", "body")
 Components: TypeAlias = Sequence[SignalLike] | tuple[SignalLike, Vector] | NDArray[Any]
 
 
-class _Concentrated(reprs.Item):
+class _Concentrated(Force):
     """Port, frame and three signals; see the subclasses."""
 
-    scene_list = "forces"
     kind = ""
     what = ""  # "force" or "torque"
 

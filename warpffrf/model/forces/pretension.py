@@ -25,15 +25,15 @@ import numpy as np
 
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import Coordinate, TensionLaw
 from warpffrf.model.joints import Joint
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import SignalLike, as_signal
 
 
 @named_arguments
-class Pretension(reprs.Item):
+class Pretension(Force):
     """Pulls the two sides of a joint together with a force, and holds the length between them later.
 
     joint: leaves a translation or a distance free, such as a `Prismatic` joint between the faces of `Mesh.cut`. force:
@@ -47,7 +47,6 @@ class Pretension(reprs.Item):
     coordinate that is no length, or that the joint holds.
     """
 
-    scene_list = "forces"
     kind = "pretension"
 
     def __init__(

@@ -9,6 +9,7 @@ import numpy as np
 from warpffrf.model.bodies import Port, PortLike, as_port, require_relative_motion
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.forces.characteristics import Characteristic
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import (
     Coordinate,
     SpringLaw,
@@ -19,12 +20,11 @@ from warpffrf.model.forces.laws import (
     vanishes,
 )
 from warpffrf.model.joints import coincident_within
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 
 
 @named_arguments
-class SpringDamper(reprs.Item):
+class SpringDamper(Force):
     """A spring and damper along the line between two ports a and b.
 
     The force that pulls the ports together is stiffness (l - free_length) + damping dl/dt [N], l their distance [m];
@@ -33,7 +33,6 @@ class SpringDamper(reprs.Item):
     Raises `InputError`.
     """
 
-    scene_list = "forces"
     kind = "spring_damper"
 
     def __init__(

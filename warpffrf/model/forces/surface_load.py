@@ -21,8 +21,8 @@ import numpy as np
 from warpffrf.model.arguments import Matrix
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_array
+from warpffrf.model.forces.force import Force
 from warpffrf.model.forces.laws import BodyLoad
-from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import SignalLike, as_signal
 
@@ -30,7 +30,7 @@ GAUSS = 4  # points a direction in a cell: hats times the normal, of which a cro
 
 
 @named_arguments
-class SurfaceLoad(reprs.Item):
+class SurfaceLoad(Force):
     """A pressure on a contact surface of a flexible body, in body axes.
 
     surface: `body['name of the surface']`. pressure: a number or signal [Pa], positive pushing inwards. distribution:
@@ -38,7 +38,6 @@ class SurfaceLoad(reprs.Item):
     grid, or a function of points (..., 3) [m, user frame] that is taken at the grid's nodes. Raises `InputError`.
     """
 
-    scene_list = "forces"
     kind = "surface_load"
 
     def __init__(

@@ -15,8 +15,8 @@ A = A_a^T A_b, the kinds of joints ask for
     LineInPlane    d_z = 0,          e_z . A e_y = 0          no coordinate
     Distance       |d| = its initial value                    distance [m]
 
-A new kind is a new file with a class that names its rows and coordinates, and a line in `JOINT_KINDS`; the compiler of
-scenes, the redundancy check, the record and the conformance tests read the tables.
+A joint of one's own is a subclass of `Joint` that names its rows and coordinates; the compiler of scenes, the
+redundancy check, the record and the conformance tests read these tables. `JOINT_KINDS` has those of the package.
 """
 
 from __future__ import annotations

@@ -40,17 +40,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpffrf.model.errors import unknown_name
+
 KINDS = ("translation", "direction", "angle", "distance", "second_angle", "twist")
 _AXES = "xyz"
 
 
 @dataclass(frozen=True)
 class Row:
-    """One scalar function of two markers: its kind (see the module), axis i of marker a and axis j of marker b."""
+    """One scalar function of two markers: its kind (see the module), axis i of marker a and axis j of marker b. Raises
+    `InputError` for a kind that the kernels do not evaluate."""
 
     kind: str
     i: int = 0
     j: int = 0
+
+    def __post_init__(self) -> None:
+        if self.kind not in KINDS:
+            raise unknown_name("joints.Row: kind", self.kind, KINDS)
 
     @property
     def is_length(self) -> bool:

@@ -37,6 +37,7 @@ from warpffrf.model.laws.law import Law
 from warpffrf.model.laws.linear_layer import LinearLayer
 from warpffrf.model.laws.lumped import (
     LUMPED_LAWS,
+    Approach,
     HertzPoint,
     IsoLamina,
     LumpedLaw,
@@ -57,11 +58,11 @@ LAWS = {
 }  # fmt: skip
 
 __all__ = [
-    "LAWS", "LUMPED_LAWS", "Coulomb", "ExponentialAsperities", "TabulatedForce", "FrictionLaw", "GreenwoodTripp",
-    "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "NonlinearLayer", "PalmgrenLine", "PowerForce",
-    "RegularisedCoulomb", "RollingHysteresis", "RollingResistanceArm", "RollingResistance", "Stribeck",
-    "TabulatedFriction",
-    "TabulatedLayer", "TractionCurve", "Unilateral", "as_law", "curves",
+    "LAWS", "LUMPED_LAWS", "Approach", "Coulomb", "ExponentialAsperities", "TabulatedForce", "FrictionLaw",
+    "GreenwoodTripp", "HertzPoint", "HuntCrossley", "IsoLamina", "Law", "LinearLayer", "LumpedLaw", "NonlinearLayer",
+    "PalmgrenLine", "PowerForce", "RegularisedCoulomb", "RollingHysteresis", "RollingResistanceArm",
+    "RollingResistance",
+    "Stribeck", "TabulatedFriction", "TabulatedLayer", "TractionCurve", "Unilateral", "as_law", "curves",
 ]  # fmt: skip
 
 

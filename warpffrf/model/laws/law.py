@@ -11,7 +11,7 @@ The part P(d) alone is elastic; p - P(d) dissipates (p - P) d_dot >= 0. P must t
 depth for each pressure.
 
 The solver wants the inverse: contact is solved for pressures (`warpffrf_kernels.layers.weak_layer`), in which a layer
-is the yield y(p) = P^-1(p). All readers, the monolithic reference and the checks of a run too, have what they need from
+is the yield y(p) = P^-1(p). All readers, checks of a run and references of the tests too, have what they need from
 the law's `curve` and `chi`: a law is a name, its parameters and these.
 """
 

@@ -1,4 +1,4 @@
-"""What a run gives out while it is under way, whatever its method.
+"""What a run gives out while it is under way.
 
 A *keeper* is asked now and then whether it is due, and is given all rows of the run so far with a checkpoint. A run
 that was stopped, by whatever, goes on from the last of these bit for bit: `Unfinished` holds its rows as the run
@@ -22,10 +22,10 @@ Rows = dict[str, np.ndarray]
 
 @dataclass(frozen=True)
 class Source:
-    """What it takes, beside rows, to make their history: the method ("separated", "check", "monolithic"), the scene,
-    and what of the method's options the history depends on."""
+    """What it takes, beside rows, to make their history: the kind of run ("steps", "check"), the scene, and what
+    of its options the history depends on."""
 
-    method: str
+    kind: str
     scene: Any
     options: Mapping[str, Any] = field(default_factory=dict)
 

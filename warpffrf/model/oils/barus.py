@@ -26,11 +26,16 @@ class Barus(Oil):
     _: KW_ONLY
     coefficient: float
     kind: ClassVar[str] = "barus"
+    form: ClassVar[str] = "barus"
 
     def __post_init__(self) -> None:
         super().__post_init__()
         alpha = require_number(self.coefficient, f"{self.label}: coefficient [1/Pa]", non_negative=True)
         object.__setattr__(self, "coefficient", alpha)
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        return self.coefficient, 0.0, 0.0
 
     def viscosity_at(self, pressure: Any) -> Array:
         return self.viscosity * np.exp(self.coefficient * np.asarray(pressure, dtype=float))

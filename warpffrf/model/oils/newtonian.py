@@ -17,6 +17,7 @@ class Newtonian(Oil):
     """mu = viscosity [Pa s]. Raises `InputError`."""
 
     kind: ClassVar[str] = "newtonian"
+    form: ClassVar[str] = "newtonian"
 
     def viscosity_at(self, pressure: Any) -> Array:
         return np.full_like(np.asarray(pressure, dtype=float), self.viscosity)

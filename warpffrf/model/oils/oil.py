@@ -5,6 +5,8 @@ A film is solved for pressures, by Newton's method; so an oil tells both and the
     mu(p) [Pa s],    mu'(p) [s],    r(p) = rho(p)/rho_0 [-],    r'(p) [1/Pa],
 
 of the pressure above that of the cavity. Both rise with p. The cavity has pressure zero and an oil of mu(0), r(0) = 1.
+
+The kernels evaluate mu(p) by the `form` of an oil, one of FORMS, and its `numbers`; another form needs a kernel.
 """
 
 from __future__ import annotations
@@ -21,17 +23,22 @@ from warpffrf.model.oils.dowson_higginson import DowsonHigginson
 Array = np.ndarray
 # Pa s: air has 2e-5, and bitumen at room temperature 1e5
 LEAST, MOST = 1e-6, 1e4
+FORMS = ("newtonian", "barus", "roelands")  # that `warpffrf_kernels.films.oil` evaluates
 
 
 @dataclass(frozen=True)
 class Oil(ABC):
     """An oil of `viscosity` [Pa s] at zero pressure, and compressible where it has a law of `density`. Raises
-    `InputError` for a viscosity that no oil has and a density that is no law."""
+    `InputError` for a viscosity that no oil has and a density that is no law.
+
+    An oil of one's own is a subclass of `Newtonian`, `Barus` or `Roelands`, whose form the kernels evaluate.
+    """
 
     viscosity: float
     _: KW_ONLY
     density: DowsonHigginson | None = None
     kind: ClassVar[str]
+    form: ClassVar[str] = ""
 
     def __post_init__(self) -> None:
         viscosity = require_number(self.viscosity, f"{self.label}: viscosity [Pa s]", positive=True)
@@ -51,6 +58,11 @@ class Oil(ABC):
     def label(self) -> str:
         """For messages."""
         return f"oils.{type(self).__name__}"
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        """What the form reads on the device: coefficient [1/Pa], rise and exponent [-], 0 where it has none."""
+        return 0.0, 0.0, 0.0
 
     @abstractmethod
     def viscosity_at(self, pressure: Any) -> Array:

@@ -31,6 +31,7 @@ class Roelands(Oil):
     _: KW_ONLY
     coefficient: float
     kind: ClassVar[str] = "roelands"
+    form: ClassVar[str] = "roelands"
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -57,6 +58,10 @@ class Roelands(Oil):
     def exponent(self) -> float:
         """z [-]."""
         return self.coefficient * POLE_PRESSURE / self.rise
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        return self.coefficient, self.rise, self.exponent
 
     def viscosity_at(self, pressure: Any) -> Array:
         relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE

@@ -36,26 +36,8 @@ def membrane_forms(body: Any) -> Array | None:
     return None if terms is None or terms.stiffening is None else terms.stiffening.membrane
 
 
-def membrane_energy(forms: Array, q: Array) -> float:
-    """V4 [J]."""
-    e = membrane_amplitudes(forms, q)
-    return float(0.5 * e @ e)
-
-
 def membrane_energies(forms: Array, q: Array) -> Array:
     """V4 (T,) [J] of rows of coordinates q (T, m)."""
     k = forms.shape[1]
     e = 0.5 * np.einsum("ti,rij,tj->tr", q[:, :k], forms, q[:, :k], optimize=True)
     return 0.5 * np.sum(e * e, axis=1)
-
-
-def membrane_gradient(forms: Array, q: Array) -> Array:
-    """dV4/dq (k,) [N], what stands beside omega^2 q; the force on the modes is the opposite."""
-    y = forms @ q[: forms.shape[1]]
-    return (0.5 * y @ q[: forms.shape[1]]) @ y
-
-
-def membrane_tangent(forms: Array, q: Array) -> Array:
-    """d2V4/dq2 (k, k) [N/m], symmetric."""
-    y = forms @ q[: forms.shape[1]]
-    return y.T @ y + np.tensordot(0.5 * y @ q[: forms.shape[1]], forms, 1)

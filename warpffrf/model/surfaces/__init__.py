@@ -3,15 +3,16 @@
     outside   Cylinder  CrownedCylinder  ProfiledCylinder  Groove  Sphere  Cone  Plane
     inside    Bore      Ring (grooved)                             Cup     ConicalBore
 
-What they share is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). A new kind is a
-new file and a line in SHAPES.
+What they share is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES`
+has them by kind. A surface of one's own is a subclass of `RevolutionShape` with a `profile`, or of one of these.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
-from warpffrf.model.errors import unknown_name
+from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.surfaces.base import DEFAULT_FIT_FRACTION, Shape
 from warpffrf.model.surfaces.bore import Bore
 from warpffrf.model.surfaces.cone import Cone
@@ -23,6 +24,7 @@ from warpffrf.model.surfaces.groove import Groove
 from warpffrf.model.surfaces.plane import Plane
 from warpffrf.model.surfaces.profile import SurfaceProfile
 from warpffrf.model.surfaces.profiled_cylinder import ProfiledCylinder
+from warpffrf.model.surfaces.revolution import RevolutionShape
 from warpffrf.model.surfaces.ring import Ring
 from warpffrf.model.surfaces.sphere import Sphere
 
@@ -38,6 +40,7 @@ __all__ = [
     "Groove",
     "Plane",
     "ProfiledCylinder",
+    "RevolutionShape",
     "Ring",
     "Shape",
     "Sphere",
@@ -57,8 +60,16 @@ SHAPES: dict[str, type[Any]] = {shape.kind: shape for shape in _KINDS}
 
 
 def from_description(description: dict[str, Any]) -> Any:
-    """The shape whose `description` `describe()` wrote. Raises `InputError` for a kind that does not exist."""
+    """The shape whose `description` `describe()` wrote, of any class that is defined. Raises `InputError` for a kind
+    that does not exist."""
     kind = description["kind"]
-    if kind not in SHAPES:
-        raise unknown_name("surface", kind, SHAPES)
-    return SHAPES[kind](**{key: value for key, value in description.items() if key != "kind"})
+    shapes = {shape.kind: shape for shape in _subclasses(Shape)}
+    if kind not in shapes:
+        raise InputError(f"{unknown_name('surface', kind, SHAPES)}; a class of your own must be defined before")
+    return shapes[kind](**{key: value for key, value in description.items() if key != "kind"})
+
+
+def _subclasses(base: type) -> Iterator[Any]:
+    for own in base.__subclasses__():
+        yield own
+        yield from _subclasses(own)

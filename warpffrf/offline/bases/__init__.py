@@ -1,5 +1,45 @@
-"""The bases of global modes: one file each, one registry, one orthonormalisation (`build`)."""
+"""Which space the global modes of a reduced body are taken from: one file each, one orthonormalisation (`build`).
 
-from warpffrf.offline.bases.build import BASES, GlobalBasis, build_basis
+A basis is given to `reduce` by name, `basis="krylov"`, or with options, `basis=bases.Krylov(moments=3)`.
+Whatever the basis, the attachment modes of the interfaces are put first, so that the static response to interface loads
+is exact and the local modes never move an interface, and the union is orthonormalised by the same code. `reduce`'s
+limits `max_frequency` and `modes` mean something else to each basis; `takes` says what, and a limit that means nothing
+to a basis is refused. A basis of one's own is a subclass of `Basis` with `columns`.
+"""
 
-__all__ = ["BASES", "GlobalBasis", "build_basis"]
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.errors import unknown_name
+from warpffrf.offline.bases.balanced import Balanced
+from warpffrf.offline.bases.basis import Basis
+from warpffrf.offline.bases.craig_bampton import CraigBampton
+from warpffrf.offline.bases.craig_chang import CraigChang
+from warpffrf.offline.bases.free_free import FreeFree
+from warpffrf.offline.bases.krylov import Krylov
+from warpffrf.offline.bases.pod import POD
+from warpffrf.offline.bases.problem import BasisProblem, RawBasis
+from warpffrf.offline.bases.tvd import TrialVectorDerivatives
+
+BASES: dict[str, type[Basis]] = {
+    cls.kind: cls for cls in (FreeFree, CraigBampton, CraigChang, Krylov, Balanced, POD, TrialVectorDerivatives)
+}
+
+__all__ = [
+    "BASES", "Balanced", "Basis", "BasisProblem", "CraigBampton", "CraigChang", "FreeFree", "Krylov", "POD", "RawBasis",
+    "TrialVectorDerivatives",
+]  # fmt: skip
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def basis_options(basis: Any) -> Basis:
+    """The basis behind `reduce`'s argument `basis`: a name of `BASES`, or a basis. Raises `InputError`."""
+    if isinstance(basis, Basis):
+        return basis
+    if isinstance(basis, str) and basis in BASES:
+        return BASES[basis]()
+    raise unknown_name("basis", basis, BASES)

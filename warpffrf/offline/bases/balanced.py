@@ -20,9 +20,15 @@ the attachment modes included, and reported beside it.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
 import numpy as np
 
-from warpffrf.model.bases import Balanced
+from warpffrf.model.errors import InputError, require_count
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.offline.bases.basis import ModalBasis
 from warpffrf.offline.bases.global_basis import global_basis
 from warpffrf.offline.bases.gramians import hankel_values, modal_receptance, position_gramian, projected_receptance
 from warpffrf.offline.bases.modes import vibration_modes
@@ -35,47 +41,80 @@ ROUND_OFF = 1e-14  # of the largest eigenvalue of the Gramian: directions below 
 REPORTED = 60  # leading Hankel values kept in the report
 
 
-def balanced(problem: BasisProblem, options: Balanced) -> RawBasis:
-    """Leading directions of the position Gramian. See the module docstring."""
-    problem.require_interfaces(options.kind)
-    model, limits = problem.model, problem.limits
-    problem.require_fits(options.kind, limits.count or 0, "balanced directions")
-    problem.require_fits(options.kind, options.pool_modes or 0, "vibration modes in the pool")
-    count = options.pool_modes
-    if count is None and limits.omega_max is None:
-        count = min(DEFAULT_POOL, problem.elastic_dofs)
-    omega_max = None if limits.omega_max is None else POOL_RANGE * limits.omega_max
-    _, V = vibration_modes(model, count=count, omega_max=omega_max, residual=options.mode_tolerance)
-    loads, static = problem.unit_loads()
-    omega, pool, _ = global_basis(model, V, static, dependent=options.dependent_tolerance)
-    b = pool.T @ loads
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class Balanced(ModalBasis):
+    """Balanced truncation of the second-order system from interface loads to interface motion (position-velocity
+    balancing, Reis and Stykel 2008), carried out in a large space of vibration and attachment modes, the pool.
 
-    values, directions = np.linalg.eigh(position_gramian(omega, options.damping, b))
-    values, directions = values[::-1], directions[:, ::-1]
-    able = int(np.sum(values > ROUND_OFF * values[0]))
-    hankel = hankel_values(omega, options.damping, b)
-    grid = np.sort(np.concatenate([[0.0], omega, 0.5 * (omega[1:] + omega[:-1])]))
-    full = modal_receptance(grid, omega, options.damping, b)
-    largest = float(np.max(np.linalg.norm(full, ord=2, axis=(1, 2))))
-    notes = []
-    if limits.count is None:
-        wanted = _by_tolerance(hankel, options.tolerance * largest)
-    else:
-        wanted = limits.count
-        if wanted > able:
-            notes.append(f"modes={wanted}: only {able} balanced directions are above round-off, these are taken")
-    kept = directions[:, : min(wanted, able)]
-    bound = 2.0 * float(hankel[2 * kept.shape[1] :].sum()) / largest
-    facts = {
-        "pool_modes": V.shape[1],
-        "pool_highest_frequency": float(omega[-1] / (2.0 * np.pi)),
-        "balanced_directions": kept.shape[1],
-        "hankel_values": [float(h) for h in hankel[:REPORTED] / largest],
-        "first_order_bound": bound,
-        "measured_error": _error(grid, full, omega, options.damping, b, kept) / largest,
+    damping: ratio of every mode of the pool; the energies that are balanced are finite only with damping.
+    pool_modes: vibration modes of the pool. None: all up to twice `max_frequency`, or 200.
+    tolerance: where `modes` is not given, directions are taken until twice the sum of the discarded Hankel values, the
+        bound of first-order balanced truncation, is below this fraction of the largest response.
+    """
+
+    kind: ClassVar[str] = "balanced"
+    takes: ClassVar[Mapping[str, str]] = {
+        "max_frequency": "half the highest vibration mode of the pool",
+        "modes": "number of balanced directions",
     }
-    # the pool holds the static responses, and so may what is kept of it
-    return RawBasis(pool @ kept, redundant=static.shape[1], notes=notes, facts=facts)
+    damping: float = 0.01
+    pool_modes: int | None = None
+    tolerance: float = 1e-3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._below_one("damping")
+        self._positive("tolerance")
+        if self.pool_modes is not None:
+            object.__setattr__(self, "pool_modes", require_count(self.pool_modes, "basis 'balanced': pool_modes", 1))
+
+    def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
+        """Raises `InputError` for `max_frequency` [Hz] beside `pool_modes`, whatever `modes` is."""
+        super().check_limits(max_frequency, modes)
+        if max_frequency is not None and self.pool_modes is not None:
+            raise InputError("basis 'balanced': max_frequency and pool_modes both set the pool; give one of them")
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        problem.require_interfaces(self.kind)
+        model, limits = problem.model, problem.limits
+        problem.require_fits(self.kind, limits.count or 0, "balanced directions")
+        problem.require_fits(self.kind, self.pool_modes or 0, "vibration modes in the pool")
+        count = self.pool_modes
+        if count is None and limits.omega_max is None:
+            count = min(DEFAULT_POOL, problem.elastic_dofs)
+        omega_max = None if limits.omega_max is None else POOL_RANGE * limits.omega_max
+        _, V = vibration_modes(model, count=count, omega_max=omega_max, residual=self.mode_tolerance)
+        loads, static = problem.unit_loads()
+        omega, pool, _ = global_basis(model, V, static, dependent=self.dependent_tolerance)
+        b = pool.T @ loads
+
+        values, directions = np.linalg.eigh(position_gramian(omega, self.damping, b))
+        values, directions = values[::-1], directions[:, ::-1]
+        able = int(np.sum(values > ROUND_OFF * values[0]))
+        hankel = hankel_values(omega, self.damping, b)
+        grid = np.sort(np.concatenate([[0.0], omega, 0.5 * (omega[1:] + omega[:-1])]))
+        full = modal_receptance(grid, omega, self.damping, b)
+        largest = float(np.max(np.linalg.norm(full, ord=2, axis=(1, 2))))
+        notes = []
+        if limits.count is None:
+            wanted = _by_tolerance(hankel, self.tolerance * largest)
+        else:
+            wanted = limits.count
+            if wanted > able:
+                notes.append(f"modes={wanted}: only {able} balanced directions are above round-off, these are taken")
+        kept = directions[:, : min(wanted, able)]
+        bound = 2.0 * float(hankel[2 * kept.shape[1] :].sum()) / largest
+        facts = {
+            "pool_modes": V.shape[1],
+            "pool_highest_frequency": float(omega[-1] / (2.0 * np.pi)),
+            "balanced_directions": kept.shape[1],
+            "hankel_values": [float(h) for h in hankel[:REPORTED] / largest],
+            "first_order_bound": bound,
+            "measured_error": _error(grid, full, omega, self.damping, b, kept) / largest,
+        }
+        # the pool holds the static responses, and so may what is kept of it
+        return RawBasis(pool @ kept, redundant=static.shape[1], notes=notes, facts=facts)
 
 
 def _by_tolerance(hankel: Array, allowed: float) -> int:

@@ -14,36 +14,18 @@ attachment mode outside its span.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from warpffrf.model.bases import Basis
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.bases.balanced import balanced
-from warpffrf.offline.bases.craig_bampton import craig_bampton
-from warpffrf.offline.bases.craig_chang import craig_chang
-from warpffrf.offline.bases.free_free import free_free
+from warpffrf.offline.bases.basis import Basis
 from warpffrf.offline.bases.global_basis import attachment_modes, global_basis, missing_energy
-from warpffrf.offline.bases.krylov import krylov
-from warpffrf.offline.bases.pod import pod
-from warpffrf.offline.bases.problem import BasisProblem, RawBasis
-from warpffrf.offline.bases.tvd import trial_vector_derivatives
+from warpffrf.offline.bases.problem import BasisProblem
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.interfaces.system import InterfaceSystem
 from warpffrf.offline.products import Limits
-
-BASES: dict[str, Callable[[BasisProblem, Any], RawBasis]] = {
-    "free_free": free_free,
-    "craig_bampton": craig_bampton,
-    "craig_chang": craig_chang,
-    "krylov": krylov,
-    "balanced": balanced,
-    "pod": pod,
-    "trial_vector_derivatives": trial_vector_derivatives,
-}
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +52,7 @@ def build_basis(
     limits that it does not take.
     """
     A = attachment_modes(model, system.loads)
-    raw = BASES[options.kind](BasisProblem(model, system, limits, A, mesh), options)
+    raw = options.columns(BasisProblem(model, system, limits, A, mesh))
     if turning is not None:
         A = np.concatenate([A, attachment_modes(model, turning)], axis=1)
     V = model.without_rigid(raw.columns)

@@ -22,11 +22,14 @@ come first anyway. What those add are responses to interface loads with inertia 
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
 
 import numpy as np
 
-from warpffrf.model.bases import CraigBampton
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.offline.bases.basis import ModalBasis
 from warpffrf.offline.bases.problem import BasisProblem, RawBasis, lowest_modes
 from warpffrf.offline.elastic import Array, ElasticModel
 
@@ -35,19 +38,29 @@ from warpffrf.offline.elastic import Array, ElasticModel
 DEPENDENT = 1e-12
 
 
-def craig_bampton(problem: BasisProblem, options: CraigBampton) -> RawBasis:
-    """Fixed-interface modes up to the limits of `reduce`, and constraint modes. A-priori rule as for `free_free`."""
-    problem.require_interfaces(options.kind)
-    held, constraint_modes, rank = hold_interfaces(problem)
-    problem.require_fits(
-        options.kind, problem.limits.count or 0, "fixed-interface modes", available=problem.model.size - rank
-    )
-    omega, V, notes = lowest_modes(held, problem.limits, options.mode_tolerance)
-    columns = np.concatenate([V, constraint_modes], axis=1)
-    facts: dict[str, Any] = {"fixed_interface_modes": len(omega), "constraint_modes": rank}
-    if len(omega):
-        facts["fixed_interface_frequencies"] = [float(omega[0] / (2 * np.pi)), float(omega[-1] / (2 * np.pi))]
-    return RawBasis(columns, redundant=constraint_modes.shape[1], notes=notes, facts=facts)
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class CraigBampton(ModalBasis):
+    """Vibration modes of the body with all interfaces held, and constraint modes (Craig and Bampton 1968)."""
+
+    kind: ClassVar[str] = "craig_bampton"
+    takes: ClassVar[Mapping[str, str]] = {
+        "max_frequency": "highest fixed-interface mode",
+        "modes": "number of fixed-interface modes",
+    }
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        problem.require_interfaces(self.kind)
+        held, constraint_modes, rank = hold_interfaces(problem)
+        problem.require_fits(
+            self.kind, problem.limits.count or 0, "fixed-interface modes", available=problem.model.size - rank
+        )
+        omega, V, notes = lowest_modes(held, problem.limits, self.mode_tolerance)
+        columns = np.concatenate([V, constraint_modes], axis=1)
+        facts: dict[str, Any] = {"fixed_interface_modes": len(omega), "constraint_modes": rank}
+        if len(omega):
+            facts["fixed_interface_frequencies"] = [float(omega[0] / (2 * np.pi)), float(omega[-1] / (2 * np.pi))]
+        return RawBasis(columns, redundant=constraint_modes.shape[1], notes=notes, facts=facts)
 
 
 def hold_interfaces(problem: BasisProblem) -> tuple[ElasticModel, Array, int]:

@@ -15,12 +15,15 @@ range needs; compare two sizes.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
-from warpffrf.model.bases import Krylov
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.offline.bases.basis import Basis
 from warpffrf.offline.bases.problem import BasisProblem, RawBasis
 from warpffrf.offline.bases.shifted import shifted_solver
 from warpffrf.offline.elastic import Array, ElasticModel
@@ -30,26 +33,63 @@ from warpffrf.offline.elastic import Array, ElasticModel
 RESONANT = 1e-8
 
 
-def krylov(problem: BasisProblem, options: Krylov) -> RawBasis:
-    """Krylov spaces about the expansion points. See the module docstring."""
-    problem.require_interfaces(options.kind)
-    points = expansion_points(problem, options)
-    loads, static = problem.unit_loads()
-    wanted = len(points) * options.moments * loads.shape[1]
-    problem.require_fits(options.kind, wanted, "Krylov vectors")
-    model = problem.model
-    parts = []
-    for hertz in points:
-        if hertz == 0.0:
-            parts.append(_sequence(model, model.flexibility, static, options))
-            continue
-        what = f"basis 'krylov': expansion point {hertz:g} Hz"
-        solve = _shifted(model, (2.0 * np.pi * hertz) ** 2, problem.system.coordinates, what)
-        parts.append(_sequence(model, solve, solve(model.self_equilibrated(loads)), options))
-    columns = np.concatenate(parts, axis=1)
-    facts = {"expansion_points": list(points), "moments": options.moments, "krylov_vectors": columns.shape[1]}
-    # the first block about zero is the attachment modes themselves
-    return RawBasis(columns, redundant=static.shape[1] if 0.0 in points else 0, facts=facts)
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class Krylov(Basis):
+    """Moment matching: block Krylov spaces of the interface loads about `expansion_points` [Hz] (B. Salimbahrami and B.
+    Lohmann 2006).
+
+    expansion_points: frequencies where the interface receptance and its derivatives are matched. None: 0 and, where
+        `max_frequency` is given, half of it and the whole.
+    moments: blocks of vectors a point; m of them match the receptance and its first 2 m - 1 derivatives with respect
+        to the square of the frequency. The space has up to (points x moments x interface loads) directions.
+    deflation_tolerance: a vector of unit M-norm whose part outside the space so far is smaller ends its sequence.
+    Raises `InputError`.
+    """
+
+    kind: ClassVar[str] = "krylov"
+    takes: ClassVar[Mapping[str, str]] = {"max_frequency": "highest of the default expansion points"}
+    cure: ClassVar[str] = "its size is set by bases.Krylov(expansion_points=..., moments=...)"
+    expansion_points: tuple[float, ...] | None = None
+    moments: int = 2
+    deflation_tolerance: float = 1e-8
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._positive("deflation_tolerance")
+        object.__setattr__(self, "moments", require_count(self.moments, "basis 'krylov': moments", 1))
+        if self.expansion_points is not None:
+            name = "basis 'krylov': expansion point [Hz]"
+            points = tuple(require_number(f, name, non_negative=True) for f in self.expansion_points)
+            if not points or len(set(points)) != len(points):
+                raise InputError(f"basis 'krylov': expansion points {points} must be distinct, and at least one")
+            object.__setattr__(self, "expansion_points", points)
+
+    def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
+        """Raises `InputError` for `modes`, and for `max_frequency` beside expansion points of one's own."""
+        super().check_limits(max_frequency, modes)
+        if max_frequency is not None and self.expansion_points is not None:
+            raise InputError("basis 'krylov': max_frequency only sets default expansion points; give one or the other")
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        problem.require_interfaces(self.kind)
+        points = expansion_points(problem, self)
+        loads, static = problem.unit_loads()
+        wanted = len(points) * self.moments * loads.shape[1]
+        problem.require_fits(self.kind, wanted, "Krylov vectors")
+        model = problem.model
+        parts = []
+        for hertz in points:
+            if hertz == 0.0:
+                parts.append(_sequence(model, model.flexibility, static, self))
+                continue
+            what = f"basis 'krylov': expansion point {hertz:g} Hz"
+            solve = _shifted(model, (2.0 * np.pi * hertz) ** 2, problem.system.coordinates, what)
+            parts.append(_sequence(model, solve, solve(model.self_equilibrated(loads)), self))
+        columns = np.concatenate(parts, axis=1)
+        facts = {"expansion_points": list(points), "moments": self.moments, "krylov_vectors": columns.shape[1]}
+        # the first block about zero is the attachment modes themselves
+        return RawBasis(columns, redundant=static.shape[1] if 0.0 in points else 0, facts=facts)
 
 
 def expansion_points(problem: BasisProblem, options: Krylov) -> tuple[float, ...]:

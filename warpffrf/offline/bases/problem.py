@@ -19,8 +19,9 @@ AHEAD = 4  # modes computed beyond those wanted, to see whether a multiple frequ
 
 @dataclass(frozen=True, eq=False)
 class BasisProblem:
-    """The free constrained body `model` (n dofs), its interfaces, the limits of `reduce`, the attachment modes
-    G F (n, a) of the interface loads F, and the mesh, for bases that look at facets."""
+    """What a basis is made for: the free constrained body `model` (n dofs), the `system` of its interfaces with loads F
+    (n, a), the `limits` of `reduce`, the `attachments` G F (n, a), displacements [m] under these loads, and the `mesh`,
+    for bases that look at facets."""
 
     model: ElasticModel
     system: InterfaceSystem
@@ -43,7 +44,7 @@ class BasisProblem:
         return F[:, straining] * scale, self.attachments[:, straining] * scale
 
     def require_interfaces(self, kind: str) -> None:
-        """Raises `InputError` where there are no interface loads to build the basis from."""
+        """Raises `InputError` where there are no interface loads to build the basis called `kind` from."""
         if not self.attachments.shape[1]:
             raise InputError(
                 f"basis {kind!r} is built from loads on interfaces and there are none; name interfaces, or use "
@@ -51,7 +52,8 @@ class BasisProblem:
             )
 
     def require_fits(self, kind: str, wanted: int, what: str, available: int | None = None) -> None:
-        """Raises `InputError` where `wanted` columns are more than the model has (elastic dofs unless said)."""
+        """Raises `InputError` where `wanted` columns of the basis called `kind`, `what` in words, are more than are
+        `available`, the elastic dofs if None."""
         most = self.elastic_dofs if available is None else available
         if wanted > most:
             raise InputError(
@@ -64,8 +66,9 @@ class BasisProblem:
 class RawBasis:
     """Columns (n, c) that shall be in the span of the global modes; rigid motion in them does not matter.
 
-    `redundant`: how many of their directions lie in the span of the attachment modes or of other columns by their very
-    construction, so that dropping them is no news.
+    redundant: how many of their directions lie in the span of the attachment modes or of other columns by their very
+    construction, so that dropping them is no news. notes: lines for the report of the body; facts: plain data for its
+    provenance.
     """
 
     columns: Array

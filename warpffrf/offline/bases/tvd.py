@@ -23,16 +23,19 @@ pressures and of loss per cycle it says little, see docs/studies/joint_bases.md,
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import KDTree
 
-from warpffrf.model.bases import TrialVectorDerivatives
-from warpffrf.model.errors import InputError
+from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.mesh import Mesh
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.offline.bases.basis import ModalBasis
+from warpffrf.offline.bases.free_free import FreeFree
 from warpffrf.offline.bases.problem import BasisProblem, RawBasis, lowest_modes
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.fe.reference import FACET_DEGREE, rule
@@ -160,34 +163,71 @@ def _leading(model: ElasticModel, X: Array, base: Array, wanted: int) -> tuple[A
     return V @ (Y[:, there] / np.sqrt(again[there])), float(np.sqrt(values[kept:].sum() / values.sum()))
 
 
-def trial_vector_derivatives(problem: BasisProblem, options: TrialVectorDerivatives) -> RawBasis:
-    """Vibration modes up to the limits of `reduce`, and joint modes. See the module docstring."""
-    if problem.mesh is None:
-        raise ValueError("trial vector derivatives need the mesh of the body")
-    problem.require_fits(options.kind, problem.limits.count or 0, "vibration modes")
-    pairs = node_pairs(problem.mesh, options.first, options.second)
-    omega, V, notes = lowest_modes(problem.model, problem.limits, options.mode_tolerance)
-    base = np.concatenate([problem.unit_loads()[1], V], axis=1)
-    if not base.shape[1]:
-        raise InputError(
-            f"basis {options.kind!r}: there is no mode to take derivatives of; name interfaces, or give modes or "
-            "max_frequency"
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class TrialVectorDerivatives(ModalBasis):
+    """Vibration modes of the free body and joint modes of two faces `first` and `second` (facet sets of the mesh) that
+    touch: derivatives of static and vibration modes with respect to the state of the joint (Witteveen, Pichler 2014).
+
+    normal, tangential: number of joint modes from pressures and from tractions. For comparison with the published way;
+    a lap (`reduce(laps=...)`) knows every cell and needs no such modes. Raises `InputError`.
+    """
+
+    kind: ClassVar[str] = "trial_vector_derivatives"
+    takes: ClassVar[Mapping[str, str]] = FreeFree.takes
+    first: str = ""
+    second: str = ""
+    normal: int = 20
+    tangential: int = 20
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        label = f"basis {self.kind!r}"
+        for name in ("first", "second"):
+            if not isinstance(getattr(self, name), str) or not getattr(self, name):
+                raise InputError(
+                    f"{label}: {name} must name a facet set; give bases.TrialVectorDerivatives(first=..., second=...), "
+                    "the two faces of the joint"
+                )
+        if self.first == self.second:
+            raise InputError(f"{label}: first and second are both {self.first!r}; name the two faces of the joint")
+        for name in ("normal", "tangential"):
+            object.__setattr__(self, name, require_count(getattr(self, name), f"{label}: {name}", 0))
+
+    @property
+    def facet_sets(self) -> tuple[str, ...]:
+        """The two faces."""
+        return self.first, self.second
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        """Vibration modes and joint modes of the body `problem`. Raises `InputError` where there is no mode to take
+        derivatives of."""
+        if problem.mesh is None:
+            raise ValueError("trial vector derivatives need the mesh of the body")
+        problem.require_fits(self.kind, problem.limits.count or 0, "vibration modes")
+        pairs = node_pairs(problem.mesh, self.first, self.second)
+        omega, V, notes = lowest_modes(problem.model, problem.limits, self.mode_tolerance)
+        base = np.concatenate([problem.unit_loads()[1], V], axis=1)
+        if not base.shape[1]:
+            raise InputError(
+                f"basis {self.kind!r}: there is no mode to take derivatives of; name interfaces, or give modes or "
+                "max_frequency"
+            )
+        found = joint_modes(
+            problem.model, base, pairs.relative @ problem.system.T, pairs.area, self.normal, self.tangential
         )
-    found = joint_modes(
-        problem.model, base, pairs.relative @ problem.system.T, pairs.area, options.normal, options.tangential
-    )
-    if pairs.alone:
-        notes.append(f"{pairs.alone} node(s) of {options.first!r} have no partner on {options.second!r} and no load")
-    for what, wanted, taken in zip(
-        ("normal", "tangential"), (options.normal, options.tangential), found.taken, strict=True
-    ):
-        if taken < wanted:
-            notes.append(f"{what}={wanted}: the derivatives hold {taken} directions, these are taken")
-    facts = {
-        "vibration_modes": len(omega),
-        "node_pairs": len(pairs.area),
-        "derivatives": list(found.derivatives),
-        "joint_modes": list(found.taken),
-        "derivatives_left_out": list(found.left_out),
-    }
-    return RawBasis(np.concatenate([V, found.columns], axis=1), notes=notes, facts=facts)
+        if pairs.alone:
+            notes.append(f"{pairs.alone} node(s) of {self.first!r} have no partner on {self.second!r} and no load")
+        for what, wanted, taken in zip(
+            ("normal", "tangential"), (self.normal, self.tangential), found.taken, strict=True
+        ):
+            if taken < wanted:
+                notes.append(f"{what}={wanted}: the derivatives hold {taken} directions, these are taken")
+        facts = {
+            "vibration_modes": len(omega),
+            "node_pairs": len(pairs.area),
+            "derivatives": list(found.derivatives),
+            "joint_modes": list(found.taken),
+            "derivatives_left_out": list(found.left_out),
+        }
+        return RawBasis(np.concatenate([V, found.columns], axis=1), notes=notes, facts=facts)

@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.bases import Basis
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.facets import triangles
 from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.offline.bases import GlobalBasis, build_basis
+from warpffrf.offline.bases import Basis
+from warpffrf.offline.bases.build import GlobalBasis, build_basis
 from warpffrf.offline.elastic import Array, ElasticModel, free_model
 from warpffrf.offline.fe.assembly import fe_matrices
 from warpffrf.offline.fe.materials import Assignment

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.errors import InputError
 from warpffrf.model.laws.curves import Curve
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.points import PointRule
@@ -21,6 +22,11 @@ def fill_layers(collector: Collector) -> None:
     rules: list[tuple[PointRule, int] | None] = []
     for contact in collector.scene.contacts:
         curve = contact.law.bent
+        if curve is not None and curve.form not in device.FORMS:
+            raise InputError(
+                f"contact {contact.name!r}: the curve of the law {contact.law.kind} has the form {curve.form!r}; the "
+                f"kernels evaluate {', '.join(device.FORMS)}; return laws.curves.Table(depths, pressures)"
+            )
         kinds.append(int(device.CONSTANT) if curve is None else int(device.FORMS[curve.form]))
         numbers.append([0.0] * device.NUMBERS if curve is None else _numbers(curve, contact.law.chi))
         table = np.zeros((0, 3)) if curve is None else curve.table

@@ -10,7 +10,6 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.contact import Contact
-from warpffrf.model.evaluations import evaluation_of, refuse_full
 from warpffrf.model.reduced.sampling import Sampling
 from warpffrf.online.compile.points import PointRule, gauss_rule
 
@@ -19,7 +18,7 @@ ON_STATION = 1e-9  # of the distance of two rows: round-off of the Gauss points 
 
 def is_hyper(contact: Contact) -> bool:
     """Whether `contact` looks at chosen points only."""
-    return evaluation_of(contact) == "hyper"
+    return contact.evaluation == "hyper"
 
 
 def on_stations(contact: Contact, theta_points: int, z_points: int) -> bool:
@@ -36,9 +35,7 @@ def on_stations(contact: Contact, theta_points: int, z_points: int) -> bool:
 
 
 def rule_of(contact: Contact, at_points: bool, theta_points: int, z_points: int) -> PointRule | None:
-    """The points of `contact`; None for a pair on the line of centres that looks at all of them. Raises `InputError`
-    for evaluation "full", which is not this solver's."""
-    refuse_full(contact)
+    """The points of `contact`; None for a pair on the line of centres that looks at all of them."""
     if is_hyper(contact):
         return chosen_rule(contact.a.surface.sampling)
     return gauss_rule(contact.a.surface, theta_points, z_points) if at_points else None

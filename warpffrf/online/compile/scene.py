@@ -15,7 +15,6 @@ import warp as wp
 
 from warpffrf.model.checks.exclusive_unknowns import refuse_claims_of
 from warpffrf.model.errors import InputError
-from warpffrf.model.evaluations import refuse_full
 from warpffrf.model.reduced.slopes import leanings, leant
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.collector import Collector, OnBody
@@ -116,8 +115,6 @@ def _compiled(collector: Collector) -> CompiledScene:
     fill_responses(collector, m)
     fill_layers(collector)
     fill_lumped(collector)
-    for film in scene.films:
-        refuse_full(film)
     fill_films(collector)
     fill_laps(collector)
     fill_patches(collector, m)

@@ -26,7 +26,7 @@ from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near
 from warpffrf.online.diagnosis.undeformed_normal import normal_notes
 from warpffrf.online.diagnosis.untouched import CELLS, SHALLOW, loaded_contacts, untouched_notes
 from warpffrf.online.history.history import ContactHistory, History
-from warpffrf.online.history.sensors import turned
+from warpffrf.online.history.interface_motion import turned
 
 AT_POINTS = 'give the contact kinematics="closest_point"'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid

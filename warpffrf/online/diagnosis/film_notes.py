@@ -20,7 +20,7 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.films import TURNED_BACK
 from warpffrf.online.history.history import History
-from warpffrf.online.history.sensors import turned
+from warpffrf.online.history.interface_motion import turned
 from warpffrf_kernels.films.sampling import GAP
 
 RULE, ERROR = 6.0, 0.01

@@ -26,7 +26,6 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
-from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.laws.curves import Curve
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.sampling import gauss_points
@@ -67,7 +66,7 @@ def sampling_notes(scene: Scene, history: History) -> list[str]:
     """One note for each contact of evaluation "hyper"."""
     notes = []
     for contact in scene.contacts:
-        if evaluation_of(contact) != "hyper":
+        if contact.evaluation != "hyper":
             continue
         surface = contact.a.surface
         settings = Settings()

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.signal_cover import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Rows, Source, Unfinished
@@ -38,7 +38,7 @@ from warpffrf.online.history.user_frame import user_frame
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core.control import Clock
 
-METHOD = "check"
+KIND = "check"
 COUNTS = "check_counts"  # in the checkpoint of a run under way
 ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.advance}
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
@@ -156,7 +156,7 @@ def run_check(
     count = _Counts(time_of(start.checkpoint) if isinstance(start, History) else 0.0)
     if isinstance(start, Unfinished):
         count = _Counts.of(start.checkpoint[COUNTS])
-    refuse_short_tables(scene, count.begin, count.begin + steps * step)
+    refuse_short_signals(scene, count.begin, count.begin + steps * step)
     began = time.perf_counter()
     start_warp()  # the clock of the checkpoint is a structure of Warp
     plan = InertiaPlan.of(scene)
@@ -173,7 +173,7 @@ def run_check(
     if not continued:
         rows.add(count.begin, 0.0, states, accepted, 0)
     if keeper is not None:
-        keeper.begin(Source(METHOD, scene))
+        keeper.begin(Source(KIND, scene))
 
     def keep(keeper: Keeper) -> None:
         checkpoint = _checkpoint(states, accepted, count.begin + count.done * step) | {COUNTS: count.to_array()}
@@ -236,12 +236,13 @@ def history_of(scene: Scene, rows: Rows) -> History:
         r, p, v, w, q, qd, vdot, wdot, qdd = np.split(x, ends, axis=1)
         bodies[body.name] = user_frame(body.center_of_mass, r, p, v, w, vdot, wdot, q, qd, qdd)
     forces = force_histories(scene, ForceTable(), times, np.zeros((T, 0)), np.zeros((T, 0, 6)), bodies)
-    return History(
+    history = History(
         scene=scene, time=times, step_size=rows["step"], bodies=bodies, joints={}, contacts={}, forces=forces,
-        sensors=sensor_histories(scene, T, bodies, {}, forces),
         energy={name: energy[:, i].copy() for i, name in enumerate(ENERGY_LINES)},
         iterations=rows["iterations"], factorisations=np.zeros(T, dtype=int),
     )  # fmt: skip
+    history.sensors = sensor_histories(history)
+    return history
 
 
 def _checkpoint(states: list[Motion], energy: list[float], t: float) -> dict[str, np.ndarray]:

@@ -9,7 +9,7 @@ import numpy as np
 from warpffrf.model.films import Film
 from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.history.history import BodyHistory, FilmHistory
-from warpffrf.online.history.sensors import turned
+from warpffrf.online.history.interface_motion import turned
 from warpffrf_kernels.films import keeping
 
 Array = np.ndarray

@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 
+from warpffrf.model.bodies import Port
 from warpffrf.model.errors import unknown_name
 from warpffrf.model.messages import reprs
 from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.interface_motion import point_motion, turned
 
 ENERGY_LINES = (
     "kinetic",  # rigid motion and global modes
@@ -286,6 +288,18 @@ class History(reprs.Shown):
     film_grids: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_grid`, likewise
     budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once they have been looked at
     stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin
+
+    def motion(
+        self, port: Port, *, point: np.ndarray | None = None, frame: str = "world"
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Position [m], velocity [m/s] and acceleration [m/s2] (T, 3) of a `port`, or of the `point` (3,) [m, user
+        frame] that moves with its interface or body. frame: axes of the components, "world" or "body"."""
+        found = point_motion(port, np.asarray(port.point if point is None else point), self.bodies, len(self.time))
+        if frame == "world":
+            return found
+        back = self.bodies[port.body.name].rotation * np.array([-1.0, -1.0, -1.0, 1.0])
+        x, v, a = (turned(back, value) for value in found)
+        return x, v, a
 
     def shown(self) -> dict[str, Any]:
         """How it ended and what it holds, name -> value, for a table."""

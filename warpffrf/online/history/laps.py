@@ -10,7 +10,7 @@ from warpffrf.online.arrays.ring import SavedRows
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.history import BodyHistory, LapHistory
-from warpffrf.online.history.sensors import turned
+from warpffrf.online.history.interface_motion import turned
 from warpffrf_kernels.laps import keeping
 
 

@@ -18,12 +18,13 @@ from warpffrf.online.history.history import (
     History,
     JointHistory,
 )
+from warpffrf.online.history.interface_motion import turned
 from warpffrf.online.history.joint_friction import friction_histories
 from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
 from warpffrf.online.history.laps import lap_histories
 from warpffrf.online.history.lumped import lumped_histories
 from warpffrf.online.history.pretension import tension_histories, with_pulls
-from warpffrf.online.history.sensors import force_histories, sensor_histories, turned
+from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf.online.history.user_frame import user_frame
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 
@@ -58,18 +59,19 @@ def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
         contacts[contact.name] = _contact(compiled, i, rows, bodies)
         if contact.friction.acts:
             contacts[contact.name].friction = _friction(compiled, i, rows)
-    return History(
+    history = History(
         scene=scene, time=time, step_size=rows["saved_step"],
         bodies=bodies, joints=joints, contacts=contacts, forces=forces,
         lumped_contacts=lumped_histories(compiled, rows, bodies), films=film_histories(compiled, rows, bodies),
         laps=lap_histories(compiled, rows, bodies),
-        sensors=sensor_histories(scene, T, bodies, joints, forces),
         energy=energy, iterations=rows["saved_iterations"].astype(int),
         factorisations=rows["saved_solves"].astype(int),
         notes=left_out_notes(scene, compiled.joints.dropped, bodies, T)
         + half_turn_notes(compiled.forces.laws, bodies, T)
         + characteristic_notes(compiled.forces.laws, stretches, time),
     )  # fmt: skip
+    history.sensors = sensor_histories(history)
+    return history
 
 
 def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str, BodyHistory]) -> ContactHistory:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.online.history.history import BodyHistory
-from warpffrf.online.history.sensors import turned
+from warpffrf.online.history.interface_motion import turned
 
 
 def user_frame(

@@ -166,7 +166,7 @@ def _told(result: Result, duration: float, limits: Limits, now: Setting, why: li
     return result
 
 
-def refuse_other_options(*, stages: Any, step_error: Any, separated: bool, fixed: bool, resume: bool) -> None:
+def refuse_other_options(*, stages: Any, step_error: Any, fixed: bool, resume: bool) -> None:
     """Raises `InputError` for what `simulate` does not take beside accuracy=."""
     if stages is not None:
         raise InputError(
@@ -175,8 +175,6 @@ def refuse_other_options(*, stages: Any, step_error: Any, separated: bool, fixed
         )
     if step_error is not None:
         raise InputError("simulate: accuracy= chooses the step and step_error= halves it; give one of the two")
-    if not separated:
-        raise InputError("simulate: accuracy= goes by error budgets, which method 'monolithic' does not make")
     if fixed:
         raise InputError("simulate: accuracy= goes by error budgets, which integrators for checks do not make")
     if resume:

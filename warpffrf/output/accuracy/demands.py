@@ -27,7 +27,6 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact import CELL_ERRORS
-from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import InertiaPlan, least_level
@@ -122,7 +121,7 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
     free = [
         c for c in scene.contacts if c.grid == AUTO and (c.name in chosen or runs[c.name].history.cells is not None)
     ]
-    ruled = [not c.friction.acts and evaluation_of(c) == "semi" and np.any(runs[c.name].touching) for c in free]
+    ruled = [not c.friction.acts and c.evaluation == "semi" and np.any(runs[c.name].touching) for c in free]
     if not all(ruled):
         return []
     errors = {c.name: _hats_errors(c, runs[c.name]) for c in free}

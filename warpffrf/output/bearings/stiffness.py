@@ -46,34 +46,43 @@ class BearingStiffness:
     """`matrix` (6, 6) N/m, N/rad, N m/m, N m/rad: change of the force and of the torque about the bearing's centre that
     displace the inner ring, by its displacement and rotation against the outer ring, in the bearing's frame; symmetric
     part. `asymmetry`: largest difference of a pair of entries, scaled by the roots of the diagonal. `left_out`: what
-    acts on the elements in that state and not in the stiffness, in words."""
+    acts on the elements in that state and not in the stiffness, in words. `reason`: why both are NaN, where they are.
+    """
 
     matrix: np.ndarray
     asymmetry: float
     left_out: tuple[str, ...] = ()
+    reason: str = ""
 
 
 def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) -> BearingStiffness:
-    """Of the bearing called `name` of a scene about a saved step. Raises `InputError` for flexible rings that joints to
-    the ground do not hold, for two flexible rings, and where an equilibrium is not found."""
+    """Of the bearing called `name` of a scene about a saved step; NaN, and the reason, where no element is loaded and
+    where an equilibrium is not found. Raises `InputError` for flexible rings that joints to the ground do not hold, and
+    for two flexible rings."""
     bearing = scene.bearing(name)
     _refuse_rings(scene, bearing)
     both = history.lumped_contacts | history.contacts
     approach = max(float(both[contact.name].approach[row]) for contact in bearing.contacts.values())
     if approach <= 0.0:
-        raise InputError(f"bearing {name!r}: no element is loaded, and there is no stiffness; load the bearing first")
+        return _unknown("no element is loaded, and there is no stiffness; load the bearing first")
     h = max(MOVE * approach, LEAST)
     arm = 0.5 * bearing.raceways.pitch_diameter
     steps = np.array([h] * 3 + [h / arm] * 3)
     columns = []
     for j, step in enumerate(steps):
         both = [_reaction(scene, name, history, row, sign * step * np.eye(6)[j]) for sign in (1.0, -1.0)]
+        if failed := [answer for answer in both if isinstance(answer, str)]:
+            return _unknown(failed[0])
         columns.append((both[0] - both[1]) / (2.0 * step))
     K = np.stack(columns, axis=1)
     size = np.sqrt(np.abs(np.diag(K)))
     size = np.maximum(size, SOFTEST * np.repeat([size[:3].max(), size[3:].max()], 3))
     asymmetry = float(np.abs((K - K.T) / np.outer(size, size)).max())
     return BearingStiffness(0.5 * (K + K.T), asymmetry, _left_out(scene, bearing, history, row))
+
+
+def _unknown(why: str) -> BearingStiffness:
+    return BearingStiffness(np.full((6, 6), np.nan), np.nan, reason=why)
 
 
 def _left_out(scene: Scene, bearing: Bearing, history: History, row: int) -> tuple[str, ...]:
@@ -89,9 +98,9 @@ def _left_out(scene: Scene, bearing: Bearing, history: History, row: int) -> tup
     return tuple(what for what, acts in present.items() if acts)
 
 
-def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndarray) -> np.ndarray:
+def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndarray) -> Any:
     """Force and torque about the bearing's centre (6,) that hold the inner ring displaced by `move` (6,), bearing's
-    frame."""
+    frame; the message of an equilibrium that is not found."""
     alone = _alone(scene, name, history, row)
     bearing = alone.bearing(name)
     rest = scene.bearing(name).describe()["poses"]
@@ -111,7 +120,7 @@ def _reaction(scene: Scene, name: str, history: History, row: int, move: np.ndar
             alone.add(Fixed(alone.ground.at(at), body.at((0.0, 0.0, 0.0)), name=f"hold {body.name}"))
     found = find_equilibrium(alone)
     if found.status != "completed":
-        raise InputError(f"bearing {name!r}: stiffness: {found.message}")
+        return found.message
     joint = found.joints[f"hold {moved.name}"]
     F = joint.force[-1]
     inner = moved is bearing.inner

@@ -144,35 +144,31 @@ class BodyStress:
         return tensor
 
 
-def stress_result(result: Any, body: str, points: str, rows: Sequence[int] | np.ndarray | None = None) -> StressResult:
-    """Stress of `body` at the `points` named when it was reduced, at the saved steps `rows` (r,), all if None."""
+def stress_result(
+    result: Any, body: str, points: str, rows: Sequence[int] | np.ndarray | None, only: Sequence[int] | None
+) -> StressResult:
+    """Stress of `body` at the `points` named when it was reduced, at the saved steps `rows` (r,) and at those points
+    whose numbers are in `only` (p,), all where they are None. Raises `InputError`."""
     source, count = BodyStress(result.history, result.view, body, points), len(result.time)
-    shown = np.arange(count) if rows is None else saved_rows(rows, count, "stress: rows")
-    shape = len(shown), len(source.field.points), 6
+    shown = np.arange(count) if rows is None else numbers(rows, count, "stress: rows")
+    every = len(source.field.points)
+    wanted = np.arange(every) if only is None else numbers(only, every, "stress: only", "points", f"{points!r} has")
+    shape = len(shown), len(wanted), 6
     size = 8 * int(np.prod(shape))
     if size > MUCH:
         log.warning("stress: '%s' of '%s' takes %s; name the saved steps wanted, rows=", points, body, size_text(size))
     tensor = np.empty(shape)
     for n, i in enumerate(shown):
-        tensor[n] = source.tensor(int(i))
-    return StressResult(result.time[shown], source.field.points, tensor)
+        tensor[n] = source.tensor(int(i))[wanted]
+    return StressResult(result.time[shown], source.field.points[wanted], tensor)
 
 
-def stress_at_point(result: Any, body: str, points: str, index: int) -> np.ndarray:
-    """Stress (T, 6) [Pa] at one of the `points`, without those of the others being kept."""
-    source = BodyStress(result.history, result.view, body, points)
-    found = np.empty((len(result.time), 6))
-    for i in range(len(found)):
-        found[i] = source.tensor(i)[index]
-    return found
-
-
-def saved_rows(rows: Any, count: int, what: str) -> np.ndarray:
-    """Numbers (r,) from 0 of the saved steps `rows`, negative ones from the end; raises `InputError` naming `what` for
-    no whole numbers, and for one that is not among the `count` of the run."""
-    found = np.atleast_1d(np.asarray(rows))
+def numbers(given: Any, count: int, what: str, of: str = "saved steps", holder: str = "the run has") -> np.ndarray:
+    """The numbers `given` (r,) of things that are counted from 0, negative ones from the end; raises `InputError`
+    naming `what` for no whole numbers, and for one that is not among the `count` that the `holder` has."""
+    found = np.atleast_1d(np.asarray(given))
     if found.ndim != 1 or not np.issubdtype(found.dtype, np.integer):
-        raise InputError(f"{what} must be whole numbers of saved steps, got {rows!r}")
+        raise InputError(f"{what} must be whole numbers of {of}, got {given!r}")
     if len(found) and not -count <= found.min() <= found.max() < count:
-        raise InputError(f"{what}: the run has saved steps 0 to {count - 1}, got {found.min()} to {found.max()}")
+        raise InputError(f"{what}: {holder} {of} 0 to {count - 1}, got {found.min()} to {found.max()}")
     return found % max(count, 1)

@@ -91,7 +91,7 @@ def why_not(result: Any) -> str:
     """Why there can be no budget of `result`, or "" where there can."""
     history = result.history
     if history.marks is None or not hasattr(history.scene, "contacts"):
-        return "it takes the run itself, by the separated method and in the process that made it"
+        return "it takes the run itself, in the process that made it, and not by an integrator for checks"
     if len(history.time) < (1 if history.marks.static else 2):
         return "no step was saved"
     return ""

@@ -25,7 +25,6 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.evaluations import evaluation_of
 from warpffrf.model.reduced.mesh_error import own_mesh_error
 from warpffrf.offline.contact.grid_rule import grid_error
 from warpffrf.online.diagnosis.contact_notes import Leaning
@@ -181,7 +180,7 @@ def point_lines(result: Any) -> list[BudgetLine]:
     """One line for each contact of evaluation "hyper"."""
     lines = []
     for contact in result.history.scene.contacts:
-        if evaluation_of(contact) == "hyper" and np.any(result.contact(contact.name).touching):
+        if contact.evaluation == "hyper" and np.any(result.contact(contact.name).touching):
             check = check_sampling(contact, result.history)
             cure = "a smaller sampling_error of the first body"
             lines.append(BudgetLine(POINTS, _force(contact.name), check.force, "all points at sampled steps", cure))

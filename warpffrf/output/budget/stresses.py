@@ -14,7 +14,6 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
 from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.output.budget.contacts import GRID
 from warpffrf.output.budget.figures import UNKNOWN
@@ -63,13 +62,11 @@ def _below(found: Any, row: int, body: str) -> tuple[float, str]:
     """Of the largest von Mises stress, and how it is known."""
     if found.loaded == "cells":
         return BELOW_CELLS, "the half-space under cells, by studies of cylinders and balls"
-    try:
-        known = found.stress_errors(row)
-    except InputError as error:
-        return np.nan, str(error)
+    known = found.stress_errors(row)
     if body not in known:
         return np.nan, "the rule below contacts on hats is that of hexahedra"
-    return known[body].von_mises, f"{known[body].spacings:.2g} spacings of nodes in the half-width"
+    one = known[body]
+    return one.von_mises, one.reason or f"{one.spacings:.2g} spacings of nodes in the half-width"
 
 
 def stress_by_pressure(lines: Sequence[BudgetLine]) -> list[BudgetLine]:

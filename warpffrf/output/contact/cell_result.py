@@ -19,10 +19,10 @@ from functools import cached_property
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
+from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf.output.contact.pair_result import LineMoments, PairResult, section_moments
 from warpffrf.output.contact.patch_moments import CellMoments, PatchMeasure
-from warpffrf.output.contact.stress_error import StressError
+from warpffrf.output.contact.stress_error import StressError, unknown
 from warpffrf.output.geometry.cell_places import CellPlaces
 
 LEAST = 0.5  # strips: half of the one that a patch is at least wide
@@ -173,10 +173,10 @@ class CellContactResult(PairResult):
         return 2.0 * np.sin(0.5 * self.places.pitch), self.places.pitch, self.places.rings
 
     def stress_errors(self, i: int) -> dict[str, StressError]:
-        """Raises `InputError`: the rule counts nodes in the half-width, and the cells of such a pair are finer than the
+        """NaN with the reason: the rule counts nodes in the half-width, and the cells of such a pair are finer than the
         mesh, whose stress is corrected by the half-space under them."""
-        raise InputError(
-            f"contact '{self.name}': the error of the stress is not known, its rule is that of a pressure on the "
-            "contact grid, and this one stands on cells that travel with the patch; compare with Contact(..., "
-            'grid="body_fixed") on a fine mesh'
+        why = (
+            "its rule is that of a pressure on the contact grid, and this one stands on cells that travel with the "
+            'patch; compare with Contact(..., grid="body_fixed") on a fine mesh'
         )
+        return {body.name: unknown(self, why) for body, _ in flexible_sides(self.view)}

@@ -57,14 +57,9 @@ def patch_kind(contact: Any) -> str:
 
 
 def effective_radius(contact: Any) -> float:
-    """1/(relative curvature across the patch) [m] at the largest load; raises `InputError` where there is none."""
+    """1/(relative curvature across the patch) [m] at the largest load; NaN where there is none."""
     across = float(contact.curvature(heaviest(contact))[0, 0])
-    if not across > 0.0:
-        raise InputError(
-            f"contact '{contact.name}': the surfaces have no relative curvature across the patch ({across:.3g} 1/m), "
-            "so there is no effective radius; compare with a solution for flat faces"
-        )
-    return 1.0 / across
+    return 1.0 / across if across > 0.0 else float("nan")
 
 
 def effective_modulus(view: PairView) -> float:

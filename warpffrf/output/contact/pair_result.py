@@ -337,7 +337,8 @@ class PairResult(reprs.Shown, ABC):
 
     @cached_property
     def effective_radius(self) -> float:
-        """1/(1/R1 + 1/R2) across the patch [m], of inside forms with their sign, at the largest load of the run."""
+        """1/(1/R1 + 1/R2) across the patch [m], of inside forms with their sign, at the largest load of the run; NaN
+        where the surfaces have no relative curvature across it."""
         return effective_radius(self)
 
     @cached_property
@@ -361,7 +362,7 @@ class PairResult(reprs.Shown, ABC):
     @abstractmethod
     def stress_errors(self, i: int) -> dict[str, StressError]:
         """How right the von Mises stress below the line is in saved step `i`, and the depth of its maximum, by flexible
-        body; raises `InputError` where that is not known."""
+        body; NaN, and the reason, where that is not known."""
 
     def hertz_pressure(self, i: int, x: np.ndarray) -> np.ndarray:
         """Hertz's pressure (n,) [Pa] at arc positions `x` (n,) [m] in the section of `mid_pressure`, about the centre

@@ -125,10 +125,7 @@ class ContactResult(PairResult):
 
     @cached_property
     def creep_place(self) -> np.ndarray:
-        """(T, 2) theta and z: the middle row, in the window's column nearest to the line of centres; of a law at the
-        nodes of a mesh one next to the centre."""
-        if self.view.at_nodes:
-            return self.patch_center
+        """(T, 2) theta and z: the middle row, in the window's column nearest to the line of centres."""
         nearest = np.take_along_axis(self._offset, np.abs(self._offset).argmin(axis=1)[:, None], axis=1)[:, 0]
         theta = self.patch_center[:, 0] + self.view.first.grid.pitch * nearest
         return np.stack([theta, np.full(len(theta), self.z[len(self.z) // 2])], axis=1)
@@ -186,7 +183,7 @@ class ContactResult(PairResult):
         """How right the von Mises stress below the line is in saved step `i`, and the depth of its maximum, by flexible
         body; bodies whose cells at the surface are no hexahedra are left out.
 
-        Raises `InputError` where nothing touches, where the contact is no line, and where the mesh is too coarse to
+        NaN, and the `reason`, where nothing touches, where the contact is no line, and where the mesh is too coarse to
         tell.
         """
         return stress_errors(self, i)

@@ -16,7 +16,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from warpffrf.model.errors import InputError
 from warpffrf.output.contact.hertz import flexible_sides
 
 COARSEST = 1.1  # spacings in a half-width, the fewest that were measured
@@ -25,11 +24,12 @@ COARSEST = 1.1  # spacings in a half-width, the fewest that were measured
 @dataclass(frozen=True)
 class StressError:
     """Largest relative errors of the von Mises stress below a line contact, and of the `depth` of its maximum, with
-    `spacings` of nodes in the half-width."""
+    `spacings` of nodes in the half-width; NaN, and the `reason`, where they are not known."""
 
     spacings: float
     von_mises: float
     depth: float
+    reason: str = ""
 
 
 def error_with(spacings: float) -> StressError:
@@ -37,27 +37,35 @@ def error_with(spacings: float) -> StressError:
     return StressError(spacings, 0.01 + 0.23 / spacings**2, 0.03 + 1.0 / spacings**2)
 
 
+def unknown(contact: Any, why: str) -> StressError:
+    """NaN, and why."""
+    nan = float("nan")
+    return StressError(nan, nan, nan, f"contact '{contact.name}': the error of the stress is not known: {why}")
+
+
 def stress_errors(contact: Any, i: int) -> dict[str, StressError]:
     """By flexible body of the pair, in saved step `i`. Bodies whose cells are no hexahedra are left out.
 
-    Raises `InputError` where nothing touches, where the contact is no line, and for fewer spacings in the half-width
-    than the rule was measured with.
+    NaN with a reason where nothing touches, where the contact is no line, and for fewer spacings in the half-width than
+    the rule was measured with.
     """
-    label = f"contact '{contact.name}': the error of the stress is not known"
+    why = ""
     if not contact.touching[i]:
-        raise InputError(f"{label}: nothing touches in saved step {i}; choose one of those where `touching` is true")
-    if contact.patch_kind != "line":
-        raise InputError(f"{label}: it was measured for lines across the width, and this is none")
+        why = f"nothing touches in saved step {i}; choose one of those where `touching` is true"
+    elif contact.patch_kind != "line":
+        why = "it was measured for lines across the width, and this is none"
     found = {}
     for body, surface in flexible_sides(contact.view):
         spacing = body.reduced.provenance.get("contact_node_spacings", {}).get(surface.name)
         if spacing is None:
             continue
         spacings = float(contact.half_width[i]) / spacing
-        if spacings < COARSEST:
-            raise InputError(
-                f"{label}: nodes of '{body.name}' are {spacing:.3g} m apart, and the half-width is "
-                f"{contact.half_width[i]:.3g} m; use a finer mesh"
-            )
-        found[body.name] = error_with(spacings)
+        coarse = (
+            f"nodes of '{body.name}' are {spacing:.3g} m apart, and the half-width is {contact.half_width[i]:.3g} m; "
+            "use a finer mesh"
+        )
+        if why or spacings < COARSEST:
+            found[body.name] = unknown(contact, why or coarse)
+        else:
+            found[body.name] = error_with(spacings)
     return found

@@ -32,7 +32,6 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, unquote
@@ -356,7 +355,6 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
         for v in view.laps.values()
     ]
     group.attrs["laps"] = json.dumps(laps)
-    group.attrs["at_nodes"] = json.dumps([p.name for p in view.pairs.values() if p.at_nodes])
     fixed = [
         b
         for p in (*view.pairs.values(), *view.lumped.values(), *view.films.values(), *view.laps.values())
@@ -407,8 +405,6 @@ def _get_scene(file: Any) -> SceneView:
         )
         for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs["laps"])
     }  # fmt: skip
-    for name in json.loads(group.attrs["at_nodes"]):
-        pairs[name] = replace(pairs[name], at_nodes=True)
     anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs["anchors"]))
     joints = tuple(json.loads(group.attrs["joints"]))
     bearings = json.loads(group.attrs["bearings"])

@@ -1,7 +1,7 @@
 """The folder `run.h5.unfinished` beside results that are being made: what a run has done so far, and a lock.
 
     lock                         held by the process that runs; says which
-    scene.arrays                 what it takes to make histories of rows: scene, method, options; written once
+    scene.arrays                 what it takes to make histories of rows: scene, kind, options; written once
     part-000001.arrays, ...      the rows saved since the part before, as the run collects them
     checkpoint.arrays            the state after the last part that counts, what the run is to reach, and its options
 
@@ -40,7 +40,6 @@ from warpffrf.online import keeping
 from warpffrf.online.arrays.ring import joined
 from warpffrf.online.free_flight import check_run
 from warpffrf.online.history.history import History
-from warpffrf.output import monolithic_run
 
 ENDING = ".unfinished"
 LOCK, SCENE, CHECKPOINT, PART = "lock", "scene.arrays", "checkpoint.arrays", "part-{:06d}.arrays"
@@ -48,10 +47,9 @@ PARTS = "part-*.arrays"
 HASH = re.compile(r"\W*\b[0-9a-f]{32,64}\b")  # of an option
 SHARE = 0.02  # of the time between two parts that writing the checkpoint before took
 GO_ON = "the run had not ended: go on with results='{results}' and resume=True (--resume)"
-HISTORY_OF: dict[str, Callable[..., History]] = {  # by `Source.method`
-    keeping.METHOD: keeping.history_of,
-    check_run.METHOD: check_run.history_of,
-    monolithic_run.METHOD: monolithic_run.history_of,
+HISTORY_OF: dict[str, Callable[..., History]] = {  # by `Source.kind`
+    keeping.KIND: keeping.history_of,
+    check_run.KIND: check_run.history_of,
 }
 
 log = logging.getLogger("warpffrf")
@@ -222,7 +220,7 @@ def _write_source(file: Path, source: Source) -> None:
     """Write what rows are of; where it cannot be put into a file, why."""
     try:
         document, arrays = to_arrays((source.scene, dict(source.options)))
-        about = {"method": source.method, "hash": source.scene.content_hash(), "document": document}
+        about = {"kind": source.kind, "hash": source.scene.content_hash(), "document": document}
     except InputError as error:
         arrays, about = {}, {"missing": str(error)}
     write_arrays(file, about, {name: [array] for name, array in arrays.items()})
@@ -235,8 +233,8 @@ def _read_source(folder: Path) -> Source:
     if not reason:
         try:
             scene, options = from_arrays(about["document"], arrays)
-            if scene.content_hash() == about["hash"] and about["method"] in HISTORY_OF:
-                return Source(about["method"], scene, options)
+            if scene.content_hash() == about["hash"] and about["kind"] in HISTORY_OF:
+                return Source(about["kind"], scene, options)
             reason = "it is of another version of warpffrf"
         except InputError as error:
             reason = str(error)
@@ -263,7 +261,7 @@ def read_unfinished(folder: Path) -> History:
     checkpoint, about = found
     source, rows = _read_source(folder), _rows(folder, about["parts"])
     try:
-        history = HISTORY_OF[source.method](source.scene, joined(rows), **source.options)
+        history = HISTORY_OF[source.kind](source.scene, joined(rows), **source.options)
     except (KeyError, IndexError, ValueError, TypeError) as error:
         raise InputError(
             f"unfinished run '{folder}': its rows are of another version of warpffrf ({error}); read them with that"

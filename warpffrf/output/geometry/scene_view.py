@@ -41,8 +41,7 @@ class BodyView:
 @dataclass(frozen=True)
 class PairView:
     """One contact pair: the two bodies (or the ground), the names of the surfaces that touch, coefficient of friction
-    [-], 0 also where it depends on the slip speed; whether its law stands at the nodes of the mesh, evaluation
-    "full"."""
+    [-], 0 also where it depends on the slip speed."""
 
     name: str
     first_body: BodyView
@@ -50,7 +49,6 @@ class PairView:
     second_body: BodyView
     second_surface_name: str
     friction: float = 0.0
-    at_nodes: bool = False
 
     @property
     def first(self) -> Any:
@@ -189,8 +187,7 @@ def _pairs(contacts: Any, known: dict[str, BodyView]) -> dict[str, PairView]:
         a, b = contact.a, contact.b
         friction = 0.0 if contact.friction.breaks else contact.friction.static_coefficient
         names = known[a.body.name], a.name, known[b.body.name], b.name
-        at_nodes = getattr(contact, "evaluation", None) == "full"  # lumped contacts have none
-        found[contact.name] = PairView(contact.name, *names, friction, at_nodes)
+        found[contact.name] = PairView(contact.name, *names, friction)
     return found
 
 

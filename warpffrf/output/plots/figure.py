@@ -265,6 +265,7 @@ def ripple(result: Any, ax: Any) -> None:
     ax.legend(frameon=False, fontsize=7, loc="upper left")
 
 
+SUMMARY = "summary"  # of the command line: the page with all plots
 Draw = Callable[[Any, Any], None]
 # Histories: of a run of one row a page has numbers in their place.
 OVER_TIME = {
@@ -293,7 +294,7 @@ def plot(
     row: int | None = None, lap: str | None = None, channel: str | None = None, speed: str | None = None,
     bearing: str | None = None,
 ) -> Any:  # fmt: skip
-    """Draw `kind` on `ax` (a new one when None) and return the axes; "summary" returns a whole Figure.
+    """Draw `kind` on `ax` (a new one when None) and return the axes.
 
     contact, film, lap, bearing: names of the pair, film, lap and bearing to draw, the first ones if None; row: saved
     step of the maps of films and laps and of the loads of bearings, the last one if None; channel, speed: of plots of a
@@ -301,19 +302,12 @@ def plot(
     a run without rows, plots of friction, films, laps or bearings of a run without them, and of histories without a
     name.
     """
-    if contact is not None:
-        result = OfPair(result, contact)
     known = {**PLOTS, **FRICTION_PLOTS}
-    kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS, "summary")
+    kinds = (*known, *FILM_PLOTS, *LAP_PLOTS, *BEARING_PLOTS, *HISTORY_PLOTS)
     if kind not in kinds:
-        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}")
-    if len(result.time) == 0:
-        raise InputError("plot: the run has no saved row")
-    row = len(result.time) - 1 if row is None else row
-    if not 0 <= row < len(result.time):
-        raise InputError(f"plot: row is {row}; the run has the saved rows 0 to {len(result.time) - 1}")
-    if kind == "summary":
-        return summary_figure(result, film, row, lap)
+        cure = "; the page with all of them is result.summary()" if kind == SUMMARY else ""
+        raise InputError(f"plot: unknown kind '{kind}'; known: {', '.join(kinds)}{cure}")
+    result, row = _shown(result, contact, row)
     known |= {name: _of_film(draw, film, row) for name, draw in FILM_PLOTS.items()}
     known |= {name: _of_lap(draw, lap, row) for name, draw in LAP_PLOTS.items()}
     known |= {name: _of_bearing(draw, bearing, row) for name, draw in BEARING_PLOTS.items()}
@@ -325,6 +319,18 @@ def plot(
         ax = plt.subplots(subplot_kw={"projection": "polar"} if kind in POLAR else None)[1]
     known[kind](result, ax)
     return ax
+
+
+def _shown(result: Any, contact: str | None, row: int | None) -> tuple[Any, int]:
+    """The result, of one pair where one is named, and the saved step that is drawn. Raises `InputError`."""
+    if contact is not None:
+        result = OfPair(result, contact)
+    if len(result.time) == 0:
+        raise InputError("plot: the run has no saved row")
+    row = len(result.time) - 1 if row is None else row
+    if not 0 <= row < len(result.time):
+        raise InputError(f"plot: row is {row}; the run has the saved rows 0 to {len(result.time) - 1}")
+    return result, row
 
 
 def _of_film(draw: Callable[[Any, Any, int], None], film: str | None, row: int) -> Draw:
@@ -368,15 +374,18 @@ def about_kinds() -> dict[str, str]:
         **PLOTS, **FRICTION_PLOTS, **FILM_PLOTS, **LAP_PLOTS, **BEARING_PLOTS, **HISTORY_PLOTS
     }  # fmt: skip
     said = {kind: " ".join((draw.__doc__ or "").split("\n\n")[0].split()) for kind, draw in draws.items()}
-    return said | {"summary": "Everything that the run has data for, on one page."}
+    return said | {SUMMARY: "Everything that the run has data for, on one page."}
 
 
-def summary_figure(result: Any, film: str | None = None, row: int = -1, lap: str | None = None) -> Any:
-    """A matplotlib Figure with every plot that the run has data for; of films that of `film`, and of laps that of
-    `lap`, the first ones if None, with maps of the saved step `row`."""
+def summary(
+    result: Any, contact: str | None = None, film: str | None = None, row: int | None = None, lap: str | None = None
+) -> Any:
+    """A matplotlib Figure with every plot that the run has data for; contact, film, row, lap: as of `plot`, which says
+    what is raised, too."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    result, row = _shown(result, contact, row)
     drawn = drawable(result, film, row, lap)
     if len(result.time) == 1:
         numbers: dict[str, Draw] = {"numbers": lambda result, ax: _numbers(result, ax, film, lap)}
@@ -428,14 +437,12 @@ def write_plot(
     def draw(ax: Any) -> None:
         plot(result, kind, ax, contact, film, row, lap, channel, speed)
 
-    if kind != "summary":
+    if kind != SUMMARY:
         return write_drawing(draw, path, "figure", overwrite=overwrite, dpi=dpi)
-    return write_picture(
-        plot(result, kind, None, contact, film, row, lap), path, "figure", overwrite=overwrite, dpi=dpi
-    )
+    return write_picture(summary(result, contact, film, row, lap), path, "figure", overwrite=overwrite, dpi=dpi)
 
 
 def write_figure(result: Any, path: str | os.PathLike[str], *, dpi: int = 130, overwrite: bool = False) -> Path:
     """Write the summary figure; the ending chooses the format (.png, .pdf, .svg). Raises InputError for a path
     not writable, and for a file that exists where `overwrite` is not set."""
-    return write_plot(result, "summary", path, dpi=dpi, overwrite=overwrite)
+    return write_plot(result, SUMMARY, path, dpi=dpi, overwrite=overwrite)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.sensors import SENSORS, Position, Stress
+from warpffrf.model.sensors import Position, Stress
 
 Series = tuple[tuple[str, ...], str, np.ndarray]  # entity path below the root, label with the unit, values (T,)
 STORES = ("kinetic", "strain", "potential", "contact")  # lines of the ledger that are energies at hand
@@ -27,7 +27,6 @@ MACHINE_PLOTS = {
     "applied_force": "Applied and spring forces [N]",
     "joint_friction": "Friction in joints, and its bounds [N]",
     "coordinate": "Coordinates of the joints [m or rad]",
-    **{kind: f"Sensors: {kind.replace('_', ' ')}" for kind in SENSORS},
     "energy": "Energies [J]",
 }
 
@@ -85,5 +84,7 @@ def machine_series(result: Any) -> list[Series]:
 
 def plot_kinds(result: Any) -> dict[str, str]:
     """Kinds of plots that have curves, {kind: title}."""
-    there = {path[1] for path, _, _ in machine_series(result)}
-    return {kind: title for kind, title in MACHINE_PLOTS.items() if kind in there}
+    there = dict.fromkeys(path[1] for path, _, _ in machine_series(result))
+    of_sensors = [kind for kind in there if kind not in MACHINE_PLOTS]
+    titles = MACHINE_PLOTS | {kind: f"Sensors: {kind.replace('_', ' ')}" for kind in of_sensors}
+    return {kind: titles[kind] for kind in titles if kind in there}

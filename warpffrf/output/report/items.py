@@ -47,10 +47,10 @@ def _largest_torque(owners: dict[str, Any]) -> float:
 
 
 def same_surfaces(view: PairView) -> str:
-    """What pairs must have in common to be alike, whatever they are called: shapes and radii of both surfaces, friction
-    and where the pressure stands."""
+    """What pairs must have in common to be alike, whatever they are called: shapes and radii of both surfaces, and
+    friction."""
     shapes = [f"{type(surface.shape).__name__} {surface.shape.radius:.9g}" for surface in (view.first, view.second)]
-    return f"{shapes} {view.friction} {view.at_nodes}"
+    return f"{shapes} {view.friction}"
 
 
 def _size(vectors: Any, unit: str, beside: float = 0.0) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.budget.budget import budget_text
-from warpffrf.output.budget.figures import figure_text
+from warpffrf.output.budget.figures import UNKNOWN, figure_text
 from warpffrf.output.contact.hertz import flexible_sides, hertz
 from warpffrf.output.contact.hertz_patch import HertzPoint
 from warpffrf.output.report.counters import counter_lines
@@ -52,8 +52,6 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
             "energy residual   no share is told: nothing moves, the energies are round-off of forces times lengths, "
             f"{idle:.2g} J"
         )
-    elif np.all(np.isnan(residual)):
-        lines.append("energy residual   not booked by this method")
     else:
         lines.append(
             f"energy residual   {residual[-1]:+.3e} at the end, {np.ptp(residual):.3e} peak to peak, over the energy "
@@ -73,10 +71,9 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
 
 def _budget_lines(result: Any, progress: bool, pairs: Pairs) -> list[str]:
     """The error budget, made here where it has not been and can be."""
-    try:
-        lines = result.error_budget(progress=progress)
-    except InputError as error:
-        return [f"error budget      {error}"]
+    lines = result.error_budget(progress=progress)
+    if len(lines) == 1 and lines[0].source == UNKNOWN:
+        return [f"error budget      {lines[0].basis}"]
     kinds: dict[str, list[Block]] = {}
     for owner, line in figure_text(lines):
         kind, _, name = owner.partition(" '")
@@ -121,14 +118,12 @@ def _stress_lines(contact: Any) -> list[str]:
     with_stress = {body.name for body, _ in flexible_sides(contact.view) if body.reduced.stress}
     if contact.patch_kind != "line" or not with_stress:
         return []
-    try:
-        found = contact.stress_errors(-1)
-    except InputError as error:
-        return [f"  stress below    {error}"]
     return [
-        f"  stress below    of '{name}' von Mises to {e.von_mises:.1%}, its depth to {e.depth:.0%} "
+        f"  stress below    {e.reason}"
+        if e.reason
+        else f"  stress below    of '{name}' von Mises to {e.von_mises:.1%}, its depth to {e.depth:.0%} "
         f"({e.spacings:.2g} spacings of nodes in the half-width)"
-        for name, e in found.items()
+        for name, e in contact.stress_errors(-1).items()
         if name in with_stress
     ]
 

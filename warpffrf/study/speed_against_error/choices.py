@@ -1,6 +1,6 @@
 """What may be chosen in a study, and which combinations are run.
 
-    step, local, method, integrator     options of `simulate`
+    step, local, integrator             options of `simulate`
     grid, evaluation, cell_error        of all distributed contacts of the scene
     inertia                             of all flexible bodies
     stiffening                          of those that were reduced with it
@@ -29,7 +29,7 @@ from warpffrf.model.integrators import HHT, GeneralizedAlpha
 from warpffrf.online.local_dynamics import TREATMENTS
 from warpffrf.output.simulate import DEFAULT_INTEGRATOR
 
-RUN = ("step", "local", "method", "integrator")
+RUN = ("step", "local", "integrator")
 CONTACT = ("grid", "evaluation", "cell_error")
 BODY = ("inertia", "stiffening")
 BUILT_IN = (*RUN, *CONTACT, *BODY)
@@ -112,7 +112,6 @@ def default_choices(scene: Any, base: Setting) -> Choices:
     elif scene.contacts:
         found.left_out.append(("cell_error", "all", "no contact has cells that travel with the patch"))
     found.settings += [{**base, name: value} for name, value in alone]
-    found.left_out.append(("method", "monolithic", 'the slow reference; ask for it: choices={"method": [...]}'))
     unique = {label_of(setting): setting for setting in found.settings}
     found.settings = list(unique.values())
     return found
@@ -166,5 +165,4 @@ def _contact_choices(scene: Any, base: Setting, found: Choices) -> list[Setting]
         pairs.append({"grid": "body_fixed", "evaluation": "hyper"})
     else:
         found.left_out.append(("evaluation", "hyper", "a first body was reduced without sampling_error"))
-    found.left_out.append(("evaluation", "full", 'the slow reference; ask for it: choices={"evaluation": [...]}'))
     return pairs

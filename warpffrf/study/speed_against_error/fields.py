@@ -19,8 +19,8 @@ def field_of(pair: PairResult, i: int) -> Boxes:
     x, z = pair.cell_lines(i)
     if pair.view.first.shape.kind == "plane":
         x = x + float(pair.theta[i][0] - pair.arc[i][0])
-    p = pair.history.pressure[i] if pair.view.at_nodes else pair.mean_pressure[i]
-    return Boxes(np.asarray(x, dtype=float), np.asarray(z, dtype=float), np.asarray(p, dtype=float))
+    arrays = (np.asarray(values, dtype=float) for values in (x, z, pair.mean_pressure[i]))
+    return Boxes(*arrays)
 
 
 def squares(field: Boxes, reference: Boxes, shape: object) -> tuple[float, float]:

@@ -75,7 +75,7 @@ def run_setting(
         row.walls.append(float(counters["loop_seconds"]) / span)
         row.graphs.append(float(counters.get("seconds_in_graph", counters["loop_seconds"])) / span)
         row.set_up.append(float(counters["build_seconds"]))
-        row.after.append(float(counters.get("finish_seconds", 0.0)))  # of the monolithic reference nothing is checked
+        row.after.append(float(counters.get("finish_seconds", 0.0)))  # the check integrators have none
     return result, row
 
 

@@ -75,8 +75,7 @@ def speed_error(
         raise InputError("speed_error: give duration and step, or a scene file whose [simulate] has them")
     duration = require_number(duration, "speed_error: duration", positive=True)
     base: Setting = {"step": require_number(options.pop("step"), "speed_error: step", positive=True)}
-    base |= {"local": options.pop("local", "quasi_static"), "method": options.pop("method", "separated"),
-             "integrator": options.pop("integrator", None)}  # fmt: skip
+    base |= {"local": options.pop("local", "quasi_static"), "integrator": options.pop("integrator", None)}
     rounds = require_count(rounds, "speed_error: rounds", 1)
     built = machines.scene(base)
     names = measures_of(built, measures)

@@ -13,12 +13,12 @@ from functools import lru_cache
 import numpy as np
 
 from studies.hard_cases.case import Case, Finding
-from warpffrf.model import bases, forces, joints
+from warpffrf.model import forces, joints
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.offline import reduce
+from warpffrf.offline import bases, reduce
 from warpffrf.output.result import Result
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")

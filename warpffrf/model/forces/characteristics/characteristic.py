@@ -29,10 +29,12 @@ ROUND_OFF = 1e-12  # of the largest force: what sums of the numbers of a table l
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """n pieces of a characteristic, see the module.
+    """n pieces of a characteristic, F(x) = sum_k coefficient[k] xi^k + power sgn(xi) |xi|^exponent [N, N m], xi = x -
+    origin.
 
-    breaks (n-1,): where one ends and the next begins, rising. origin (n,), coefficient (n, 8), power (n,): a, and
-    exponent (n,): p, zero and one where there is no power.
+    breaks (n-1,) [m, rad; of a rate m/s, rad/s]: where one ends and the next begins, rising. origin (n,) likewise;
+    coefficient (n, 8) and power (n,) in N or N m over powers of x; exponent (n,) [-] at least 1. Without a power, power
+    is 0 and exponent 1.
     """
 
     breaks: np.ndarray
@@ -61,14 +63,15 @@ class Pieces:
         return polynomial + self.power[i] * np.abs(xi) ** (self.exponent[i] + 1.0) / (self.exponent[i] + 1.0)
 
     def place(self, x: Any) -> tuple[np.ndarray, np.ndarray]:
-        """The pieces that the x lie on, and their distances from the origins of these."""
+        """The numbers (n,) of the pieces that the x (n,) [m, rad; of a rate m/s, rad/s] lie on, and their distances
+        (n,) from the origins of these."""
         x = np.asarray(x, dtype=np.float64)
         i = np.searchsorted(self.breaks, x, side="right")
         return i, x - self.origin[i]
 
 
 class Characteristic:
-    """A force over one coordinate, other than in proportion to it; one file a kind, and a line in `CHARACTERISTICS`.
+    """A force over one coordinate, other than in proportion to it. A subclass gives `kind`, `pieces` and `describe`.
 
     `ends`: between these arguments it is given, beyond them it goes on straight; infinite where a formula gives it.
     """

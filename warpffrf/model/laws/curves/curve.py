@@ -2,7 +2,7 @@ r"""What a curve of pressure against depth tells its readers.
 
 p = P(d) rises from zero at the depth `begins`, negative for a layer that reaches out, and holds the energy W(d) =
 int P dd. The separated solver wants the inverse y = P^-1 and has it on the device, by the *form* of the curve and its
-numbers (`warpffrf_kernels.layers.layer_laws.FORMS`). The monolithic reference and checks on the host use the methods
+numbers (`warpffrf_kernels.layers.layer_laws.FORMS`). Checks on the host and references of the tests use the methods
 below, which share no code with that. P must rise strictly, with a slope that is nowhere zero: curves whose slope would
 vanish at touch are shifted by a depth far below any of use, and say so.
 """

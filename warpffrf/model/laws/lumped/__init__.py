@@ -34,7 +34,10 @@ __all__ = [
 
 def as_lumped_law(value: Any, label: str) -> LumpedLaw:
     """`value` if it is a law of lumped contacts; raises `InputError` naming `label` and the laws there are."""
-    if not isinstance(value, tuple(LUMPED_LAWS.values())):
+    if not isinstance(value, LumpedLaw):
         names = ", ".join(f"laws.{law.__name__}" for law in LUMPED_LAWS.values())
-        raise InputError(f"{label}: law must be one of {names}, which give a force against the approach, got {value!r}")
+        raise InputError(
+            f"{label}: law must be one of {names}, or a laws.LumpedLaw of your own, which give a force against the "
+            f"approach, got {value!r}"
+        )
     return value

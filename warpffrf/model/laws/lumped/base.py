@@ -56,7 +56,8 @@ class Approach:
 
 @dataclass(frozen=True, kw_only=True)
 class LumpedLaw(ABC):
-    """A law of lumped contacts, listed in `warpffrf.model.laws.lumped.LUMPED_LAWS`.
+    """A law of lumped contacts: a frozen dataclass with a `kind` and `approach`. Those in
+    `warpffrf.model.laws.lumped.LUMPED_LAWS` are known to scene files by their kind.
 
     damping [s/m], chi, not negative; or restitution (0 < e <= 1) with the impact_speed [m/s] at which it is wanted.
     Raises `InputError`.

@@ -15,11 +15,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.errors import InputError
 from warpffrf.model.films import Film
 from warpffrf.model.films.film import places_around
 from warpffrf.model.films.roughness import factor_table
-from warpffrf.model.oils import Barus, Newtonian, Oil, Roelands
+from warpffrf.model.oils import Oil
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments
@@ -31,6 +30,7 @@ from warpffrf_kernels.films import sampling, unknowns
 
 Array = np.ndarray
 FORM_COLUMNS, FORM_ROWS = 720, 65  # of the table of the second surface's form: half a degree
+OIL_FORMS = {"newtonian": oil_kernels.NEWTONIAN, "barus": oil_kernels.BARUS, "roelands": oil_kernels.ROELANDS}
 RULES = {
     "jfo": sampling.MASS_CONSERVING, "reynolds": sampling.REYNOLDS, "half_sommerfeld": sampling.HALF,
     "full_sommerfeld": sampling.NONE,
@@ -134,7 +134,7 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     moment = modal_moments(surface).reshape(hats, -1).T
     theta, z = (v.ravel() for v in np.meshgrid(film.theta, grid.z, indexing="ij"))
     entries = _entries(basis)
-    kind, numbers = _oil(film.oil, film.label)
+    kind, numbers = _oil(film.oil)
     table, ranges = _second_form(film)
     travels = film.cavitation in ("jfo", "reynolds")
     law, law_numbers, law_table = _asperities(film)
@@ -273,16 +273,10 @@ def _rest_velocities(collector: Collector) -> tuple[Array, Array]:
     return np.array(v), np.array(omega)
 
 
-def _oil(oil: Oil, label: str) -> tuple[int, list[float]]:
-    """Kind and numbers of an oil. Raises `InputError` for one that kernels do not know."""
+def _oil(oil: Oil) -> tuple[int, list[float]]:
+    """Kind and numbers of an oil."""
     a, b = (0.0, 0.0) if oil.density is None else (oil.density.a, oil.density.b)
-    if isinstance(oil, Newtonian):
-        return int(oil_kernels.NEWTONIAN), [oil.viscosity, 0.0, 0.0, 0.0, a, b]
-    if isinstance(oil, Barus):
-        return int(oil_kernels.BARUS), [oil.viscosity, oil.coefficient, 0.0, 0.0, a, b]
-    if isinstance(oil, Roelands):
-        return int(oil_kernels.ROELANDS), [oil.viscosity, oil.coefficient, oil.rise, oil.exponent, a, b]
-    raise InputError(f"{label}: an oil of a kind of its own, {oil.label}, is not known to the kernels; take oils.Barus")
+    return int(OIL_FORMS[oil.form]), [oil.viscosity, *oil.numbers, a, b]
 
 
 def _asperities(film: Film) -> tuple[int, list[float], Array]:

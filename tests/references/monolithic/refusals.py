@@ -1,0 +1,95 @@
+"""Which contacts of the monolithic reference go which way, and what it does not have.
+
+With `at_nodes` the law of contacts holds at the FE nodes of the first surface: for pairs of outside cylinders and
+crowned cylinders of flexible bodies with a linear layer along the line of centres (`line_of_centres`), as the separated
+solver takes their gaps, for all others by the true shapes (`nodal`). Without it, hats or nodes of a unilateral pair are
+on the line of centres only. Oil films stand alone, on one rigid surface.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from warpffrf.model.errors import InputError
+
+SHAPES = ("cylinder", "crowned_cylinder")
+
+
+def needs_nodes(scene: Any) -> bool:
+    """Whether contacts at nodes have anything that the line of centres does not: friction, gaps at points, a rigid
+    partner, another shape, or a layer that is no straight line. Then all of them go by the true shapes."""
+    return any(_beyond(contact) is not None for contact in scene.contacts)
+
+
+def refuse_contacts(scene: Any, at_nodes: bool) -> None:
+    """Raises `InputError` naming the contact and the cure: `at_nodes`, or warpffrf.simulate."""
+    for lumped in scene.lumped_contacts:
+        raise InputError(
+            f"{lumped.label}: the monolithic reference has no lumped contacts; use warpffrf.simulate, or make a body "
+            "flexible and use Contact(...)"
+        )
+    for lap in scene.laps:
+        raise InputError(
+            f"{lap.label}: the monolithic reference has no laps; use warpffrf.simulate, which solves them exactly "
+            "too, or Contact(...) between contact surfaces"
+        )
+    for contact in scene.contacts:
+        label = f"contact {contact.name!r}"
+        if contact.evaluation == "hyper":
+            raise InputError(f"{label}: the monolithic reference has no evaluation 'hyper'; use evaluation 'semi'")
+        if contact.grid == "contact_fixed":
+            raise InputError(
+                f"{label}: the monolithic reference has no cells that travel with the patch; use grid='body_fixed', or "
+                "warpffrf.simulate"
+            )
+        beyond = _beyond(contact)
+        if not at_nodes and beyond is not None and contact.law.bent is None:
+            raise InputError(
+                f"{label}: the monolithic reference has {beyond} with the law at nodes only; use at_nodes=True and a "
+                "law with a stiffness, laws.LinearLayer(stiffness), or warpffrf.simulate"
+            )
+        if at_nodes and contact.friction.acts:
+            for port in (contact.a, contact.b):
+                if not port.rigid and port.surface.tangential is None:
+                    raise InputError(
+                        f"{label}: friction needs tangential modes, body {port.body.name!r} was reduced without them; "
+                        "reduce(..., tangential=True)"
+                    )
+
+
+def refuse_films(scene: Any, local: str, variant: str) -> None:
+    """Raises `InputError` naming the film, and the cure, for what films of this solver do not do."""
+    for film in scene.films:
+        beyond = None
+        if film.evaluation == "hyper":
+            beyond, cure = "has no evaluation 'hyper' of films", "take evaluation='semi'"
+        elif not film.b.rigid:
+            beyond, cure = f"has a rigid second surface of a film only, {film.b.label} is flexible", "make it rigid"
+        elif film.asperities is not None:
+            beyond, cure = "has no asperities beside a film", "leave asperities out"
+        elif film.deviation > 0.0:
+            beyond, cure = "has smooth walls of films only", "leave roughness out"
+        elif film.oil.density is not None:
+            beyond, cure = "has oils of constant density only", "leave density out"
+        elif scene.contacts:
+            beyond, cure = "has films without contacts beside them", "take the contacts out"
+        elif local != "quasi_static":
+            beyond, cure = "has films on quasi-static local modes only", "take local='quasi_static'"
+        elif variant != "full":
+            beyond, cure = f"factors films anew, not as variant {variant!r}", "take variant='full'"
+        if beyond is not None:
+            raise InputError(f"{film.label}: the monolithic reference {beyond}; {cure}, or warpffrf.simulate")
+
+
+def _beyond(contact: Any) -> str | None:
+    """What of `contact` is not on the line of centres, in words."""
+    if contact.friction.acts:
+        return "friction"
+    if contact.kinematics == "closest_point":
+        return 'kinematics="closest_point"'
+    if contact.b.rigid:
+        return f"a rigid partner, {contact.b.label},"
+    for port in (contact.a, contact.b):
+        if port.surface.shape.kind not in SHAPES:
+            return f"a {port.surface.shape.kind}, {port.label},"
+    return None if contact.law.bent is None else f"a {contact.law.kind}"
