@@ -45,7 +45,7 @@ import numpy as np
 import warpffrf as wf
 from demos.checks import Check, finish, writable_folder
 from demos.lap_loops import Bolt, Full, LoadPath, Loops, Swing
-from warpffrf.output.laps.lap_result import LapResult
+from warpffrf.output.laps import LapResult
 from warpffrf.output.plots import laps as lap_plots
 from warpffrf.output.plots.panels import Panel
 

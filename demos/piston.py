@@ -57,9 +57,8 @@ from demos.connecting_rod import (
     within,
 )
 from demos.connecting_rod import PISTON_RADIUS as BORE
-from warpffrf.model.mesh.shapes.lattice import assembled, refined
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.model.mesh.shapes.disc import assembled, refined
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.output.plots import films as film_plots
 from warpffrf.output.plots.panels import Panel
 

@@ -296,7 +296,7 @@ def _edge(points: Array) -> Array:
 
 
 def _rotated(motion: Any, row: int, places: Array) -> Array:
-    from warpffrf.output.geometry.grid_places import rotate
+    from warpffrf.output.geometry.places import rotate
 
     return motion.position[row] + rotate(motion.rotation[row], places)
 

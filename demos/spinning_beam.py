@@ -120,7 +120,7 @@ def beam_tip(t: np.ndarray, *, tension: bool = True) -> np.ndarray:
 
 def tip_in_hub_frame(scene: wf.Scene, result: wf.Result) -> tuple[np.ndarray, np.ndarray]:
     """Tip of the beam's axis: elongation in the frame of the beam, deflection in that of the drive, each (T,) [m]."""
-    from warpffrf.output.geometry.grid_places import rotate
+    from warpffrf.output.geometry.places import rotate
 
     skin = result.skins()["beam"]
     end = np.flatnonzero(np.abs(skin.points[:, 0] - LENGTH) < 1e-9 * LENGTH)

@@ -10,7 +10,7 @@ import pytest
 import warpffrf as wf
 from demos.checks import Check, table, writable_folder
 from warpffrf import cli
-from warpffrf.cli.demos import names
+from warpffrf.cli.info import names
 
 ROOT = Path(__file__).resolve().parents[2]
 

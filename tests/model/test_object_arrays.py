@@ -55,7 +55,7 @@ def test_what_is_no_plain_data_of_warpffrf_is_refused() -> None:
         to_arrays({"law": lambda x: x})
     with pytest.raises(InputError, match="it holds arrays of objects"):
         to_arrays([np.array([None])])
-    for name in ("os:system", "pathlib:Path", "warpffrf.model.files.output_paths:os", "warpffrf.model.scene:nothing"):
+    for name in ("os:system", "pathlib:Path", "warpffrf.model.files.paths:os", "warpffrf.model.scene:nothing"):
         with pytest.raises(InputError, match="of another version of warpffrf"):
             from_arrays([{"class": name, "has": {}}], {})
     for document in ([], [{"list": [{"at": 7}]}], [{"array": "0"}], [3.0], [{"tuple": [{"at": 0}]}]):

@@ -14,9 +14,9 @@ from reference_fe import free_response, matrices
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, box, roller
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.cross_compliance import FUNCTIONS, CrossCompliance
+from warpffrf.model.reduced.contact_surface import FUNCTIONS, CrossCompliance
 from warpffrf.model.surfaces import Bore, Cylinder
 from warpffrf.offline.general.unit_loads import results_bytes
 from warpffrf.offline.quality import coupling

@@ -12,11 +12,20 @@ from scipy.optimize import nnls
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.sampling import Sampling, gauss_points
+from warpffrf.model.reduced.contact_surface import Sampling, gauss_points
 from warpffrf.model.surfaces import CrownedCylinder
-from warpffrf.offline.contact.cubature import PAIR, Problem, candidate_places, choose_sampling
-from warpffrf.offline.contact.nonnegative import nonnegative_least_squares, pivots
-from warpffrf.offline.contact.training import Places, all_points, families, strip_areas
+from warpffrf.offline.contact.cubature import (
+    PAIR,
+    Places,
+    Problem,
+    all_points,
+    candidate_places,
+    choose_sampling,
+    families,
+    nonnegative_least_squares,
+    pivots,
+    strip_areas,
+)
 
 ROUND_OFF = 1e-12  # of an area: sums of some ten weights
 KKT = 1e-9  # gradient over the norms of column and right-hand side

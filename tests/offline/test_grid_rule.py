@@ -20,7 +20,7 @@ from studies.contact.contact_grid import DEPTH
 from studies.contact.grid_errors import contact_pressures, grid_errors
 from studies.contact.grid_on_roller import approach_for, press, pressed_roller
 from warpffrf.model.errors import InputError
-from warpffrf.offline.contact.grid_rule import (
+from warpffrf.offline.contact.contact_grid import (
     COARSEST,
     PATCHES,
     QUANTITIES,

@@ -12,14 +12,13 @@ from offline_bodies import STEEL, reduced
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced import inertia as terms_of
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.offline.bases import basis_options
 from warpffrf.offline.bases.build import build_basis
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms, scalar_mass
 from warpffrf.offline.products import Limits, mass_properties
 

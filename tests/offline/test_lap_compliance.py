@@ -18,16 +18,15 @@ from reference_fe import free_response, matrices
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
-from warpffrf.model.laps.lap_cells import lap_cells
+from warpffrf.model.laps.lap_surface import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.mesh.data import Matrices
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.offline.general import unit_loads
 from warpffrf.offline.laps.compliance import BodyLaps
 

@@ -16,20 +16,16 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.elements import CELL_KINDS
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import free_model
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.dilatation import projection
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.fe.reference import physical_gradients
+from warpffrf.offline.fe import assemble, assign, physical_gradients, projection
 from warpffrf.offline.inertia import membrane, second_order
+from warpffrf.offline.inertia.invariants import Prestress, prestress_stiffness
 from warpffrf.offline.inertia.membrane import LOCKING, membrane_terms
 from warpffrf.offline.inertia.second_order import SecondOrderStrain, lifted_stiffness, second_order_motion
-from warpffrf.offline.inertia.stiffening import Prestress, prestress_stiffness
-from warpffrf.offline.interfaces.kinds import AverageInterface, body_interfaces
-from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.interfaces import AverageInterface, InterfaceSystem, body_interfaces
 
 SIDE, THICK = 0.4, 4e-3  # m
 BEAM = (1.0, 0.03, 0.01)  # m

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON, R, make_history
 
-from warpffrf.output.contact.hertz_patch import HertzLine
+from warpffrf.output.contact.hertz import HertzLine
 from warpffrf.output.contact.result import hat_means, line_moments
 from warpffrf.output.result import Result
 

@@ -28,7 +28,7 @@ from warpffrf.output.budget.contacts import friction_lines
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result

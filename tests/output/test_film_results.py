@@ -20,9 +20,8 @@ from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.films import Film
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
-from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.films import eccentricity, film_histories
 from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, FilmHistory, History

@@ -12,10 +12,9 @@ from recordings import columns
 
 import warpffrf as wf
 from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
-from warpffrf.output.geometry.anchors import Anchor
 from warpffrf.output.geometry.inertia_box import inertia_box
-from warpffrf.output.geometry.scene_view import BodyView
-from warpffrf.output.recording.machine_series import machine_series, plot_kinds
+from warpffrf.output.geometry.scene_view import Anchor, BodyView
+from warpffrf.output.recording.contact_scene import machine_series, plot_kinds
 from warpffrf.output.recording.recorder import record
 
 STEPS = 20

@@ -7,7 +7,7 @@ import pytest
 from synthetic_run import COLUMNS, PITCH, ROWS, TURN, WIDTH, R
 
 from warpffrf.output.bodies.normal_loads import hat_areas, hat_forces
-from warpffrf.output.geometry.grid_places import rotate, spread
+from warpffrf.output.geometry.places import rotate, spread
 from warpffrf.output.result import Result
 
 

@@ -25,8 +25,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.contact.pressure_wrench import traction_forces
-from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
+from warpffrf.output.contact.patch_moments import traction_forces
+from warpffrf.output.geometry.places import grid_theta_offset, rotate
 
 
 def pressure_wrench(result: Any, name: str) -> tuple[np.ndarray, np.ndarray]:

@@ -26,8 +26,7 @@ from warpffrf.model.messages.checkpoints import Source
 from warpffrf.model.reduced.file import _digest, _flatten
 from warpffrf.output.files import unfinished
 from warpffrf.output.result import Result
-from warpffrf.study.sweeps.job import Answer
-from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.job import Answer, Value
 from warpffrf.study.sweeps.table import Table
 
 TESTS = Path(__file__).resolve().parents[1]

@@ -35,7 +35,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import written_whole
+from warpffrf.model.files.paths import written_whole
 
 MARK = b"warpffrf sealed\n"
 VERSION = 1

@@ -9,8 +9,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapSurface
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance
 from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.model.reduced.stress_field import StressField
 
@@ -36,7 +35,7 @@ class DisplaySurface:
     """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n, 3)
     [m/N], what each of the N forces on the body's laps does beyond the global modes, user axes; None where there are no
     laps, or where that was left out as too large; `second_order` (R, n, 3), the shapes of second-order motion
-    (`warpffrf.model.reduced.second_order_motion`), None of a body without."""
+    (`warpffrf.model.reduced.inertia`), None of a body without."""
 
     points: np.ndarray
     triangles: np.ndarray

@@ -23,17 +23,12 @@ from warpffrf.model.files.sealed_file import check_schema, verify, written_seale
 from warpffrf.model.laps import LapSurface
 from warpffrf.model.reduced.check import check_body
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance, Recovery, Sampling, Tangential
 from warpffrf.model.reduced.data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.reduced.far_field import FarField
-from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
+from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms, SecondOrderMotion
 from warpffrf.model.reduced.local_mass import LocalMass
-from warpffrf.model.reduced.recovery import Recovery
-from warpffrf.model.reduced.sampling import Sampling
-from warpffrf.model.reduced.second_order_motion import SecondOrderMotion
 from warpffrf.model.reduced.stress_field import StressField
-from warpffrf.model.reduced.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.friction.pieces import cubic_pieces
+from warpffrf.model.friction import cubic_pieces
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector
 

@@ -23,7 +23,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.reduced.stress_field import max_shear, von_mises
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
-from warpffrf.output.bodies.patch_stress import ENDS, SHEARED, meridian_arc
+from warpffrf.output.bodies.stress import ENDS, SHEARED, meridian_arc
 
 DEEP, PLACES = 3.0, 181  # half-widths of the patch, the smaller one, and depths within them
 

@@ -32,8 +32,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.object_arrays import from_arrays, to_arrays
-from warpffrf.model.files.output_paths import remove_left_over_in
-from warpffrf.model.files.processes import locked
+from warpffrf.model.files.paths import locked, remove_left_over_in
 from warpffrf.model.files.sealed_file import read_arrays, write_arrays
 from warpffrf.model.messages.checkpoints import UNFINISHED, Plan, Rows, Source, Unfinished
 from warpffrf.online import keeping

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.geometry.scene_view import BodyView
 
 THINNEST = 0.03  # half length of the thinnest side drawn, of the longest: a disc is no body without thickness

@@ -25,12 +25,10 @@ from typing import IO, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import ENDING, remove_left_over_in, written_whole
-from warpffrf.model.files.processes import locked
+from warpffrf.model.files.paths import ENDING, locked, remove_left_over_in, written_whole
 from warpffrf.model.files.sealed_file import read_arrays, write_arrays
 from warpffrf.study.sweeps.design import Design
-from warpffrf.study.sweeps.job import Answer
-from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.job import Answer, Value
 from warpffrf.study.sweeps.table import Table
 
 KIND = "warpffrf sweep"

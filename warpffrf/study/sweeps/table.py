@@ -33,8 +33,7 @@ from warpffrf.model.files.hdf5_parts import probe
 from warpffrf.model.files.sealed_file import check_schema, verify, written_sealed
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.study.sweeps.design import Row
-from warpffrf.study.sweeps.job import FAILED, Answer
-from warpffrf.study.sweeps.outputs import TIME, Value
+from warpffrf.study.sweeps.job import FAILED, TIME, Answer, Value
 
 MARK, SCHEMA = "warpffrf sweep table", 1
 RUN, TIME_OF_RUN, SAVED, BUDGET, SOURCE = "run", "time_of_run", "saved_steps", "error_budget", "error_source"

@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import MOST_DIGITS, read_named
+from warpffrf.model.files.paths import MOST_DIGITS, read_named
 from warpffrf.model.mesh.files.raw_mesh import RawMesh
 
 Array = np.ndarray
