@@ -86,7 +86,7 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"oil": 0.04}, "film 'bearing': oil must be one of oils.Newtonian"),
         ({"cavitation": "gumbel"}, "film 'bearing': cavitation 'gumbel' does not exist; known: 'jfo'"),
-        ({"evaluation": "whole"}, "film 'bearing': evaluation 'whole' does not exist; known: 'semi', 'hyper', 'full'"),
+        ({"evaluation": "whole"}, "film 'bearing': evaluation 'whole' does not exist; known: 'semi', 'hyper'"),
         (
             {"boundary_friction": 0.1},
             "film 'bearing': boundary_friction is that of asperities.*asperities=laws.ExponentialAsperities",

@@ -263,6 +263,7 @@ class Table(Signal):
         return np.append(t, 2.0 * t[-1] - t[-2]), c
 
 
+@named_arguments
 class Step(_Transition):
     """From `start_value` to `end_value` [unit of what it drives] at once, at the time `at` [s]."""
 
@@ -365,6 +366,7 @@ def _quintic(h: np.ndarray, left: tuple[np.ndarray, ...], right: tuple[np.ndarra
     return c
 
 
+@named_arguments
 class Sine(Harmonics):
     """mean + amplitude sin(2 pi frequency t + phase) with frequency [Hz] and phase [rad], for `duration` [s]; a longer
     run is refused. Represented as `Harmonics`.
@@ -381,6 +383,7 @@ class Sine(Harmonics):
         super().__init__(*series, angle=angle, duration=duration, mean=mean)
 
 
+@named_arguments
 class Chirp(Harmonics):
     """mean + amplitude sin(angle + phase) with a frequency that changes in proportion to time from `start_frequency` to
     `end_frequency` [Hz] within `duration` [s]; phase [rad]. A longer run is refused. Represented as `Harmonics`."""

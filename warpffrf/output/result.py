@@ -358,8 +358,8 @@ class Result(reprs.Shown):
         a fifth of that of a long one. It goes into a file with the results that are saved afterwards. progress: how far
         it is, on stderr.
 
-        Where it cannot be made, of results that were read from a file without one and of the check integrators, it is
-        one line "not estimated" of size NaN, whose `basis` is the reason.
+        Where it cannot be made, of results from a file without one and of the check integrators, it is one line "not
+        estimated" of size NaN, whose `basis` is the reason.
         """
         from warpffrf.output.budget import budget
 
