@@ -260,7 +260,7 @@ def opened(path: Path) -> Iterator[Any]:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != MARK:
                 raise InputError(f"{subject} is no table of a sweep")
-            check_schema(int(file.attrs["schema"]), SCHEMA, subject, "run the sweep again")
+            check_schema(int(np.asarray(file.attrs["schema"])), SCHEMA, subject, "run the sweep again")
             yield file
     except InputError as error:
         raise error if str(error).startswith("sweep: ") else InputError(f"{subject}: {error}; {CURE}") from None
