@@ -100,8 +100,7 @@ def block_stiffness(nodes: int):
     import numpy as np
 
     from warpffrf.model.material import Material
-    from warpffrf.offline.fe.assembly import assemble
-    from warpffrf.offline.fe.materials import Assignment
+    from warpffrf.offline.fe import Assignment, assemble
 
     axis = np.linspace(0.0, 0.1, nodes)
     points = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), axis=-1).reshape(-1, 3)

@@ -35,10 +35,9 @@ def measure(row: dict) -> dict:
     from warpffrf.model.mesh import Mesh, roller
     from warpffrf.model.surfaces import Cylinder
     from warpffrf.offline.cyclic.path import reduce_cyclic
-    from warpffrf.offline.fe.materials import assign
-    from warpffrf.offline.interfaces.kinds import rigid_interfaces
-    from warpffrf.offline.paths import choose_path, resolve_shapes
-    from warpffrf.offline.products import Limits
+    from warpffrf.offline.fe import assign
+    from warpffrf.offline.interfaces import rigid_interfaces
+    from warpffrf.offline.products import Limits, choose_path, resolve_shapes
     from warpffrf.offline.progress import Progress
     from warpffrf.offline.reduction import one_thread
 

@@ -25,8 +25,7 @@ import numpy as np
 import warpffrf as wf
 from warpffrf.study.machine import machine
 from warpffrf.study.sweeps.folder import Folder
-from warpffrf.study.sweeps.job import Answer
-from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.job import Answer, Value
 from warpffrf.study.sweeps.table import Table
 
 ROWS, ROUNDS, TABLE = 64, 3, 10_000

@@ -10,7 +10,7 @@ import pytest
 import warpffrf as wf
 from warpffrf import cli
 from warpffrf.output.plots.figure import about_kinds, drawable
-from warpffrf.output.plots.histories import HISTORY_PLOTS
+from warpffrf.output.plots.panels import HISTORY_PLOTS
 
 STEPS = 20
 

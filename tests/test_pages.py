@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.output.report.counters import TOLD, WHERE_THERE
+from warpffrf.output.report.report import TOLD, WHERE_THERE
 
 ROOT = Path(__file__).resolve().parents[1]
 HOW = (ROOT / "docs" / "how_do_i.md").read_text(encoding="utf-8")

@@ -33,12 +33,12 @@ if TYPE_CHECKING:
     from warpffrf.model.laps import Lap, LapCells
     from warpffrf.model.lumped_contact import LumpedContact
     from warpffrf.model.material import Material
-    from warpffrf.model.messages.console import quiet
+    from warpffrf.model.messages.progress import quiet
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.reduced.stress_field import StressPoints
     from warpffrf.model.scene import Scene
     from warpffrf.offline import bases, reduce
-    from warpffrf.offline.contact.grid_rule import contact_spacing
+    from warpffrf.offline.contact.contact_grid import contact_spacing
     from warpffrf.online import GeneralizedAlpha, LocalDynamics
     from warpffrf.online.stages import Stage
     from warpffrf.output.campbell import campbell
@@ -118,7 +118,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "bearings": ("warpffrf.model.bearings", None),
     "campbell": ("warpffrf.output.campbell", "campbell"),
     "compare": ("warpffrf.output.comparison", "compare"),
-    "contact_spacing": ("warpffrf.offline.contact.grid_rule", "contact_spacing"),
+    "contact_spacing": ("warpffrf.offline.contact.contact_grid", "contact_spacing"),
     "damping": ("warpffrf.model.damping", None),
     "eigenmodes": ("warpffrf.output.modes_result", "eigenmodes"),
     "equilibrium": ("warpffrf.output.simulate", "equilibrium"),
@@ -131,7 +131,7 @@ _WHERE: dict[str, tuple[str, str | None]] = {
     "load_scene": ("warpffrf.scene_file", "load_scene"),
     "mesh": ("warpffrf.model.mesh", None),
     "oils": ("warpffrf.model.oils", None),
-    "quiet": ("warpffrf.model.messages.console", "quiet"),
+    "quiet": ("warpffrf.model.messages.progress", "quiet"),
     "record": ("warpffrf.output.recording.recorder", "record"),
     "reduce": ("warpffrf.offline", "reduce"),
     "run_scene": ("warpffrf.scene_file", "run_scene"),

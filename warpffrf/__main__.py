@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from warpffrf.model.messages.interruption import terminated_as_interrupted
+from warpffrf.model.messages.progress import terminated_as_interrupted
 
 
 def main() -> int:

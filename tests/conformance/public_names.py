@@ -88,10 +88,9 @@ def results() -> Iterator[Public]:
     from warpffrf.online.history.history import BodyHistory, ForceHistory, JointHistory, LumpedHistory, SensorHistory
     from warpffrf.output.comparison import Comparison
     from warpffrf.output.contact.cell_result import CellContactResult
-    from warpffrf.output.contact.film_result import FilmResult
     from warpffrf.output.contact.friction import FrictionResult
-    from warpffrf.output.contact.result import ContactResult
-    from warpffrf.output.laps.lap_result import LapResult
+    from warpffrf.output.contact.result import ContactResult, FilmResult
+    from warpffrf.output.laps import LapResult
     from warpffrf.output.modes_result import Modes
     from warpffrf.output.spectrum import Spectrum
 

@@ -14,8 +14,7 @@ import scipy.linalg as sla
 
 from warpffrf.model.mesh import from_matrices, read
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import fe_matrices
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assign, fe_matrices
 
 FOLDER = Path(__file__).parents[1] / "data" / "calculix"
 PROMISED = 1e-6  # relative, of the frequencies

@@ -11,10 +11,8 @@ from element_meshes import STEEL, crooked_block, each_formulation, lattice_mesh,
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind
-from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.fe.reference import STIFFNESS_DEGREE, rule
+from warpffrf.model.mesh.facets import rigid_modes
+from warpffrf.offline.fe import STIFFNESS_DEGREE, assemble, assign, rule
 
 ROUND_OFF = 1e-11  # relative: sums of some hundred terms and one small solve
 ZERO_ENERGY = 1e-10  # of shear modulus times size of the cell; the smallest elastic eigenvalue is about 1e-3 of it

@@ -16,7 +16,7 @@ from warpffrf.model.checks.redundancy import (
     marker_pose,
     scene_length,
 )
-from warpffrf.model.joints.rows import Row, gradient, value
+from warpffrf.model.joints.base import Row, gradient, value
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine
 from warpffrf.online.step.launches import blocks

@@ -10,7 +10,7 @@ from joint_scenes import GRAVITY, KINDS, pair
 
 from warpffrf.model import joints, signals
 from warpffrf.model import rotation as rot
-from warpffrf.model.joints.rows import gradient
+from warpffrf.model.joints.base import gradient
 from warpffrf.online import GeneralizedAlpha, run
 from warpffrf.online.history.history import BodyHistory
 

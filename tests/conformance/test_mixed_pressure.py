@@ -13,9 +13,7 @@ import scipy.sparse.linalg as spla
 from element_meshes import RUBBER, lattice_mesh
 
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.dilatation import WAVERING
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import WAVERING, assemble, assign
 from warpffrf.offline.stress.operator import Slots, nodal_stress
 
 MU = RUBBER.lame[1]

@@ -67,11 +67,12 @@ def test_the_licence_is_spdx_and_no_classifier() -> None:
     assert (ROOT / "warpffrf" / "py.typed").is_file() and (ROOT / "kernels" / "warpffrf_kernels" / "py.typed").is_file()
 
 
-@pytest.mark.parametrize("name", ["reduced bodies", "results"])
+@pytest.mark.parametrize("name", ["reduced bodies", "results", "tables of sweeps"])
 def test_schemas_in_the_page_are_those_of_the_code(name: str) -> None:
     from warpffrf.model.reduced.file import SCHEMA
     from warpffrf.output.files.results import SCHEMA_VERSION
+    from warpffrf.study.sweeps.table import SCHEMA as TABLE
 
-    now = {"reduced bodies": SCHEMA, "results": SCHEMA_VERSION}[name]
+    now = {"reduced bodies": SCHEMA, "results": SCHEMA_VERSION, "tables of sweeps": TABLE}[name]
     page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
     assert f"| {name} | {now} |" in page

@@ -6,8 +6,8 @@ import numpy as np
 from element_meshes import crooked_block, each_formulation
 
 from warpffrf.model.material import Material
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.inertia.stiffening import prestress_stiffness
+from warpffrf.offline.fe import assign
+from warpffrf.offline.inertia.invariants import prestress_stiffness
 
 VOLUME = 1.0 * 0.8 * 0.6  # m3, of the block
 ROUND_OFF = 1e-11  # relative: sums of some hundred terms

@@ -14,7 +14,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
 from warpffrf.model.reduced.stress_field import StressPoints, from_tensor
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assign
 from warpffrf.offline.stress.plan import StressPlan
 from warpffrf.offline.stress.point_location import locate
 

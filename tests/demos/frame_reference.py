@@ -16,8 +16,7 @@ from scipy.optimize import least_squares
 from scipy.sparse.linalg import spsolve
 
 import warpffrf as wf
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 
 # Mean over a rectangular facet of functions bilinear (quad4) or biquadratic (quad9) in it: Simpson's rule.
 _MEAN = {"quad4": np.full(4, 0.25), "quad9": np.array([1, 1, 1, 1, 4, 4, 4, 4, 16]) / 36.0}

@@ -50,7 +50,7 @@ from references.small_sliding.full_model import FullModel, Part
 from references.small_sliding.quasi_static import Followed, StaticLap, follow
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.output.loops.hysteresis import Loop
+from warpffrf.output.loops import Loop
 
 HALF = 16  # load steps of half a loop
 

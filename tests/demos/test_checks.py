@@ -10,7 +10,7 @@ import pytest
 from checks import Check, missed
 
 from warpffrf import cli
-from warpffrf.cli.demos import names
+from warpffrf.cli.info import names
 
 ROOT = Path(__file__).resolve().parents[2]
 SHORT = 200  # lines of a demo

@@ -11,7 +11,7 @@ from small_scenes import CASES, STEPS, Case
 from same_histories import unlike
 from warpffrf.online import run
 from warpffrf.online.history.history import History
-from warpffrf.online.worlds.side_by_side import side_by_side
+from warpffrf.online.worlds import side_by_side
 
 RUNS = (
     "chain, projected", "bead", "wheel", "plates", "rollers, asperities", "rollers, patch with friction",

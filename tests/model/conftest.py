@@ -10,9 +10,8 @@ import pytest
 from warpffrf.model import surfaces
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
-from warpffrf.model.reduced.recovery import Recovery
 
 
 def make_body(

@@ -9,8 +9,8 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model.bearings import Bearing, Flanges, PocketCage, PreloadForce, PrescribedCage
+from warpffrf.model.bearings.bearing import _of_rollers, edge_factor, reference_life
 from warpffrf.model.bearings.geometry import RollerRaceways
-from warpffrf.model.bearings.rating import _of_rollers, edge_factor, reference_life
 from warpffrf.model.errors import InputError
 from warpffrf.model.joints import LineInPlane, PointInPlane
 from warpffrf.model.scene import Scene

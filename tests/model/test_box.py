@@ -7,7 +7,7 @@ import pytest
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, box, grid
-from warpffrf.model.mesh.shapes.box import SIDES
+from warpffrf.model.mesh.shapes.boxes import SIDES
 
 ROUND_OFF = 1e-12
 

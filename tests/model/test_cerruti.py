@@ -7,8 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from warpffrf.model.half_space.pressure import rectangle
-from warpffrf.model.half_space.traction import across, along_x, along_z, toward_x, toward_z
+from warpffrf.model.half_space import across, along_x, along_z, rectangle, toward_x, toward_z
 
 WIDTH, LENGTH = 0.7, 1.9
 PLACES = ((2.1, 0.4), (-1.3, -2.2), (0.9, -0.3), (-0.5, 1.4))  # outside the rectangle

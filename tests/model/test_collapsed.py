@@ -14,8 +14,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.checks import inside_points
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.mesh.files.collapsed import left_over
-from warpffrf.offline.fe.reference import STIFFNESS_DEGREE
+from warpffrf.model.mesh.files.raw_mesh import left_over
+from warpffrf.offline.fe import STIFFNESS_DEGREE
 
 
 def collapsed(kind: str, pairs: list[tuple[int, int]]) -> tuple[np.ndarray, np.ndarray]:

@@ -10,7 +10,7 @@ from scipy.integrate import quad, solve_ivp
 
 from warpffrf.model import laws
 from warpffrf.model.errors import InputError
-from warpffrf.model.laws.curves.power import SHIFT
+from warpffrf.model.laws.curves.curve import SHIFT
 from warpffrf.model.laws.hunt_crossley import chi_times_speed
 
 LAYERS = [

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model import laws, surfaces
-from warpffrf.model.checks.overlap import refuse_overlap
+from warpffrf.model.checks.contacts import refuse_overlap
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.friction import Coulomb, as_friction

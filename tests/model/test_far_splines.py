@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from warpffrf.model.half_space.far_splines import FarSplines
+from warpffrf.model.half_space import FarSplines
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.surfaces import CrownedCylinder, Plane
 

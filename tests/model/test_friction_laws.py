@@ -10,8 +10,14 @@ import pytest
 
 from warpffrf.model import laws
 from warpffrf.model.errors import InputError
-from warpffrf.model.friction import FRICTION_LAWS, as_friction, as_lumped_friction, as_pair_friction
-from warpffrf.model.friction.pieces import TOLERANCE, cubic_pieces
+from warpffrf.model.friction import (
+    FRICTION_LAWS,
+    TOLERANCE,
+    as_friction,
+    as_lumped_friction,
+    as_pair_friction,
+    cubic_pieces,
+)
 
 FALLING: list[Any] = [
     laws.Stribeck(0.4, 0.2, 0.05),

@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model import surfaces
-from warpffrf.model.checks.overlap import OVERLAP_FRACTION, allowed_overlap, refuse_overlap
+from warpffrf.model.checks.contacts import OVERLAP_FRACTION, allowed_overlap, refuse_overlap
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.placement.gap import facing_gap, smallest_gap, undeformed_gap

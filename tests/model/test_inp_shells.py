@@ -9,7 +9,7 @@ import pytest
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.files.inp import read_inp
-from warpffrf.model.mesh.files.inp.cells import is_volume, kind_of, shell_kind_of
+from warpffrf.model.mesh.files.inp.model import is_volume, kind_of, shell_kind_of
 
 # two unit cubes, one on the other, and two nodes beside them
 NODES = "*NODE\n" + "".join(

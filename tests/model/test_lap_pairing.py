@@ -7,9 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps.clipping import areas, clipped
-from warpffrf.model.laps.facing import Triangles, facing
-from warpffrf.model.laps.pairing import pair_faces
+from warpffrf.model.laps.facing import Triangles, areas, clipped, facing, pair_faces
 
 
 def plate(counts: tuple[int, int], up: bool, shift=(0.0, 0.0, 0.0)):

@@ -11,7 +11,7 @@ import pytest
 from warpffrf.model import forces, joints, surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import Lap
-from warpffrf.model.laps.preload import lap_notes, refuse_pushed_apart
+from warpffrf.model.laps.lap import lap_notes, refuse_pushed_apart
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.scene import Scene

@@ -10,7 +10,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells, LapSurface
-from warpffrf.model.laps.lap_cells import lap_cells
+from warpffrf.model.laps.lap_surface import lap_cells
 
 
 def test_what_users_may_give() -> None:

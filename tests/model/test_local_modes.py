@@ -13,10 +13,9 @@ import scipy.linalg as sla
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.model.reduced.local_modes import dynamic_modes
-from warpffrf.model.reduced.recovery import Recovery
 
 ROUND_OFF = 1e-10  # of modal mass, and of the largest entry: products of a few hundred terms, condition 1e4
 

@@ -17,7 +17,7 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.lumped import LUMPED_LAWS, as_lumped_law
 from warpffrf.model.laws.lumped.base import Meeting
-from warpffrf.model.laws.lumped.iso_lamina import iso_profile
+from warpffrf.model.laws.lumped.hertz_point import iso_profile
 from warpffrf.model.lumped_contact import LumpedContact, refuse_lumped_overlap
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody

@@ -15,10 +15,9 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.files.matrices import from_matrices
-from warpffrf.model.mesh.files.matrices.checks import require_semidefinite
-from warpffrf.model.mesh.files.matrices.motion import RIGID
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.model.mesh.files.matrices.build import require_semidefinite
+from warpffrf.model.mesh.files.matrices.inner_side import RIGID
+from warpffrf.offline.fe import assemble, assign
 
 STEEL = Material(210e9, 0.3, 7850.0)
 rng = np.random.default_rng(11)

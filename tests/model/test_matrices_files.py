@@ -22,8 +22,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.files.matrices import from_matrices, read_matrix
 from warpffrf.model.mesh.files.matrices.files import completed
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 
 CALCULIX = Path(__file__).resolve().parents[1] / "data" / "calculix"
 STEEL = Material(210e9, 0.3, 7850.0)

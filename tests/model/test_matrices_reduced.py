@@ -15,8 +15,7 @@ from warpffrf.model.mesh.files.matrices import from_matrices
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 
 STEEL = Material(210e9, 0.3, 7850.0)
 SAME = 1e-9  # relative: round-off of a factorisation; the order of sums may differ

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.io import mmread, mmwrite
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.files.matrices.matrix_market import read
+from warpffrf.model.mesh.files.matrices.formats import read
 
 REAL = "%%MatrixMarket matrix coordinate real general\n"
 

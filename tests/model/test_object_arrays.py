@@ -12,10 +12,8 @@ from scipy import sparse
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
-from warpffrf.model.files import sealed_arrays
 from warpffrf.model.files.object_arrays import from_arrays, to_arrays
-from warpffrf.model.files.sealed_arrays import read_arrays, write_arrays
-from warpffrf.model.files.sealed_file import seal
+from warpffrf.model.files.sealed_file import ARRAYS, HEAD, read_arrays, seal, write_arrays
 
 
 def machine() -> wf.Scene:
@@ -57,7 +55,7 @@ def test_what_is_no_plain_data_of_warpffrf_is_refused() -> None:
         to_arrays({"law": lambda x: x})
     with pytest.raises(InputError, match="it holds arrays of objects"):
         to_arrays([np.array([None])])
-    for name in ("os:system", "pathlib:Path", "warpffrf.model.files.output_paths:os", "warpffrf.model.scene:nothing"):
+    for name in ("os:system", "pathlib:Path", "warpffrf.model.files.paths:os", "warpffrf.model.scene:nothing"):
         with pytest.raises(InputError, match="of another version of warpffrf"):
             from_arrays([{"class": name, "has": {}}], {})
     for document in ([], [{"list": [{"at": 7}]}], [{"array": "0"}], [3.0], [{"tuple": [{"at": 0}]}]):
@@ -105,7 +103,7 @@ def test_sizes_are_compared_before_anything_is_allocated(entry: dict[str, Any], 
     """A seal that is right does not make a header right."""
     file = tmp_path / "some.arrays"
     header = json.dumps({"about": {}, "arrays": [entry]}).encode()
-    pieces = [sealed_arrays.HEAD.pack(sealed_arrays.MARK, len(header)), header, np.zeros(4).tobytes()]
+    pieces = [HEAD.pack(ARRAYS, len(header)), header, np.zeros(4).tobytes()]
     file.write_bytes(b"".join(pieces))
     seal(file)
     with pytest.raises(InputError, match=r"^the file is damaged"):

@@ -7,7 +7,7 @@ import pytest
 
 from warpffrf.model import oils
 from warpffrf.model.errors import InputError
-from warpffrf.model.oils.roelands import POLE_PRESSURE, POLE_VISCOSITY
+from warpffrf.model.oils import POLE_PRESSURE, POLE_VISCOSITY
 
 ROUND_OFF = 1e-12
 DIFFERENCE = 1e-7  # relative, of central differences over 1e-4 of the scale: their next term is 1e-8 of the derivative

@@ -8,7 +8,7 @@ import pytest
 
 from warpffrf import cli
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 
 PENDULUM = """
 [scene]

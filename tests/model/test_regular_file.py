@@ -9,7 +9,7 @@ import pytest
 
 from warpffrf.model import mesh as wfmesh
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import Budget
+from warpffrf.model.files.paths import Budget
 from warpffrf.model.mesh.files.matrices import read_matrix
 from warpffrf.model.mesh.files.reader import SUFFIXES
 from warpffrf.scene_file.source import parse

@@ -13,7 +13,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
-from warpffrf.output.contact.hertz_patch import hertz_point
+from warpffrf.output.contact.hertz import hertz_point
 
 STEEL = Material(210e9, 0.3, 7850.0)
 MODULUS = 0.5 * STEEL.plane_strain_modulus

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files import hdf5_probe
-from warpffrf.model.files.sealed_file import TRAILER, require_seal, seal, verify, written_sealed
+from warpffrf.model.files import hdf5_parts
+from warpffrf.model.files.sealed_file import TRAILER, check_schema, seal, verify, written_sealed
 
 
 @pytest.fixture
@@ -23,12 +23,12 @@ def file(tmp_path: Path) -> Path:
     return path
 
 
-def look(path: Path) -> bool:
+def look(path: Path) -> int:
     return verify(path, "file x", "write it again")
 
 
 def test_a_sealed_file_is_an_hdf5_file(file: Path) -> None:
-    assert look(file)
+    assert look(file) == file.stat().st_size - TRAILER.size
     with h5py.File(file, "r") as opened:
         numbers = opened["numbers"]
         assert isinstance(numbers, h5py.Dataset) and np.array_equal(numbers[()], np.arange(3000.0))
@@ -51,9 +51,6 @@ def test_every_kind_of_damage_is_told_in_one_line(file: Path) -> None:
             if damaged == whole:
                 continue
             file.write_bytes(damaged)
-            if len(damaged) == n - TRAILER.size and damaged == whole[: len(damaged)]:
-                assert not look(file)  # as an older file; its schema tells
-                continue
             with pytest.raises(InputError, match=r"^file x is damaged \(.*\); write it again$"):
                 look(file)
 
@@ -65,27 +62,32 @@ def test_bytes_behind_the_seal_are_damage(file: Path, more: bytes) -> None:
         look(file)
 
 
-def test_a_seal_taken_off_is_missed_where_the_schema_has_one(file: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_seal_taken_off_is_missed(file: Path) -> None:
     file.write_bytes(file.read_bytes()[: -TRAILER.size])
-    assert not look(file)
-    with pytest.raises(InputError, match="its checksum is missing"):
-        require_seal(False, 8, 8, "file x", "write it again")
-    require_seal(False, 7, 8, "file x", "write it again")
-    assert "file x is of an older version and has no checksum" in caplog.text
+    with pytest.raises(InputError, match=r"^file x is damaged \(its checksum is missing.*\); write it again$"):
+        look(file)
+
+
+@pytest.mark.parametrize("found", [2, 4])
+def test_older_and_newer_schemas_are_refused(found: int) -> None:
+    with pytest.raises(InputError, match=f"^file x has schema {found}, this version.*3 alone; write it again"):
+        check_schema(found, 3, "file x", "write it again")
+    check_schema(3, 3, "file x", "write it again")
 
 
 def test_a_changed_file_may_be_sealed_again(file: Path) -> None:
     with h5py.File(file, "a") as opened:
         opened["more"] = np.zeros(10)
-    assert not look(file)
+    with pytest.raises(InputError, match="another program has changed it"):
+        look(file)
     seal(file)
     assert look(file)
 
 
-def test_what_is_no_hdf5_file_is_said(tmp_path: Path) -> None:
-    for content, words in ((b"", "not an HDF5"), (b"text", "not an HDF5"), (b"\x89HDF\r\n\x1a\n", "header")):
+def test_what_is_no_file_of_warpffrf_is_said(tmp_path: Path) -> None:
+    for content in (b"", b"text", b"\x89HDF\r\n\x1a\n" + bytes(200)):
         (tmp_path / "x.h5").write_bytes(content)
-        with pytest.raises(InputError, match=words):
+        with pytest.raises(InputError, match="no file of warpffrf"):
             look(tmp_path / "x.h5")
     with pytest.raises(InputError, match="cannot be read"):
         look(tmp_path / "no.h5")
@@ -100,13 +102,15 @@ def test_nothing_is_written_after_an_error(tmp_path: Path) -> None:
     assert path.read_bytes() == b"old" and len(list(tmp_path.iterdir())) == 1
 
 
-def test_an_unsealed_file_that_holds_up_the_library(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    file.write_bytes(file.read_bytes()[: -TRAILER.size])
-    assert not look(file)  # the library comes back
+def test_a_file_that_holds_up_the_library(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def probe() -> None:
+        hdf5_parts.probe(file, "file x", "write it again")
+
+    probe()  # the library comes back
     for script, words in (("while True: pass", "does not come back"), ("import os; os.abort()", "breaks down")):
-        monkeypatch.setattr(hdf5_probe, "_LOOK", script)
-        monkeypatch.setattr(hdf5_probe, "SECONDS", 1.0)
+        monkeypatch.setattr(hdf5_parts, "_LOOK", script)
+        monkeypatch.setattr(hdf5_parts, "SECONDS", 1.0)
         with pytest.raises(InputError, match=f"^file x is damaged .*{words}.*; write it again$"):
-            look(file)
-    monkeypatch.setattr(hdf5_probe, "_LOOK", "raise OSError")  # left to the reader
-    assert not look(file)
+            probe()
+    monkeypatch.setattr(hdf5_parts, "_LOOK", "raise OSError")  # left to the reader
+    probe()

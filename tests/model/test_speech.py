@@ -11,7 +11,7 @@ from contextlib import contextmanager
 import pytest
 
 from warpffrf.model.messages import progress
-from warpffrf.model.messages.console import quiet, speaking
+from warpffrf.model.messages.progress import quiet, speaking
 
 log = logging.getLogger("warpffrf")
 REDUCE = """

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model import rotation as rot
-from warpffrf.model.joints.rows import Row, gradient, value
+from warpffrf.model.joints.base import Row, gradient, value
 
 STEP = 1e-6  # rad, of central differences: truncation 1e-12, round-off 1e-10
 ROUND_OFF = 1e-14

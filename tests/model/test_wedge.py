@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model import joints, surfaces
-from warpffrf.model.checks.overlap import refuse_overlap
-from warpffrf.model.checks.wedge import find_wedge
+from warpffrf.model.checks.contacts import find_wedge, refuse_overlap
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene

@@ -18,7 +18,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box, roller
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.slopes import leant
+from warpffrf.model.reduced.local_modes import leant
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Bore, Cylinder, Plane
 from warpffrf.offline import reduce

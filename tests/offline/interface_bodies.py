@@ -8,10 +8,8 @@ from offline_bodies import STEEL
 
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.offline.elastic import ElasticModel, free_model
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.interfaces.kinds import body_interfaces
-from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.fe import assemble, assign
+from warpffrf.offline.interfaces import InterfaceSystem, body_interfaces
 
 
 def box(counts: tuple[int, int, int], size: tuple[float, float, float]) -> Mesh:

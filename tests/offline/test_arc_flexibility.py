@@ -9,7 +9,7 @@ from offline_bodies import reduced
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.online.compile.compliance_tables import modal_moments, weak_compliance
+from warpffrf.online.compile.compliance_tables import hat_gram, modal_moments, product
 
 ROUND_OFF = 1e-9  # of the largest entry: two paths, or two sets of modes, that are exact both
 COARSE = {"traction_spacing": 0.019}  # a column every second of the 24 sectors
@@ -35,7 +35,9 @@ def flexibility(body: ReducedBody, name: str, columns: np.ndarray) -> np.ndarray
     surface = body.contact_surfaces[name]
     moments = modal_moments(surface)[columns].reshape(len(columns) * surface.grid.rows, -1)
     omega = 2.0 * np.pi * body.frequencies
-    return (moments / omega**2) @ moments.T + blocks(weak_compliance(surface), columns, surface.grid.columns_per_sector)
+    M = hat_gram(surface)
+    local = product(M, surface.lags, M)
+    return (moments / omega**2) @ moments.T + blocks(local, columns, surface.grid.columns_per_sector)
 
 
 @pytest.mark.parametrize("modes", [0, 6])

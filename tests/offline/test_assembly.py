@@ -8,10 +8,8 @@ from reference_fe import matrices
 
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.model.mesh.elements import CELL_KINDS, FACET_KINDS, cell_kind, facet_kind
-from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.fe.reference import rule
+from warpffrf.model.mesh.facets import rigid_modes
+from warpffrf.offline.fe import assemble, assign, rule
 from warpffrf.offline.products import mass_properties
 
 

@@ -14,7 +14,7 @@ from warpffrf.model import mesh as meshes
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.contact.cell_depth import DEEPEST, layer_depth, node_spacing
+from warpffrf.offline.contact.contact_choice import DEEPEST, layer_depth, node_spacing
 
 R, R_I = 0.05, 0.015
 

@@ -13,20 +13,24 @@ from scenes.rotating_disc import INNER, OUTER, THICKNESS, closed_form
 from scenes.rotating_disc import STEEL as DISC_STEEL
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, roller
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import PRODUCTS, modal_forces
 from warpffrf.offline import bases, reduce
 from warpffrf.offline.bases.build import build_basis
-from warpffrf.offline.bases.global_basis import attachment_modes
-from warpffrf.offline.cyclic.centrifugal import turning_waves
+from warpffrf.offline.bases.modes import attachment_modes
 from warpffrf.offline.cyclic.harmonics import Harmonics
+from warpffrf.offline.cyclic.inertia import turning_waves
 from warpffrf.offline.cyclic.path import axes_of
 from warpffrf.offline.cyclic.sector import assemble_sector
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.inertia.centrifugal import BEYOND, TurningResponse, covering_turning, left_out
-from warpffrf.offline.inertia.stiffening import centrifugal_acceleration
+from warpffrf.offline.fe import assemble, assign
+from warpffrf.offline.inertia.invariants import (
+    BEYOND,
+    TurningResponse,
+    centrifugal_acceleration,
+    covering_turning,
+    left_out,
+)
 from warpffrf.offline.products import Limits
 
 EXACT = 1e-8  # what the product promises

@@ -8,7 +8,7 @@ from offline_bodies import reduced
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.offline.contact.contact_choice import contact_choice
-from warpffrf.offline.contact.grid_rule import grid_error
+from warpffrf.offline.contact.contact_grid import grid_error
 
 ERRORS = (0.2, 0.05, 0.01)
 

@@ -14,9 +14,14 @@ from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.reduced.contact_grid import meridian_gram
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan, spaced_plan, thinned_rows
-from warpffrf.offline.contact.cut_quadrature import BEND, cut_points
-from warpffrf.offline.contact.hat_loads import hat_loads, surface_vectors
-from warpffrf.offline.contact.traction_fields import ContactFacets, TractionField
+from warpffrf.offline.contact.hat_loads import (
+    BEND,
+    ContactFacets,
+    TractionField,
+    cut_points,
+    hat_loads,
+    surface_vectors,
+)
 
 
 def loads_of(mesh, shape, spacing=None):

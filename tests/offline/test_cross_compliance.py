@@ -14,9 +14,9 @@ from reference_fe import free_response, matrices
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, box, roller
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.cross_compliance import FUNCTIONS, CrossCompliance
+from warpffrf.model.reduced.contact_surface import FUNCTIONS, CrossCompliance
 from warpffrf.model.surfaces import Bore, Cylinder
 from warpffrf.offline.general.unit_loads import results_bytes
 from warpffrf.offline.quality import coupling
@@ -283,17 +283,6 @@ def test_file_and_report(ring: Mesh, tmp_path: Path) -> None:
     assert f"rim with those of bore {body.report['contact']['rim']['coupling']['bore']:.2g}" in body.info()
     changed = replace(body.cross[0], lags=2.0 * body.cross[0].lags)
     assert replace(body, cross=(changed,)).content_hash() != body.content_hash()
-
-
-def test_an_older_file_has_none(ring: Mesh, tmp_path: Path) -> None:
-    import h5py
-
-    body = reduced(ring, contact=RING, interfaces={}, modes=6)
-    path = replace(body, cross=()).save(tmp_path / "body.h5")
-    with h5py.File(path, "r+") as file:
-        file.attrs["schema"] = 4
-    again = ReducedBody.load(path)
-    assert again.cross == () and again.cross_compliance("rim", "bore") is None
 
 
 WRONG = {

@@ -12,11 +12,20 @@ from scipy.optimize import nnls
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.sampling import Sampling, gauss_points
+from warpffrf.model.reduced.contact_surface import Sampling, gauss_points
 from warpffrf.model.surfaces import CrownedCylinder
-from warpffrf.offline.contact.cubature import PAIR, Problem, candidate_places, choose_sampling
-from warpffrf.offline.contact.nonnegative import nonnegative_least_squares, pivots
-from warpffrf.offline.contact.training import Places, all_points, families, strip_areas
+from warpffrf.offline.contact.cubature import (
+    PAIR,
+    Places,
+    Problem,
+    all_points,
+    candidate_places,
+    choose_sampling,
+    families,
+    nonnegative_least_squares,
+    pivots,
+    strip_areas,
+)
 
 ROUND_OFF = 1e-12  # of an area: sums of some ten weights
 KKT = 1e-9  # gradient over the norms of column and right-hand side
@@ -32,6 +41,14 @@ def rim():
 def crowned():
     mesh = roller(0.05, 0.015, 0.02, crown_radius=0.4, sectors=90, layers=3, axial=5, order=1)
     return reduced(mesh, contact={"rim": CrownedCylinder()}).contact_surfaces["rim"]
+
+
+def row_weights(points, rows: int) -> np.ndarray:
+    """Sum of the weights by row (rows,) [m^2]: a hat of the row has twice half of it, so this is its area."""
+    out = np.zeros(rows)
+    np.add.at(out, points.row, points.weight * (1.0 - points.zeta))
+    np.add.at(out, points.row + 1, points.weight * points.zeta)
+    return out
 
 
 @pytest.mark.parametrize("seeded", [False, True])
@@ -84,7 +101,7 @@ def test_weights_are_positive_and_areas_exact(surface, request):
     assert points.area == pytest.approx(area, rel=1e-8)  # the trapezoidal rule, an independent sum
     exact = surface.grid.pitch * np.asarray(surface.gram_z).sum(axis=1)
     assert points.area == pytest.approx(exact.sum(), rel=ROUND_OFF)
-    np.testing.assert_allclose(points.row_weights(rows), exact, rtol=0.0, atol=ROUND_OFF * points.area)
+    np.testing.assert_allclose(row_weights(points, rows), exact, rtol=0.0, atol=ROUND_OFF * points.area)
 
 
 def test_a_constant_pressure_has_its_resultant_and_its_moment(rim):
@@ -92,7 +109,7 @@ def test_a_constant_pressure_has_its_resultant_and_its_moment(rim):
     points = choose_sampling(rim, 0.1)
     z, rows = rim.grid.z, rim.grid.rows
     measure = rim.grid.pitch * rim.shape.radius
-    share = points.row_weights(rows)
+    share = row_weights(points, rows)
     assert share.sum() == pytest.approx(measure * (z[-1] - z[0]), rel=ROUND_OFF)
     assert share @ z == pytest.approx(0.5 * measure * (z[-1] ** 2 - z[0] ** 2), abs=ROUND_OFF * points.area * z[-1])
 

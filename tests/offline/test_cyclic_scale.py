@@ -11,10 +11,9 @@ from traction_reference import cyclic_product, mixed_roller, relative, sector_of
 
 from warpffrf.model.mesh import Mesh, roller
 from warpffrf.offline.cyclic.block_cholesky import BlockPattern, NotDefiniteError, chain, work
-from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics
-from warpffrf.offline.cyclic.observers import CyclicObserver
+from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics, Waves
+from warpffrf.offline.cyclic.inertia import CyclicObserver
 from warpffrf.offline.cyclic.path import axes_of
-from warpffrf.offline.cyclic.waves import Waves
 
 ROUND_OFF = 1e-11
 

@@ -18,18 +18,17 @@ from offline_bodies import STEEL
 import warpffrf.offline.general.unit_loads as unit_loads
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
 from warpffrf.offline.bases import FreeFree
 from warpffrf.offline.elastic import free_model
-from warpffrf.offline.fe.assembly import fe_matrices
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assign, fe_matrices
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import Observer, node_observer
 from warpffrf.offline.general.path import reduce_general
-from warpffrf.offline.general.surface import GeneralSurface
-from warpffrf.offline.interfaces.kinds import rigid_interfaces
+from warpffrf.offline.general.unit_loads import GeneralSurface
+from warpffrf.offline.interfaces import rigid_interfaces
 from warpffrf.offline.products import Limits, SurfaceProduct
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.solvers import installed

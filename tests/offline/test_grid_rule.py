@@ -20,8 +20,7 @@ from studies.contact.contact_grid import DEPTH
 from studies.contact.grid_errors import contact_pressures, grid_errors
 from studies.contact.grid_on_roller import approach_for, press, pressed_roller
 from warpffrf.model.errors import InputError
-from warpffrf.offline.contact.cell_depth import DEEPEST
-from warpffrf.offline.contact.grid_rule import (
+from warpffrf.offline.contact.contact_grid import (
     COARSEST,
     PATCHES,
     QUANTITIES,
@@ -30,7 +29,6 @@ from warpffrf.offline.contact.grid_rule import (
     choose_spacing,
     contact_spacing,
     grid_error,
-    mesh_advice,
 )
 
 CASES = [(t, p) for t in TRACTIONS for p in PATCHES]
@@ -246,11 +244,3 @@ def test_choice_says_what_the_mesh_leaves() -> None:
     lost = choose_spacing(1e-3, 3e-3)
     assert lost.error is None and "larger than the half-width" in (lost.warning("rim") or "")
     assert lost.facts()["limited_by_mesh"] is True
-
-
-def test_mesh_advice() -> None:
-    """Nodes of the advised meshes are no farther apart than the grid, and its layers within what is warned of."""
-    advice = mesh_advice(1e-4)
-    assert advice.linear_edge <= advice.coarsest_edge == 1e-4
-    assert 0.5 * advice.quadratic_edge <= 1e-4
-    assert advice.first_layer <= advice.deepest_layer == DEEPEST * 1e-4

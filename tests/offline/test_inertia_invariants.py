@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import h5py
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -13,14 +12,13 @@ from offline_bodies import STEEL, reduced
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced import inertia as terms_of
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.offline.bases import basis_options
 from warpffrf.offline.bases.build import build_basis
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms, scalar_mass
 from warpffrf.offline.products import Limits, mass_properties
 
@@ -187,15 +185,3 @@ def test_file_keeps_the_terms(small_roller, tmp_path) -> None:
     other = replace(body, inertia_terms=None)
     assert other.content_hash() != body.content_hash() == again.content_hash()
     assert replace(body, mass=2.0).inertia_terms is body.inertia_terms
-
-
-@pytest.mark.parametrize("schema", [1, 2])
-def test_files_without_terms_are_read(small_roller, tmp_path, schema) -> None:
-    """Files of older schemas hold the same arrays, without inertia terms."""
-    body = replace(reduced(small_roller, modes=4), inertia_terms=None)
-    path = body.save(tmp_path / "old.h5")
-    with h5py.File(path, "r+") as file:
-        file.attrs["schema"] = schema
-    again = ReducedBody.load(path)
-    assert again.inertia_terms is None and again.content_hash() == body.content_hash()
-    assert "inertia terms   of" not in again.info()

@@ -10,16 +10,16 @@ from offline_bodies import STEEL
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.offline.fe.reference import rule
-from warpffrf.offline.interfaces.kinds import (
+from warpffrf.model.mesh.facets import rigid_modes
+from warpffrf.offline.fe import rule
+from warpffrf.offline.interfaces import (
     INTERFACE_KINDS,
     MOST_FREE_NODES,
     AverageInterface,
+    InterfaceSystem,
     body_interfaces,
     require_spread,
 )
-from warpffrf.offline.interfaces.system import InterfaceSystem
 
 BAR = (0.02, 0.03, 0.1)
 

@@ -10,7 +10,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import FacetSet, Mesh, box, grid, roller, sleeve
 from warpffrf.offline.laps.cells import make_cells
-from warpffrf.offline.laps.loads import frames, unit_loads
+from warpffrf.offline.laps.compliance import frames, unit_loads
 
 ROUND_OFF = 1e-12  # relative: sums of a few thousand products
 

@@ -10,7 +10,6 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
 import pytest
 from lap_bodies import as_kind, slit_body, together
@@ -18,18 +17,16 @@ from offline_bodies import STEEL
 from reference_fe import free_response, matrices
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.laps import LapCells
-from warpffrf.model.laps.lap_cells import lap_cells
+from warpffrf.model.laps.lap_surface import lap_cells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.mesh.data import Matrices
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.offline.general import unit_loads
 from warpffrf.offline.laps.compliance import BodyLaps
 
@@ -188,18 +185,6 @@ def test_saved_and_loaded(slit, tmp_path: Path) -> None:
     assert again.report["laps"]["lap"]["cells"] == 10
     changed = replace(body, lap_compliance=2.0 * body.lap_compliance)
     assert changed.content_hash() != body.content_hash()
-
-
-def test_older_files_have_no_laps(slit, tmp_path: Path) -> None:
-    """A file of schema 8 holds the same arrays, without laps."""
-    body = lapped(slit, {})
-    path = body.save(tmp_path / "body.h5")
-    with h5py.File(path, "r+") as file:
-        assert int(np.asarray(file.attrs["schema"])) > 8
-        file.attrs["schema"] = 8
-    seal(path)
-    old = ReducedBody.load(path)
-    assert old.laps == {} and old.lap_compliance is None and old.surface.laps is None
 
 
 @pytest.fixture(scope="module")

@@ -17,13 +17,13 @@ from reference_fe import matrices
 import warpffrf.offline.general.unit_loads as unit_loads
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.local_mass import LocalMass
 from warpffrf.model.reduced.local_modes import dynamic_modes
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.contact.traction_fields import NORMAL, ContactFacets, TractionField
-from warpffrf.offline.paths import resolve_shapes
+from warpffrf.offline.contact.hat_loads import NORMAL, ContactFacets, TractionField
+from warpffrf.offline.products import resolve_shapes
 
 EXACT = 1e-8  # what the product promises of static responses
 AGREE = 1e-9  # of the largest entry, between the paths

@@ -11,7 +11,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assign
 
 LENGTH, SIDE, CELLS = 1.0, 0.05, 20
 # no lateral contraction: the bar is one-dimensional, and rigid ends do not hold it back

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 
-import h5py
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -14,26 +13,19 @@ from plates import plate
 from references.large_deflections.body import StVenantKirchhoffBody
 from references.membrane import membrane_energy, membrane_gradient, membrane_tangent
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import from_matrices
 from warpffrf.model.mesh.elements import CELL_KINDS
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.second_order_motion import motion_of, skin_displacement
 from warpffrf.offline import reduce
 from warpffrf.offline.elastic import free_model
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.dilatation import projection
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.fe.reference import physical_gradients
+from warpffrf.offline.fe import assemble, assign, physical_gradients, projection
 from warpffrf.offline.inertia import membrane, second_order
+from warpffrf.offline.inertia.invariants import Prestress, prestress_stiffness
 from warpffrf.offline.inertia.membrane import LOCKING, membrane_terms
 from warpffrf.offline.inertia.second_order import SecondOrderStrain, lifted_stiffness, second_order_motion
-from warpffrf.offline.inertia.stiffening import Prestress, prestress_stiffness
-from warpffrf.offline.interfaces.kinds import AverageInterface, body_interfaces
-from warpffrf.offline.interfaces.system import InterfaceSystem
-from warpffrf.output.geometry.scene_view import BodyView
+from warpffrf.offline.interfaces import AverageInterface, InterfaceSystem, body_interfaces
 
 SIDE, THICK = 0.4, 4e-3  # m
 BEAM = (1.0, 0.03, 0.01)  # m
@@ -350,22 +342,6 @@ def test_half_of_a_second_order_motion_is_refused(kept, tmp_path) -> None:
     path = half.save(tmp_path / "plate.h5")
     with pytest.raises(InputError, match=r"second.order"):
         ReducedBody.load(path)
-
-
-def test_files_of_schema_10_have_no_second_order_motion(tmp_path) -> None:
-    """They hold membrane energy, and pictures of them what is linear in the modes."""
-    body = made_plate(membrane_modes=2)
-    old = without_forms(dataclasses.replace(body, surface=dataclasses.replace(body.surface, second_order=None)))
-    path = old.save(tmp_path / "plate.h5")
-    with h5py.File(path, "r+") as file:
-        file.attrs["schema"] = 10
-    seal(path)
-    again = ReducedBody.load(path)
-    view = BodyView("plate", again, again.mass, again.center_of_mass, stiffening=True)
-    assert motion_of(view) is None
-    q = np.linspace(1.0, 2.0, len(again.frequencies))
-    linear = np.tensordot(q, again.surface.modes, 1)
-    np.testing.assert_allclose(skin_displacement(view, q), linear, atol=1e-14 * np.abs(linear).max())  # order of sums
 
 
 def test_shapes_are_those_of_all_pairs(rimmed) -> None:

@@ -9,7 +9,7 @@ from studies.contact.grid_on_roller import RADIUS, STEEL, LayerState, layer_stat
 from warpffrf.model import surfaces
 from warpffrf.model.mesh import ball, box, roller
 from warpffrf.offline import reduce
-from warpffrf.offline.contact.grid_rule import GridChoice, grid_error
+from warpffrf.offline.contact.contact_grid import GridChoice, grid_error
 
 SECTORS = 720  # half as fine as the study
 LINEAR = (0.85, 1.35)  # estimate over error: what the fit is good for

@@ -14,9 +14,8 @@ from patch_reference import Patch, line_edges, spline_matrix
 from references.finite_elements.free_end import STEEL_ROLLER, press_roller
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.far_field import NOTHING, WHOLE, cutoff
-from warpffrf.offline.near_field.charts import FlatChart
-from warpffrf.offline.near_field.exact import PointLoads, half_space_at
-from warpffrf.offline.near_field.half_space import mean_between, normal_load
+from warpffrf.offline.near_field.half_space import PointLoads, half_space_at, mean_between, normal_load
+from warpffrf.offline.near_field.window import FlatChart
 
 NU = 0.3
 # The far fields of a roller from two meshes on the same hats, over the largest entry of the whole compliance. Linear

@@ -9,15 +9,22 @@ import pytest
 from offline_bodies import STEEL, reduced
 
 import warpffrf as wf
-from warpffrf.model.half_space.far_splines import FarSplines, transposed
+from warpffrf.model.half_space import FarSplines, transposed
 from warpffrf.model.reduced.contact_grid import ContactGrid, cell_edges
 from warpffrf.model.reduced.far_field import FarTangential
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assign
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field import compliance
-from warpffrf.offline.near_field.exact import EndField, PointLoads, coupled_mean, half_space_at, tangential_mean
-from warpffrf.offline.near_field.functions import NearFunctions, SpreadFunctions
-from warpffrf.offline.near_field.half_space import normal_load, tangential_load
+from warpffrf.offline.near_field.half_space import (
+    EndField,
+    PointLoads,
+    coupled_mean,
+    half_space_at,
+    normal_load,
+    tangential_load,
+    tangential_mean,
+)
+from warpffrf.offline.near_field.window import NearFunctions, SpreadFunctions
 from warpffrf.offline.progress import Progress
 
 NU = 0.3

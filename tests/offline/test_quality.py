@@ -14,8 +14,7 @@ from reference_fe import matrices
 
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.facets import FacetSet
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import FacetSet, rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.data import DisplaySurface, Interface
 from warpffrf.model.reduced.file import _flatten

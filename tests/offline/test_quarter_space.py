@@ -11,10 +11,8 @@ from numpy.polynomial.legendre import leggauss
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.shapes.box import grid
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.fe.reference import rule
+from warpffrf.model.mesh.shapes.boxes import grid
+from warpffrf.offline.fe import assemble, assign, rule
 from warpffrf.offline.near_field import quarter_space
 from warpffrf.offline.near_field.quarter_space import FULL, QuarterSpace, Resolution
 from warpffrf.offline.solvers import factorise

@@ -11,7 +11,7 @@ from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
-from warpffrf.offline.contact.independence import check_compliance, eigenvalue_ratio
+from warpffrf.offline.contact.local_mass import check_compliance, eigenvalue_ratio
 from warpffrf.offline.reduction import reduce
 
 STEEL = Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)

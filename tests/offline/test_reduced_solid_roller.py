@@ -7,8 +7,7 @@ import pytest
 
 from warpffrf.model.mesh import roller
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 
 
 @pytest.mark.parametrize("order", [1, 2])

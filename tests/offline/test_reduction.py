@@ -223,17 +223,19 @@ def test_damaged_files_are_refused(small_roller, tmp_path):
     with h5py.File(path, "r+") as file:
         frequencies: Any = file["frequencies"]
         frequencies[0] *= 1.0 + 1e-15
-    with pytest.raises(InputError, match="changed by another program"):
+    with pytest.raises(InputError, match="another program has changed it"):
         ReducedBody.load(path)
     seal(path)
     with pytest.raises(InputError, match="content hash differs"):
         ReducedBody.load(path)
     with h5py.File(path, "r+") as file:
         file.attrs["schema"] = 999
-    with pytest.raises(InputError, match="schema 999.*update warpffrf"):
+    seal(path)
+    with pytest.raises(InputError, match="schema 999.*run the reduction again with this version"):
         ReducedBody.load(path)
     with h5py.File(tmp_path / "other.h5", "w") as file:
         file.attrs["format"] = "something else"
+    seal(tmp_path / "other.h5")
     with pytest.raises(InputError, match="not a reduced body"):
         ReducedBody.load(tmp_path / "other.h5")
     with pytest.raises(InputError, match="cannot be written"):

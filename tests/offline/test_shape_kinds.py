@@ -17,10 +17,9 @@ from reference_fe import free_response, matrices
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh, ball, block, box, ring, roller, sleeve
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.tangential import Tangential
+from warpffrf.model.reduced.contact_surface import ContactSurface, Tangential
 from warpffrf.model.surfaces import (
     Bore,
     Cone,
@@ -35,9 +34,9 @@ from warpffrf.model.surfaces import (
     Sphere,
 )
 from warpffrf.offline import reduce
-from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
-from warpffrf.offline.general.surface import GeneralSurface
-from warpffrf.offline.paths import choose_path, resolve_shapes
+from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.general.unit_loads import GeneralSurface
+from warpffrf.offline.products import choose_path, resolve_shapes
 
 EXACT = 1e-8  # what the product promises
 SINGLE = 2e-6  # modes on the display surface are stored in single precision

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.model.reduced.slopes import leaning, leanings, leant
-from warpffrf.offline.contact.slopes import slope_lags
+from warpffrf.model.reduced.local_modes import leaning, leanings, leant
+from warpffrf.offline.contact.local_mass import slope_lags
 
 RUBBER, STEEL = wf.Material(5e6, 0.49, 1100.0), wf.Material(210e9, 0.3, 7850.0)
 R = 0.05

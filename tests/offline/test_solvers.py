@@ -11,11 +11,10 @@ import scipy.sparse as sp
 import warpffrf.offline.solvers as solvers
 import warpffrf.offline.solvers.multifrontal as multifrontal
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.offline.elastic import REFINED_ABOVE, StaticResponse, free_model
 from warpffrf.offline.solvers import SOLVERS, chosen, factorise, installed
-from warpffrf.offline.solvers.fronts import find_fronts
-from warpffrf.offline.solvers.ordering import LEAF, nested_dissection
+from warpffrf.offline.solvers.ordering import LEAF, find_fronts, nested_dissection
 
 EXACT = 1e-10  # of the largest value: the condition of these systems times round-off, with room
 ROUND_OFF = 1e-13

@@ -11,7 +11,7 @@ import pytest
 from offline_bodies import reduced
 from reference_fe import free_response, matrices
 
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
 from warpffrf.offline.contact.hat_loads import hat_loads
 

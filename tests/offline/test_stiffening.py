@@ -11,13 +11,12 @@ from offline_bodies import STEEL, reduced
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import from_matrices
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.inertia import PRODUCTS
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.inertia.stiffening import centrifugal_acceleration, prestress_stiffness
+from warpffrf.offline.fe import assemble, assign
+from warpffrf.offline.inertia.invariants import centrifugal_acceleration, prestress_stiffness
 
 LENGTH, WIDTH, HEIGHT = 0.6, 0.02, 0.014  # m, along z, y, x: bending in the planes of y and x has its own frequencies
 # Shear and rotary inertia, (height/length)^2 times 30 for the second mode, and 24 linear cells: 0.6 % is seen.

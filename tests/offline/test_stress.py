@@ -11,14 +11,14 @@ from reference_fe import free_response, matrices
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.reduced.stress_field import GridSpan, StressPoints, from_tensor, rotated, sector_frames, to_tensor
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.contact.contact_grid import facet_chart, nodal_plan
 from warpffrf.offline.contact.hat_loads import hat_loads, surface_vectors
 from warpffrf.offline.cyclic.sector import sector_axes
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assign
 from warpffrf.offline.stress.operator import traction_correction, traction_operator
 from warpffrf.offline.stress.plan import StressPlan
 

@@ -9,7 +9,7 @@ from traction_reference import cyclic_product, mixed_roller, plan_of, relative, 
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import roller
 from warpffrf.model.surfaces import CrownedCylinder
-from warpffrf.offline.contact.traction_fields import TANGENTIAL, ContactFacets
+from warpffrf.offline.contact.hat_loads import TANGENTIAL, ContactFacets
 from warpffrf.offline.cyclic.sector import phase
 from warpffrf.offline.cyclic.surface import CyclicField, FacetPattern, facet_pattern
 

@@ -12,9 +12,9 @@ from offline_bodies import STEEL
 
 from references.small_sliding.sheets import ROOT, one_body, stack
 from warpffrf.model.errors import InputError
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.offline import bases, reduce
-from warpffrf.offline.bases.tvd import joint_modes, node_pairs
+from warpffrf.offline.bases.responses import joint_modes, node_pairs
 from warpffrf.offline.elastic import free_model
 
 LOWER, UPPER = "sheet0_z_max", "sheet1_z_min"

@@ -9,18 +9,16 @@ from offline_bodies import STEEL
 from reference_fe import free_response
 
 from warpffrf.model.mesh import FacetSet, Mesh, roller
-from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced.tangential import Tangential
+from warpffrf.model.mesh.facets import rigid_modes
+from warpffrf.model.reduced.contact_surface import Tangential
 from warpffrf.model.surfaces import Cylinder
-from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL, ContactFacets, TractionField
+from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, ContactFacets, TractionField
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
 from warpffrf.offline.cyclic.sector import assemble_sector
 from warpffrf.offline.cyclic.surface import CyclicSurface, FacetPattern, facet_pattern
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.interfaces.kinds import rigid_interfaces
-from warpffrf.offline.paths import choose_path, resolve_shapes
-from warpffrf.offline.products import Limits, SurfaceProduct
+from warpffrf.offline.fe import assemble, assign
+from warpffrf.offline.interfaces import rigid_interfaces
+from warpffrf.offline.products import Limits, SurfaceProduct, choose_path, resolve_shapes
 from warpffrf.offline.progress import Progress
 
 

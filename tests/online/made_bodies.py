@@ -12,9 +12,8 @@ import numpy as np
 
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
-from warpffrf.model.reduced.recovery import Recovery
 
 SOFTNESS = 2e-10  # m/N of a hat on itself: about steel under a hat of a few millimetres
 DECAY = 6e-3  # m

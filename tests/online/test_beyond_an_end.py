@@ -12,9 +12,9 @@ from scenes.rollers import roller_body
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.sampling import Sampling
+from warpffrf.model.reduced.contact_surface import Sampling
 from warpffrf.model.scene import Scene
-from warpffrf.offline.contact.training import all_points
+from warpffrf.offline.contact.cubature import all_points
 from warpffrf.online import History, run
 
 RADIUS, WIDTH, ROWS = 0.05, 0.02, 4  # m

@@ -8,7 +8,7 @@ import pytest
 import warpffrf as wf
 from studies.contact import coarse_rollers as cr
 from warpffrf.model.errors import InputError
-from warpffrf.model.half_space.box_means import Boxes, squares
+from warpffrf.model.half_space import Boxes, squares
 from warpffrf.online.compile.patches.plan import CROWNED_ERROR, STRIPS_ERROR, PatchPlan
 from warpffrf.online.diagnosis import cell_check
 from warpffrf.online.diagnosis.cell_check import MANY, check_cells

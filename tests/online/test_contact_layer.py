@@ -33,7 +33,7 @@ from reference_contact import Pose, Problem, contact_problem, gauss
 SETTINGS = Settings(window_strain=0.5, residual_tolerance=1e-10)
 AGREE = 5e-9  # as in test_contact_reference
 STATIONARY = 1e-13  # of the gap: where the projected Newton iteration ends
-SHIFT = 1e-12  # m, of powers (warpffrf.model.laws.curves.power)
+SHIFT = 1e-12  # m, of powers (warpffrf.model.laws.curves.curve)
 
 Curve = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray, np.ndarray]]
 

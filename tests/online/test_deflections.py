@@ -16,19 +16,18 @@ from warpffrf.model.integrators import RungeKutta4
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.interface_motion import interface_motion
-from warpffrf.model.reduced.membrane import membrane_forms
+from warpffrf.model.reduced.inertia import interface_motion, membrane_forms
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.diagnosis.deflections import (
+from warpffrf.online.diagnosis.indicator import (
     STRAINED,
     THICK,
     TURNED,
     Deflection,
     deflection_lines,
     deflections,
+    percent,
 )
-from warpffrf.online.diagnosis.indicator import percent
 from warpffrf.output.simulate import equilibrium, simulate
 
 MATERIAL = Material(210e9, 0.0, 7850.0)  # as a beam: sections are not stiffened by their width

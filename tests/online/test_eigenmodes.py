@@ -15,8 +15,7 @@ from warpffrf.model.integrators import EnergyMomentum
 from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.online import Engine, find_equilibrium, run
 from warpffrf.online.start.consistent import start_consistently
 from warpffrf.online.start.settle import settle

@@ -15,13 +15,12 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
+from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 from warpffrf.model.scene import Scene
-from warpffrf.offline.contact.cubature import choose_sampling
-from warpffrf.offline.contact.training import all_points
+from warpffrf.offline.contact.cubature import all_points, choose_sampling
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.compile.sampling_rules import on_stations
-from warpffrf.online.diagnosis.sampling_check import check_sampling
+from warpffrf.online.diagnosis.contact_notes import check_sampling
 from warpffrf.online.start.settle import settle
 
 WANTED = 0.01

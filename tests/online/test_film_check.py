@@ -13,10 +13,10 @@ from warpffrf.model import films, joints, oils, signals, surfaces
 from warpffrf.model.films import Film
 from warpffrf.model.scene import Scene
 from warpffrf.online import History, run
-from warpffrf.online.diagnosis.film_check import SAMPLED, FilmCheck
+from warpffrf.online.diagnosis.film_notes import SAMPLED, FilmCheck
 from warpffrf.online.history.films import narrowest
 from warpffrf.online.run import find_equilibrium
-from warpffrf.output.budget.films import film_lines
+from warpffrf.output.budget.contacts import film_lines
 
 HATS = (32, 17)
 SAME = 2e-3  # of a quantity: two iterations that end at 1e-4 of the pressure, and a load that shear carries c/R of

@@ -9,7 +9,7 @@ from warpffrf.model import joints
 from warpffrf.model import rotation as rot
 from warpffrf.model.scene import Scene
 from warpffrf.online import Engine, run
-from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
+from warpffrf.online.diagnosis.motion_notes import hidden_inertia
 from warpffrf.online.start.consistent import start_consistently
 
 LENGTH, ANGLE, HEAVY = 0.5, 0.8, 1e3  # m, rad, kg

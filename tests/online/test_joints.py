@@ -12,7 +12,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, find_equilibrium, run
 from warpffrf.online.history.history import BodyHistory, JointHistory
-from warpffrf.online.history.joint_motion import left_out_notes
+from warpffrf.online.history.record import left_out_notes
 
 CUBE = (0.1, 0.1, 0.1)
 

@@ -12,15 +12,14 @@ from scenes.rollers import PAIR, Path, StaticPath, guided_pair, prescribed_pair
 from warpffrf.model import laws, signals
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
+from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 from warpffrf.model.scene import Scene
-from warpffrf.offline.contact.cubature import choose_sampling
-from warpffrf.offline.contact.training import all_points
+from warpffrf.offline.contact.cubature import all_points, choose_sampling
 from warpffrf.online import Engine, Settings, run
 from warpffrf.online.arrays.axes import layer_points
 from warpffrf.online.compile.points import gauss_rule
 from warpffrf.online.compile.sampling_rules import chosen_rule
-from warpffrf.online.diagnosis.sampling_check import check_sampling
+from warpffrf.online.diagnosis.contact_notes import check_sampling
 from warpffrf.online.start.settle import settle
 from warpffrf.online.vibrations.linearise import slot_flexibility
 

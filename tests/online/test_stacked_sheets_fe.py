@@ -25,13 +25,12 @@ from warpffrf.model import forces, joints
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.online import find_equilibrium
 
 STEEL = Material(210e9, 0.3, 7850.0)

@@ -25,8 +25,7 @@ from warpffrf.online.settings import Settings
 from warpffrf.online.step import graph
 from warpffrf.online.step.graph import StepGraph
 from warpffrf.online.turn import TURN
-from warpffrf.online.worlds.engines import SharedEngine
-from warpffrf.online.worlds.meeting import Ended, Meeting
+from warpffrf.online.worlds import Ended, Meeting, SharedEngine
 
 STEP, STEPS = 1e-3, 8
 LEDGER = 1e-4  # of the energy: second order in the step, 4e-5 is found

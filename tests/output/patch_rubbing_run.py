@@ -113,7 +113,7 @@ def patch_contact(
     )
     pair = PairView(
         "a-b", BodyView("a", reduced, 1.0, np.zeros(3)), "face",
-        BodyView("b", None, 1.0, np.zeros(3), None, {"face": shape}), "face", MU,
+        BodyView("b", None, 1.0, np.zeros(3), shapes={"face": shape}), "face", MU,
     )  # fmt: skip
     bodies = {"a": still(), "b": still()}
     for motion in bodies.values():

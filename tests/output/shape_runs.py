@@ -48,7 +48,7 @@ def contact_of(
 
     def body(name: str, shape: Any, grid: ContactGrid | None) -> BodyView:
         if grid is None:
-            return BodyView(name, None, 1.0, np.zeros(3), None, {"face": shape})
+            return BodyView(name, None, 1.0, np.zeros(3), shapes={"face": shape})
         material = {"youngs_modulus": YOUNG, "poisson_ratio": POISSON}
         surface = SimpleNamespace(name="face", shape=shape, grid=grid)
         reduced = SimpleNamespace(

@@ -10,9 +10,8 @@ import numpy as np
 
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid, meridian_gram
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
-from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, ContactHistory, History, JointHistory
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView

@@ -17,9 +17,9 @@ from studies.accuracy.budget_check import driven_mass, pendulum
 from studies.hard_cases.suite import CASES
 from warpffrf.model import joints, signals
 from warpffrf.model.errors import InputError
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.online.settings import Settings
-from warpffrf.output.accuracy.choose import Stuck
+from warpffrf.output.accuracy.choose import A_RISE, FEWEST, Stuck, first_setting
 from warpffrf.output.accuracy.demands import (
     FINER,
     LEAST_TOLERANCE,
@@ -28,10 +28,9 @@ from warpffrf.output.accuracy.demands import (
     energy_tolerance_wanted,
     steps_wanted,
 )
-from warpffrf.output.accuracy.first import A_RISE, FEWEST, first_setting
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.budget import time_step
-from warpffrf.output.budget.energy import OF, SOURCE, energy_lines
+from warpffrf.output.budget.contacts import OF, SOURCE, energy_lines
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.simulate import simulate
 

@@ -19,8 +19,7 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.output.plots.bearing import element_loads
 from warpffrf.output.plots.figure import OVER_TIME, drawable, summary
 from warpffrf.output.plots.films import gap as gap_map
-from warpffrf.output.plots.overlay import Overlaid
-from warpffrf.output.plots.panels import Panel
+from warpffrf.output.plots.panels import Overlaid, Panel
 from warpffrf.output.recording.layout import _axis
 from warpffrf.output.result import Result
 from warpffrf.output.spectrum import frequency_spectrum

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from synthetic_run import DURATION, E_MODULUS, HALF_WIDTH, PEAK, PITCH, POISSON, R, make_history
 
-from warpffrf.output.contact.hertz_patch import HertzLine
-from warpffrf.output.contact.result import hat_means, line_moments, mid_width
+from warpffrf.output.contact.hertz import HertzLine
+from warpffrf.output.contact.result import hat_means, line_moments
 from warpffrf.output.result import Result
 
 FINE_QUADRATURE = 200_001
@@ -59,12 +59,6 @@ def test_no_pressure_gives_zeros_not_nan() -> None:
     p = np.zeros((2, 5))
     assert all(np.all(v == 0.0) for v in line_moments(np.arange(5.0), p, 1.0))
     assert np.all(hat_means(p[:, :, None]) == 0.0)
-
-
-def test_mid_width_interpolates_where_no_row_is_in_the_middle() -> None:
-    k, k1, w = mid_width(np.array([0.0, 1.0, 4.0]))
-    assert (1 - w) * k + w * k1 == pytest.approx(1.0 + 1.0 / 3.0)
-    assert mid_width(np.array([3.0])) == (0, 0, 0.0)
 
 
 def test_contact_of_a_hertz_run(result: Result) -> None:

@@ -7,7 +7,7 @@ import pytest
 from shape_runs import PLANE_STRAIN, contact_of, ellipsoid, grid_of, still
 
 from warpffrf.model.surfaces import Bore, CrownedCylinder, Cylinder, Plane, Ring, Sphere
-from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint, hertz_point
+from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz_point
 from warpffrf.output.contact.result import ContactResult
 
 BALL, AXIS = 0.01, (0.0, 1.0, 0.0)

@@ -17,6 +17,7 @@ from rubbing_run import CREEPAGE, MU, SPEED, STICK, carter_traction, make_rubbin
 from shape_runs import contact_of, ellipsoid, grid_of, still
 from synthetic_run import HALF_WIDTH, PEAK, PITCH, STEPS, WIDTH, R
 
+from references.pressure_wrench import traction_wrench
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import Bore, Cylinder, Plane, Sphere
 from warpffrf.online.history.history import FrictionHistory
@@ -27,8 +28,7 @@ from warpffrf.output.budget.contacts import friction_lines
 from warpffrf.output.contact.cell_result import CellContactResult
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS, OPEN, SLIP
 from warpffrf.output.contact.friction import STICK as STICKS
-from warpffrf.output.contact.pressure_wrench import traction_wrench
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result

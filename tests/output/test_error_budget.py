@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import warpffrf as wf
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.online.marks import MARKS, WHOLE
 from warpffrf.output.budget.budget import budget_text, largest_of_each
 from warpffrf.output.budget.contacts import _beside

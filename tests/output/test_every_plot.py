@@ -14,13 +14,13 @@ from matplotlib.collections import Collection, LineCollection, PathCollection, P
 from matplotlib.figure import Figure
 
 import warpffrf as wf
-from warpffrf.output.contact.hertz_stress import largest_below, largest_of
+from warpffrf.output.contact.hertz import largest_below, largest_of
 from warpffrf.output.plots.bearing import BEARING_PLOTS
 from warpffrf.output.plots.figure import PLOTS, about_kinds, drawable
 from warpffrf.output.plots.films import FILM_PLOTS
 from warpffrf.output.plots.friction import FRICTION_PLOTS
-from warpffrf.output.plots.histories import HISTORY_PLOTS
 from warpffrf.output.plots.laps import LAP_PLOTS
+from warpffrf.output.plots.panels import HISTORY_PLOTS
 from warpffrf.output.result import Result
 
 PAIR_KINDS = [*PLOTS, *FRICTION_PLOTS]

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.plots.figure import PLOTS, write_figure
 from warpffrf.output.result import Result
 

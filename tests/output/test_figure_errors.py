@@ -14,7 +14,7 @@ from studies.contact import coarse_points as points
 from studies.contact import coarse_rollers as rollers
 from studies.films import film_acceptance as films
 from warpffrf.model.reduced.mesh_error import own_mesh_error
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget import budget
 from warpffrf.output.budget.balance import given_by_loads
 from warpffrf.output.budget.figures import UNKNOWN, figure_text, figures, total

@@ -20,9 +20,8 @@ from warpffrf.model.files.sealed_file import seal
 from warpffrf.model.films import Film
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface, Interface
-from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
 from warpffrf.online.history.films import eccentricity, film_histories
 from warpffrf.online.history.history import ENERGY_LINES, BodyHistory, FilmHistory, History
@@ -375,8 +374,8 @@ def narrower(file: Any) -> None:
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        (without("film_gap"), "missing.*'gap'"),
-        (without("film_force"), "missing.*'force'"),
+        (without("film_gap"), "film_gap.* is missing"),
+        (without("film_force"), "film_force is missing"),
         (put("film_void/bearing", lambda v: v[:, :, 1:]), r"film_void of 'bearing' must have shape \(6, 24, 7\)"),
         (put("film_pressure/bearing", lambda v: v[1:]), r"film_pressure of 'bearing' must have shape \(6, any, any\)"),
         (put("film_eccentricity", lambda v: v[..., :1]), r"film_eccentricity of 'bearing' must have shape \(6, 2\)"),

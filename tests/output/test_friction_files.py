@@ -17,7 +17,7 @@ from synthetic_run import COLUMNS, ROWS, STEPS, WINDOW, R, make_history
 from warpffrf.model.errors import InputError
 from warpffrf.online.history.history import FrictionHistory
 from warpffrf.output.files.fields import FRICTION_DERIVED, FRICTION_FIELDS
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.result import Result
 

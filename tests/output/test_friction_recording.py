@@ -20,9 +20,9 @@ from warpffrf.model.surfaces import Groove, Plane, Sphere
 from warpffrf.output.plots.colors import STATE_COLORS, ColorClasses, legend_picture, legend_rows
 from warpffrf.output.plots.friction import FRICTION_PLOTS
 from warpffrf.output.recording.contact_scene import FRICTION_FIELDS, relief_name
-from warpffrf.output.recording.contact_series import FRICTION_PLOTS as CURVES
+from warpffrf.output.recording.contact_scene import FRICTION_PLOTS as CURVES
+from warpffrf.output.recording.glyphs import shape_mesh
 from warpffrf.output.recording.recorder import record
-from warpffrf.output.recording.rigid_shapes import shape_mesh
 from warpffrf.output.result import Result
 
 

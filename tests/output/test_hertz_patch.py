@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from warpffrf.output.contact.hertz_patch import conforms, eccentricity_squared, hertz_line, hertz_point
+from warpffrf.output.contact.hertz import conforms, eccentricity_squared, hertz_line, hertz_point
 
 MODULUS, LOAD = 1.1e11, 250.0
 

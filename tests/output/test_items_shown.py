@@ -9,7 +9,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.model import forces, joints
-from warpffrf.output.report.items import MOST_LINES
+from warpffrf.output.report.report import MOST_LINES
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from lap_runs import FRICTION, PRESSED, SIZE, block
 import warpffrf as wf
 from warpffrf import forces, joints, mesh, surfaces
 from warpffrf.model.files.object_arrays import from_arrays, to_arrays
-from warpffrf.output.bodies.lap_loads import LapLoads, left_out
+from warpffrf.output.bodies.normal_loads import LapLoads, left_out
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result
 

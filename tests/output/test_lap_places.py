@@ -8,9 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warpffrf.output.laps.chart import lap_chart
-from warpffrf.output.laps.sliding import rigid_sliding
-from warpffrf.output.laps.slip_zone import ACROSS, slip_zone
+from warpffrf.output.laps import ACROSS, lap_chart, rigid_sliding, slip_zone
 
 AROUND, ALONG, RADIUS, LENGTH = 48, 5, 0.02, 0.03
 FACET = np.pi / AROUND  # half of the angle of a facet: what is straight between nodes is short of by its cube

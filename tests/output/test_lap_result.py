@@ -19,7 +19,7 @@ from warpffrf.online.history.history import LapHistory
 from warpffrf.online.stages import joined_parts
 from warpffrf.output.budget.quantities import quantities
 from warpffrf.output.files.fields import LAP_FIELDS
-from warpffrf.output.laps.lap_result import SLIDES, LapResult
+from warpffrf.output.laps import SLIDES, LapResult
 from warpffrf.output.plots.figure import write_figure
 from warpffrf.output.plots.laps import LAP_PLOTS
 from warpffrf.output.plots.panels import save_panels

@@ -17,9 +17,9 @@ from references.small_sliding.sheets import graded_stack
 from warpffrf import forces, joints, signals
 from warpffrf.model import rotation as rot
 from warpffrf.model.mesh import Mesh, box
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assign
 from warpffrf.offline.stress.plan import StressPlan
-from warpffrf.output.bodies.lap_loads import LapLoads
+from warpffrf.output.bodies.normal_loads import LapLoads
 from warpffrf.output.result import Result
 
 STEEL = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850.0)

@@ -11,10 +11,9 @@ import warpffrf as wf
 from warpffrf.model.messages import reprs
 from warpffrf.online.history.history import BodyHistory, History, JointHistory
 from warpffrf.output.contact.cell_result import CellContactResult
-from warpffrf.output.contact.film_result import FilmResult
 from warpffrf.output.contact.pair_result import PairResult
-from warpffrf.output.contact.result import ContactResult
-from warpffrf.output.laps.lap_result import LapResult
+from warpffrf.output.contact.result import ContactResult, FilmResult
+from warpffrf.output.laps import LapResult
 from warpffrf.output.result import Result
 
 SHORT = 240  # characters: what fits on two lines

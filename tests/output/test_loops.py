@@ -8,9 +8,7 @@ import pytest
 import warpffrf as wf
 from warpffrf.model import forces, joints, signals
 from warpffrf.model.errors import InputError
-from warpffrf.output.loops.channels import channel
-from warpffrf.output.loops.cycles import cycle_times, piece, value_at
-from warpffrf.output.loops.hysteresis import Hysteresis, equivalent_damping
+from warpffrf.output.loops import Hysteresis, channel, cycle_times, equivalent_damping, piece, value_at
 
 STEPS = 400  # of a cycle
 POLYGON = (2.0 * np.pi / STEPS) ** 2 / 6.0  # what a polygon in a smooth loop is short of

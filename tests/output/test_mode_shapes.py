@@ -12,8 +12,7 @@ import warpffrf as wf
 from warpffrf.model import joints
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.output.plots.mode_picture import eye_axes
-from warpffrf.output.plots.mode_shapes import CORNERS, SIDES, MovedSkin, draw_shape, inertia_box, outward, skins_of
+from warpffrf.output.plots.modes import CORNERS, SIDES, MovedSkin, draw_shape, eye_axes, inertia_box, outward, skins_of
 
 SIZE = np.array([0.3, 0.02, 0.1])  # m
 

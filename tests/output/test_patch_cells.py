@@ -17,6 +17,7 @@ from recordings import columns
 
 import warpffrf as wf
 from references.closed_forms import LineContact
+from references.pressure_wrench import pressure_wrench
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.reduced.stress_field import rotated, to_tensor
 from warpffrf.model.surfaces import Cylinder, Sphere
@@ -25,7 +26,6 @@ from warpffrf.online.history.history import CellHistory
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
 from warpffrf.output.bodies.normal_loads import CellLoads, normal_loads
 from warpffrf.output.contact.cell_result import CellContactResult
-from warpffrf.output.contact.pressure_wrench import pressure_wrench
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.patch_map import map_window, pressure_map
 from warpffrf.output.recording.recorder import record

@@ -11,11 +11,9 @@ from synthetic_run import COLUMNS, HALF_WIDTH, ROWS, R, make_history, roller
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.recovery import Recovery
-from warpffrf.model.reduced.tangential import Tangential
+from warpffrf.model.reduced.contact_surface import Recovery, Tangential
 from warpffrf.output.bodies.patch_on_skin import cell_areas, tangential_forces
-from warpffrf.output.geometry.grid_places import grid_theta_offset, rotate
-from warpffrf.output.geometry.poses import tangents
+from warpffrf.output.geometry.places import grid_theta_offset, rotate, tangents
 from warpffrf.output.result import Result
 
 SOFT = 1e-9  # m/N, of a rim node under the force of its cell

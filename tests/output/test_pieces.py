@@ -16,10 +16,9 @@ from hypothesis import strategies as st
 from synthetic_run import COLUMNS, ROWS, WINDOW, R
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import checked_output_path, size_text, written_whole
+from warpffrf.model.files.paths import checked_output_path, size_text, written_whole
 from warpffrf.model.files.sealed_file import written_sealed
-from warpffrf.output.geometry.shown import frame_rows, round_factor, rows_every
-from warpffrf.output.geometry.thinning import thinned, vertex_normals
+from warpffrf.output.geometry.skin_nodes import frame_rows, round_factor, rows_every, thinned, vertex_normals
 from warpffrf.output.plots.colors import PRESSURE_STOPS, ColorScale, legend_picture, map_axes_picture
 from warpffrf.output.recording.frames import grid_triangles, patch_frame, relief
 from warpffrf.output.recording.patch_map import MapWindow, hat_map

@@ -12,10 +12,10 @@ from rubbing_run import make_rubbing_history
 from shape_runs import contact_of, grid_of, still
 from synthetic_run import COLUMNS, ROWS, R, make_history
 
+from references.pressure_wrench import pressure_wrench, traction_wrench
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Bore, Cone, CrownedCylinder, Cylinder, Plane
-from warpffrf.output.contact.pressure_wrench import pressure_wrench, traction_wrench
-from warpffrf.output.geometry.grid_places import rotate, spread
+from warpffrf.output.geometry.places import rotate, spread
 from warpffrf.output.result import Result
 
 FINE = (

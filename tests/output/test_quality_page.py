@@ -13,7 +13,7 @@ from warpffrf.cli.describe import describe_file
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.data import DisplaySurface
-from warpffrf.output.plots.mode_picture import MAX_TRIANGLES, eye_axes, mode_skin
+from warpffrf.output.plots.modes import MAX_TRIANGLES, eye_axes, mode_skin
 from warpffrf.output.plots.quality_page import decay, frequencies, hat_response, quality_figure
 
 

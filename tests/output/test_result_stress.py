@@ -10,7 +10,7 @@ import scipy.sparse as sp
 from synthetic_run import COLUMNS, MODES, ROWS, make_history, roller
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.contact_surface import Recovery
 from warpffrf.model.reduced.stress_field import (
     GridSpan,
     LoadStress,
@@ -22,7 +22,7 @@ from warpffrf.model.reduced.stress_field import (
     to_tensor,
     von_mises,
 )
-from warpffrf.output.geometry.grid_places import spread
+from warpffrf.output.geometry.places import spread
 from warpffrf.output.geometry.scene_view import SceneView
 from warpffrf.output.result import Result
 

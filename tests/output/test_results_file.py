@@ -118,18 +118,19 @@ def test_missing_damaged_foreign_and_newer_files_are_refused(saved: Path, tmp_pa
         Result.load(text)
     foreign = tmp_path / "foreign.h5"
     h5py.File(foreign, "w").close()
-    with pytest.raises(InputError, match="not a results file"):
+    with pytest.raises(InputError, match="no file of warpffrf"):
         Result.load(foreign)
     with h5py.File(saved, "a") as file:
         del file["contact_force"]
-    with pytest.raises(InputError, match="changed by another program"):
+    with pytest.raises(InputError, match="another program has changed it"):
         Result.load(saved)
     seal(saved)
     with pytest.raises(InputError, match="damaged .*missing"):
         Result.load(saved)
     with h5py.File(saved, "a") as file:
         file.attrs["schema_version"] = SCHEMA_VERSION + 1
-    with pytest.raises(InputError, match="install a newer warpffrf"):
+    seal(saved)
+    with pytest.raises(InputError, match=f"schema {SCHEMA_VERSION + 1}, .*write it again with this version"):
         Result.load(saved)
 
 
@@ -137,12 +138,3 @@ def test_unknown_names_list_the_known(result: Result) -> None:
     for ask, kind in ((result.body, "body"), (result.joint, "joint"), (result.contact, "contact")):
         with pytest.raises(InputError, match=f"no {kind} called 'nobody'; it has: '"):
             ask("nobody")
-
-
-def test_a_quantity_that_had_another_name_is_read(result: Result, saved: Path) -> None:
-    with h5py.File(saved, "a") as file:
-        file.move("contact_active_hats", "contact_active_modes")
-    seal(saved)
-    loaded = Result.load(saved)
-    for pair, contact in result.history.contacts.items():
-        np.testing.assert_array_equal(loaded.history.contacts[pair].active_hats, contact.active_hats)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from synthetic_run import COLUMNS, PITCH, ROWS, TURN, WIDTH, R
 
-from warpffrf.output.bodies.skin import hat_areas, hat_forces
-from warpffrf.output.geometry.grid_places import rotate, spread
+from warpffrf.output.bodies.normal_loads import hat_areas, hat_forces
+from warpffrf.output.geometry.places import rotate, spread
 from warpffrf.output.result import Result
 
 

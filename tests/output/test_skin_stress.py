@@ -19,8 +19,8 @@ from warpffrf.model.reduced.stress_field import to_tensor
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
 from warpffrf.output.bodies import stress
-from warpffrf.output.bodies.skin_stress import same_places
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.bodies.skin import same_places
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.plots.colors import UNKNOWN, field_scale
 from warpffrf.output.recording.recorder import record
 from warpffrf.output.result import Result

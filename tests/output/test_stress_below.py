@@ -17,8 +17,15 @@ from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.surfaces import Plane
 from warpffrf.output.bodies.half_space_stress import under_cells
 from warpffrf.output.bodies.stress_below import stress_below
-from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint, hertz_line, hertz_point
-from warpffrf.output.contact.hertz_stress import largest_below, largest_of, stress_on_axis
+from warpffrf.output.contact.hertz import (
+    HertzLine,
+    HertzPoint,
+    hertz_line,
+    hertz_point,
+    largest_below,
+    largest_of,
+    stress_on_axis,
+)
 from warpffrf.output.result import Result
 
 NU, MODULUS = 0.3, 1.1e11

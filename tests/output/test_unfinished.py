@@ -24,8 +24,8 @@ from unfinished_runs import FEW, OPTIONS, STEP, pendulum
 import warpffrf as wf
 from scenes.rollers import guided_pair, roller_body
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.processes import lives
-from warpffrf.model.messages import interruption
+from warpffrf.model.files.paths import lives
+from warpffrf.model.messages import progress
 from warpffrf.model.messages.checkpoints import Plan, Unfinished
 from warpffrf.online.history.history import History
 from warpffrf.online.keeping import Keeping
@@ -135,7 +135,7 @@ def test_a_script_hears_what_a_signal_ends(
 ) -> None:
     """A run that was ended is a result, and is written. After Ctrl-C a script runs more; SIGTERM ends it where it would
     begin the next run."""
-    monkeypatch.setattr(interruption, "_process", interruption.Asked())
+    monkeypatch.setattr(progress, "_process", progress.Asked())
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     file, look = tmp_path / "run.h5", Keeping.look
     try:

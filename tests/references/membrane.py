@@ -1,10 +1,10 @@
-"""The membrane energy V4 of `warpffrf.model.reduced.membrane`, its gradient and its tangent, at one state."""
+"""The membrane energy V4 of `warpffrf.model.reduced.inertia`, its gradient and its tangent, at one state."""
 
 from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.reduced.membrane import membrane_amplitudes
+from warpffrf.model.reduced.inertia import membrane_amplitudes
 
 Array = np.ndarray
 

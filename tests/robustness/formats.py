@@ -20,15 +20,13 @@ import scipy.sparse as sp
 from scipy.io import mmwrite
 
 import warpffrf as wf
-from warpffrf.model.files.sealed_arrays import HEAD
-from warpffrf.model.files.sealed_file import TRAILER, seal
+from warpffrf.model.files.sealed_file import HEAD, TRAILER, seal
 from warpffrf.model.mesh.files.matrices import read_matrix
 from warpffrf.model.messages.checkpoints import Source
 from warpffrf.model.reduced.file import _digest, _flatten
 from warpffrf.output.files import unfinished
 from warpffrf.output.result import Result
-from warpffrf.study.sweeps.job import Answer
-from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.job import Answer, Value
 from warpffrf.study.sweeps.table import Table
 
 TESTS = Path(__file__).resolve().parents[1]

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 import warpffrf as wf
-from warpffrf.model.messages.interruption import terminated_as_interrupted
+from warpffrf.model.messages.progress import terminated_as_interrupted
 
 GRAVITY, MASS = 9.81, 2.0  # m/s2, kg
 TIMES = {"duration": 0.01, "step": 1e-3}

@@ -9,16 +9,15 @@ import pytest
 import warpffrf as wf
 from warpffrf.cli.study import choices_of
 from warpffrf.model.errors import InputError
-from warpffrf.model.half_space.box_means import Boxes, squares
+from warpffrf.model.half_space import Boxes, squares
 from warpffrf.model.integrators import HHT, GeneralizedAlpha, Newmark
 from warpffrf.study.speed_against_error.choices import text_of
-from warpffrf.study.speed_against_error.errors import relative, relative_largest
+from warpffrf.study.speed_against_error.errors import common_interval, common_rows, relative, relative_largest
 from warpffrf.study.speed_against_error.front import fastest, front, orders
-from warpffrf.study.speed_against_error.machine import stated, unit_of
+from warpffrf.study.speed_against_error.machines import stated, unit_of
+from warpffrf.study.speed_against_error.outcome import front_table, full_table, order_table, shortened
 from warpffrf.study.speed_against_error.picture import pareto_figure, steps_figure
 from warpffrf.study.speed_against_error.runs import Row
-from warpffrf.study.speed_against_error.tables import front_table, full_table, order_table, shortened
-from warpffrf.study.speed_against_error.times import common_interval, common_rows
 
 ROUND_OFF = 1e-12
 

@@ -99,8 +99,7 @@ def test_one_variable_is_read_without_the_others(tmp_path: Path) -> None:
 
     import xarray
 
-    from warpffrf.study.sweeps.job import Answer
-    from warpffrf.study.sweeps.outputs import Value
+    from warpffrf.study.sweeps.job import Answer, Value
     from warpffrf.study.sweeps.table import Table
 
     table = Table.empty(["x"], [{"x": float(n)} for n in range(500)])
@@ -293,8 +292,7 @@ def test_what_cannot_be_swept_is_named_with_the_cure(
 
 def test_axes_of_arrays_are_called_as_nothing_else(tmp_path: Path) -> None:
     """Of a function that is known before any row is run; of a field its row has failed, and the table can be read."""
-    from warpffrf.study.sweeps.job import Answer
-    from warpffrf.study.sweeps.outputs import Value
+    from warpffrf.study.sweeps.job import Answer, Value
     from warpffrf.study.sweeps.table import Table
 
     for parameters, more in (({"stiffness": [1e3]}, {"p[0]": "last(energy[kinetic])"}), ({"p[0]": [1.0]}, {})):
@@ -398,7 +396,7 @@ def test_a_function_is_told_from_another_of_its_name() -> None:
     import sys
 
     from warpffrf.study.sweeps.functions import word_of
-    from warpffrf.study.sweeps.outputs import outputs_of
+    from warpffrf.study.sweeps.job import outputs_of
 
     def scaled(factor: float) -> Any:
         return lambda result: factor * result

@@ -15,13 +15,13 @@ from sweep_scenes import TIMES, bob, rest, shy_bob
 import warpffrf as wf
 from warpffrf import cli
 from warpffrf.model.errors import InputError
+from warpffrf.study.sweeps.parameters import latin, saltelli
 from warpffrf.study.sweeps.reading import surface as surfaces
 from warpffrf.study.sweeps.reading.page import page
 from warpffrf.study.sweeps.reading.plot import plot
 from warpffrf.study.sweeps.reading.sensitivities import sensitivities
 from warpffrf.study.sweeps.reading.surface import surface
 from warpffrf.study.sweeps.reading.values import chosen_rows
-from warpffrf.study.sweeps.samples import latin, saltelli
 
 ROUND_OFF = 1e-12
 

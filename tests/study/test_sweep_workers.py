@@ -23,7 +23,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.study.sweeps import crews, job, packing, sweep
 from warpffrf.study.sweeps.crews import WorkerDied
 from warpffrf.study.sweeps.folder import Folder
-from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.job import Value
 from warpffrf.study.sweeps.parcel import Parcel
 from warpffrf.study.sweeps.scenes import FunctionScenes
 
@@ -325,12 +325,12 @@ def test_worlds_of_one_graph_give_the_same_bits(tmp_path: Path, alone: np.ndarra
 
 def test_worlds_that_fail_together_run_one_by_one(tmp_path: Path, alone: np.ndarray, monkeypatch: Any) -> None:
     """Whatever it is that they fail of: here memory."""
-    from warpffrf.study.sweeps import together
+    from warpffrf.study.sweeps import scenes
 
     def full(*_: Any, **rest: Any) -> Any:
         raise MemoryError("no memory for so many")
 
-    monkeypatch.setattr(together, "simulate_worlds", full)
+    monkeypatch.setattr(scenes, "simulate_worlds", full)
     found = run(tmp_path / "s", worlds=3)
     assert np.array_equal(found[NAME], alone) and found["worlds"].tolist() == [1] * 6
 

@@ -7,7 +7,7 @@ import pytest
 
 import warpffrf as wf
 from warpffrf.online.compile.patches.plan import relative_curvatures
-from warpffrf.output.contact.hertz_patch import hertz_point
+from warpffrf.output.contact.hertz import hertz_point
 
 STEEL = wf.Material(206e9, 0.3, 7850.0)
 D, LENGTH, PITCH, LOAD = 0.01, 9.6e-3, 0.034, 1500.0

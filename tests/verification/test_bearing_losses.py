@@ -15,7 +15,7 @@ from warpffrf.model.bearings import Bearing, Flanges
 from warpffrf.model.material import Material
 from warpffrf.model.scene import Scene
 from warpffrf.output.bearings.bearing_result import BearingResult
-from warpffrf.output.contact.hertz_patch import hertz_point
+from warpffrf.output.contact.hertz import hertz_point
 from warpffrf.output.simulate import simulate
 
 MM, SIDES = 1e-3, ("inner", "outer")

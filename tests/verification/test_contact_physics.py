@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from references.pressure_wrench import pressure_wrench
 from scenes.rollers import PAIR, Path, roller_body, solve_path
 from studies.contact.convergence import rates, refine
 from studies.contact.hertz import hertz_phases
 from studies.contact.ripple import approach_for, element_size, ripples, window_for, worst
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.output.contact.pressure_wrench import pressure_wrench
 
 HALF_WIDTH_ERROR, PEAK_ERROR = 0.02, 0.01  # promised at 4 elements per half-width
 RIPPLES = {2.0: 1e-2, 4.0: 1.5e-3}  # promised, peak to peak over mean

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from studies.speed import against_exudyn as study
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 
 pytestmark = pytest.mark.slow
 pytest.importorskip("exudyn", reason='EXUDYN is not installed: pip install -e ".[verify]", or make verify')

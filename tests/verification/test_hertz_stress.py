@@ -20,8 +20,7 @@ from warpffrf.model.reduced.stress_field import max_shear
 from warpffrf.model.reduced.stress_field import von_mises as equivalent
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.offline.stress.plan import StressPlan
 
 SHEAR, DEPTH = 0.3003, 0.786

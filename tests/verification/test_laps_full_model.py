@@ -21,9 +21,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh, box
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.model.mesh.facets import rigid_modes
+from warpffrf.offline.fe import assemble, assign
 
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 SLENDER = Material(210e9, 0.0, 7850.0, name="without Poisson's ratio")

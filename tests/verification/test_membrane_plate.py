@@ -16,7 +16,7 @@ from warpffrf.model import joints
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import FacetSet, Mesh, box
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.membrane import membrane_amplitudes
+from warpffrf.model.reduced.inertia import membrane_amplitudes
 from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce

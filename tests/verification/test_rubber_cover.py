@@ -16,9 +16,8 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import roller
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.diagnosis.undeformed_normal import MOST, SECOND_ORDER, line_load_error
-from warpffrf.output.contact.hertz import THIN
-from warpffrf.output.contact.hertz_patch import hertz_line
+from warpffrf.online.diagnosis.cell_notes import MOST, SECOND_ORDER, line_load_error
+from warpffrf.output.contact.hertz import THIN, hertz_line
 from warpffrf.output.simulate import equilibrium
 
 RADIUS, CORE, WIDTH, APPROACH = 0.05, 0.045, 0.1, 1e-4  # m

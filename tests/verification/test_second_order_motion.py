@@ -14,12 +14,11 @@ from warpffrf.model.forces import PointForce
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import box
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.interface_motion import interface_motion
-from warpffrf.model.reduced.second_order_motion import skin_displacement, skin_variation
-from warpffrf.model.reduced.skin_strain import skin_strain
+from warpffrf.model.reduced.inertia import interface_motion, skin_displacement, skin_variation
+from warpffrf.model.reduced.stress_field import skin_strain
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.modes_result import eigenmodes
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import equilibrium

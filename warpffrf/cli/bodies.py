@@ -105,7 +105,7 @@ def reduce_mesh(
     The names of the sets in a mesh are listed by: warpffrf info MESH --length-unit mm
     """
     with one_line_errors():
-        from warpffrf.model.files.output_paths import check_ending, checked_output_path, size_text
+        from warpffrf.model.files.paths import check_ending, checked_output_path, size_text
 
         check_ending(output, "--output", (".h5", ".hdf5"))
         target = checked_output_path(output, "--output", overwrite=overwrite)

@@ -61,7 +61,7 @@ def describe_file(
 
 def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: float | None) -> str:
     from warpffrf.model import mesh as meshes
-    from warpffrf.model.mesh.files.units import LENGTH_UNITS
+    from warpffrf.model.mesh.files.raw_mesh import LENGTH_UNITS
 
     if length_unit is None:
         units = ", ".join(LENGTH_UNITS)

@@ -26,8 +26,8 @@ log = logging.getLogger("warpffrf")
 def one_line_errors() -> Iterator[None]:
     """Wrong input, files that cannot be had and interruptions end the command inside with a line and a code."""
     from warpffrf.model.errors import InputError
-    from warpffrf.model.messages.interruption import terminated_as_interrupted
-    from warpffrf.model.messages.printable import printable
+    from warpffrf.model.messages.progress import terminated_as_interrupted
+    from warpffrf.model.messages.reprs import printable
 
     try:
         with terminated_as_interrupted():

@@ -1,9 +1,20 @@
-"""The command `warpffrf info`: what is in a file."""
+"""The command `warpffrf info`: what is in a file.
+
+Demos. `warpffrf demo NAME`: runs a script of the folder demos/, which a wheel has within the package.
+
+Examples. The commands that a user begins with: `warpffrf example`, and `warpffrf scene-file`, the reference of scene
+files.
+"""
 
 from __future__ import annotations
 
+import ast
+import importlib
+import sys
+from contextlib import nullcontext, redirect_stdout
+from io import StringIO
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -54,3 +65,102 @@ def info(
 def part_of(text: str | None) -> int | str | None:
     """`--part`: a number is that of a connected part, anything else a name."""
     return int(text) if text is not None and text.isdecimal() else text
+
+
+PACKAGE = Path(__file__).resolve().parents[1]
+
+
+def folder() -> Path:
+    """The folder of the scripts: inside the package in a wheel, next to it in a checkout."""
+    inside = PACKAGE / "demos"
+    return inside if inside.is_dir() else PACKAGE.parent / "demos"
+
+
+def names() -> dict[str, Path]:
+    """Name on the command line, `two-rollers`, -> script."""
+    return {path.stem.replace("_", "-"): path for path in sorted(folder().glob("[a-z]*.py"))}
+
+
+def about(script: Path) -> str:
+    """The first line of its docstring."""
+    return (ast.get_docstring(ast.parse(script.read_text(encoding="utf-8"))) or "").partition("\n")[0]
+
+
+def demo(
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Of a demo; without it: list them.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for the results; without it: out/NAME.")] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="A coarser, shorter version.")] = False,
+) -> None:
+    """Run a complete example, print its figures and write results, recording and picture to a folder."""
+    scripts = names()
+    if name is None:
+        for known, script in scripts.items():
+            print(f"{known:<22}{about(script)}")
+        return
+    with one_line_errors():
+        from warpffrf.model.errors import unknown_name
+
+        if name not in scripts:
+            raise unknown_name("demo", name, list(scripts))
+        results = out or Path("out") / scripts[name].stem
+        results.mkdir(parents=True, exist_ok=True)  # refused before the run, not after it
+        sys.path.insert(0, str(folder()))  # as with `python demos/NAME.py`; workers of a sweep get this path as well
+        module: Any = importlib.import_module(scripts[name].stem)
+        with redirect_stdout(StringIO()) if Asked.quiet else nullcontext():
+            found = module.main(results, quick=quick, progress=not Asked.quiet)
+    failed = [result for result in found if result.status != "completed"]
+    for result in failed:
+        print(f"error: {result.status}: {result.message}", file=sys.stderr)
+    raise typer.Exit(1 if failed else 0)
+
+
+ABOUT = "List files to begin with (scene files, a deck, meshes) and the commands that use them, or copy them."
+
+
+def add_example_commands(app: typer.Typer) -> None:
+    """Add `example`, with `example copy`, and `scene-file` to `app`."""
+    example = typer.Typer(help=ABOUT, rich_markup_mode=None)
+    app.add_typer(example, name="example")
+
+    @example.callback(invoke_without_command=True)
+    def list_examples(context: typer.Context) -> None:
+        if context.invoked_subcommand is None:
+            print(listed_examples())
+
+    @example.command("copy")
+    def copy_example(
+        name: Annotated[str, typer.Argument(metavar="NAME", help="Which example; warpffrf example lists them.")],
+        folder: Annotated[
+            Path, typer.Argument(metavar="FOLDER", help="Where to copy its files; made if missing.")
+        ] = Path(),
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the files of an earlier copy.")] = False,
+    ) -> None:
+        """Copy the files of an example into this folder, or another one, and say how they are run.
+
+        Example: warpffrf example copy press
+        """
+        with one_line_errors():
+            from warpffrf import examples
+
+            print("\n".join(str(file) for file in examples.copy(name, folder, overwrite=overwrite)))
+            print("\n".join(f"  {command}" for command in examples.get(name).commands))
+
+    @app.command("scene-file")
+    def scene_file_reference() -> None:
+        """Print what may stand in a scene file: tables, values, --set, stages, what a run writes, errors."""
+        with one_line_errors():
+            from warpffrf.scene_file import reference
+
+            print(reference())
+
+
+def listed_examples() -> str:
+    """Every example: its name, one sentence, its files, and the commands to run where they lie."""
+    from warpffrf import examples
+
+    lines = ["warpffrf example copy NAME [FOLDER] copies the files of an example; the commands run where they lie."]
+    for name in examples.names():
+        example = examples.get(name)
+        lines += ["", f"{name}: {example.about}", f"  files: {', '.join(example.files)}"]
+        lines += [f"  {command}" for command in example.commands]
+    return "\n".join(lines)

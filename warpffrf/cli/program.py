@@ -22,16 +22,13 @@ import typer
 import warpffrf
 from warpffrf.cli.asked import Asked
 from warpffrf.cli.bodies import reduce_mesh
-from warpffrf.cli.demos import demo
 from warpffrf.cli.errors import know_options
-from warpffrf.cli.examples import add_example_commands
-from warpffrf.cli.info import info
+from warpffrf.cli.info import add_example_commands, demo, info
 from warpffrf.cli.pictures import add_picture_commands
 from warpffrf.cli.results import add_result_commands
 from warpffrf.cli.scenes import campbell_of_scene_file, modes_of_scene_file, run_scene_file
-from warpffrf.cli.study import study_app
-from warpffrf.cli.sweep import add_sweep_command, add_sweep_plot_command
-from warpffrf.model.messages.printable import printable
+from warpffrf.cli.study import add_sweep_command, add_sweep_plot_command, study_app
+from warpffrf.model.messages.reprs import printable
 
 # Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
 # (on two busy cores 16 times longer than one thread alone).
@@ -99,7 +96,7 @@ def options(
 ) -> None:
     Asked.quiet, Asked.pairs = quiet, "all" if verbose else "folded"
     know_options(context)
-    from warpffrf.model.messages.console import Lines, notes
+    from warpffrf.model.messages.progress import Lines, notes
 
     for old in [h for h in log.handlers if isinstance(h, Lines)]:
         log.removeHandler(old)

@@ -93,7 +93,7 @@ def add_result_commands(app: typer.Typer) -> None:
         with one_line_errors():
             from warpffrf.model.errors import InputError
             from warpffrf.output.plots.figure import about_kinds, drawable, write_plot
-            from warpffrf.output.plots.histories import HISTORY_PLOTS
+            from warpffrf.output.plots.panels import HISTORY_PLOTS
             from warpffrf.output.result import Result
 
             if file is None and not listed:

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 from warpffrf.model.messages.named_arguments import named_arguments
 
 __all__ = ["Example", "copy", "get", "names", "path"]

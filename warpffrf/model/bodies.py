@@ -18,8 +18,7 @@ from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.surfaces import Shape
-from warpffrf.model.surfaces.form_deviations import Form
-from warpffrf.model.surfaces.round_form import RoundForm
+from warpffrf.model.surfaces.form_deviations import Form, RoundForm
 
 if TYPE_CHECKING:
     from warpffrf.model.laps import LapSurface

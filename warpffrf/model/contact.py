@@ -19,7 +19,7 @@ from warpffrf.model.laws import Law, Unilateral, as_law
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.far_field import LONGEST, UNUSABLE
-from warpffrf.model.surfaces.round_form import refuse_form
+from warpffrf.model.surfaces.form_deviations import refuse_form
 
 UNILATERAL = Unilateral()
 EVALUATIONS = ("semi", "hyper")

@@ -169,7 +169,7 @@ class Newmark(Integrator):
 class RungeKutta4:
     """The classical explicit Runge-Kutta method of order 4, on the host, for checks: scenes of free bodies under
     gravity, point forces and point torques, with steps below the stability limit of the stiffest mode
-    (`warpffrf.online.free_flight.runge_kutta`)."""
+    (`warpffrf.online.free_flight.free_bodies`)."""
 
 
 @named_arguments
@@ -177,7 +177,7 @@ class RungeKutta4:
 class EnergyMomentum:
     """Energy- and momentum-conserving steps of second order, on the host, for checks: scenes of free bodies, gravity
     allowed, nothing else. At any step, energy and both momenta keep to round-off
-    (`warpffrf.online.free_flight.energy_momentum`)."""
+    (`warpffrf.online.free_flight.free_bodies`)."""
 
 
 INTEGRATORS = {

@@ -27,7 +27,7 @@ from warpffrf.model.moments import (
 )
 from warpffrf.model.placement.nearest import Nearest, curvatures_on, lamina_gap, nearest
 
-OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.checks.overlap` has it
+OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.checks.contacts` has it
 STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single place
 
 

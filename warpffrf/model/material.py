@@ -18,7 +18,7 @@ class Material:
     of the material in reports.
 
     `formulation` of the cells made of it: "displacement", "mixed" (displacement and pressure, which does not lock where
-    the volume hardly changes, see `warpffrf.offline.fe.dilatation`), or None: mixed above `NEARLY_INCOMPRESSIBLE`.
+    the volume hardly changes, see `warpffrf.offline.fe`), or None: mixed above `NEARLY_INCOMPRESSIBLE`.
 
     Raises `InputError` for E <= 0, density <= 0, an unknown formulation and nu outside its range: at nu = 0.5 the
     material is incompressible, and its bulk modulus E / (3 (1 - 2 nu)) infinite; 0.49999 can hardly be told from it.

@@ -7,7 +7,7 @@ from typing import Any
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.surfaces import SHAPES, Shape
-from warpffrf.model.surfaces.round_form import RoundForm
+from warpffrf.model.surfaces.form_deviations import RoundForm
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from warpffrf.model.arguments import Matrix, RotationLike, Vector
 from warpffrf.model.bearings import Bearing, add_ball_bearing, add_roller_bearing
 from warpffrf.model.bodies import INERTIA_LEVELS, Body, Ground, Port
-from warpffrf.model.checks.exclusive_unknowns import refuse_double_claims, refuse_double_laps
+from warpffrf.model.checks.contacts import refuse_double_claims, refuse_double_laps
 from warpffrf.model.checks.plausibility import gravity_doubts, warn
 from warpffrf.model.contact import Contact
 from warpffrf.model.damping import Damping, damping_ratios
@@ -24,8 +24,8 @@ from warpffrf.model.laps import Lap
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.model.placement.assembly import joined_bodies, shift_bodies
 from warpffrf.model.placement.gap import closing_distance
+from warpffrf.model.placement.nearest import joined_bodies, shift_bodies
 from warpffrf.model.sensors import Sensor
 
 if TYPE_CHECKING:

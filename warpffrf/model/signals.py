@@ -25,7 +25,7 @@ import numpy as np
 
 from warpffrf.model.arguments import Matrix, Vector
 from warpffrf.model.errors import InputError, require_array, require_number, unknown_name
-from warpffrf.model.files.regular_file import read_named
+from warpffrf.model.files.paths import read_named
 from warpffrf.model.messages.named_arguments import named_arguments
 
 __all__ = [

@@ -1,8 +1,16 @@
-"""Progress of a reduction: a bar with the time left on a terminal, log lines elsewhere."""
+"""Progress of a reduction: a bar with the time left on a terminal, log lines elsewhere.
+
+Threads. How many threads share work that NumPy does outside the interpreter's lock.
+
+The threads of a BLAS spin while they wait for each other: on a machine that others use too they made a factorisation
+eight times slower. Here a BLAS has one thread, and whole tasks (blocks of loads, subtrees of an elimination) are given
+to threads of our own, which nothing but the end of the work joins.
+"""
 
 from __future__ import annotations
 
 import logging
+import os
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -47,3 +55,15 @@ class Progress:
         """Count `seconds` for `stage`."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
         logger.log(logging.INFO if seconds > LONG else logging.DEBUG, "reduce: %s took %.2f s", stage, seconds)
+
+
+MOST = 16  # tasks are few and large; more threads would wait for memory
+
+
+def worker_count() -> int:
+    """Processors that this process may use, at most `MOST`."""
+    if hasattr(os, "sched_getaffinity"):
+        available = len(os.sched_getaffinity(0))
+    else:
+        available = os.cpu_count() or 1
+    return max(1, min(available, MOST))

@@ -52,8 +52,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance
 from warpffrf.model.reduced.file import stored_arrays
 from warpffrf.offline.bases.modes import SAME_FREQUENCY, whole_multiples
 from warpffrf.offline.elastic import Array, ElasticModel

@@ -19,40 +19,42 @@ from warpffrf.model.laps import LapCells
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.periodicity import detect
-from warpffrf.model.messages.console import speaking
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.progress import speaking
 from warpffrf.model.reduced.body import ReducedBody, library_versions
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.stress_field import StressPoints
 from warpffrf.model.surfaces import Shape
 from warpffrf.offline.bases import Basis
-from warpffrf.offline.contact.cell_depth import depth_ratio, depth_warning, layer_depth, node_spacing
-from warpffrf.offline.contact.contact_grid import largest_radius
+from warpffrf.offline.contact.contact_choice import (
+    depth_ratio,
+    depth_warning,
+    expected_grids,
+    layer_depth,
+    node_spacing,
+    promised,
+    spacings,
+    wall,
+)
+from warpffrf.offline.contact.contact_grid import GridChoice, largest_radius
 from warpffrf.offline.contact.cubature import choose_sampling
-from warpffrf.offline.contact.expected_contact import expected_grids, promised, spacings
-from warpffrf.offline.contact.grid_rule import GridChoice
-from warpffrf.offline.contact.independence import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes
+from warpffrf.offline.contact.hat_loads import ContactFacets
+from warpffrf.offline.contact.local_mass import INDEPENDENCE, check_compliance, eigenvalue_ratio, held_nodes, may_slope
 from warpffrf.offline.contact.mesh_error import axial_error, axial_warning, line_mesh_error, mesh_error_warning
-from warpffrf.offline.contact.slopes import may_slope
-from warpffrf.offline.contact.traction_fields import ContactFacets
-from warpffrf.offline.contact.wall import wall
 from warpffrf.offline.cyclic.path import axes_of, reduce_cyclic
-from warpffrf.offline.doubts import input_doubts, too_low
-from warpffrf.offline.fe.dilatation import formulation_notes
-from warpffrf.offline.fe.materials import Assignment, assign, facet_material, other_material
+from warpffrf.offline.fe import Assignment, assign, facet_material, formulation_notes, other_material
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN
 from warpffrf.offline.general.path import reduce_general
 from warpffrf.offline.inertia.invariants import MODES
 from warpffrf.offline.inertia.membrane import membrane_notes
-from warpffrf.offline.interfaces.kinds import body_interfaces
+from warpffrf.offline.interfaces import body_interfaces
 from warpffrf.offline.near_field.far import find_far_field, is_coarse
-from warpffrf.offline.paths import PathChoice, choose_path, resolve_shapes
-from warpffrf.offline.products import PathProduct, SurfaceProduct
+from warpffrf.offline.products import PathChoice, PathProduct, SurfaceProduct, choose_path, resolve_shapes
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import coupling, quality
-from warpffrf.offline.settings import Settings
+from warpffrf.offline.settings import Settings, input_doubts, too_low
 from warpffrf.offline.stress.fields import StressRecovery
 from warpffrf.offline.stress.plan import stress_plans
 
@@ -123,7 +125,7 @@ def reduce(
         all up to 60. `report["inertia"]` says how many.
     stiffening: True: also the stiffness that these modes get from prestress by turning and by loads on the interfaces;
         on the general path. "membrane": also the membrane energy of plates, frames and shells that deflect by their
-        thickness or more, `warpffrf.model.reduced.membrane`; cells that do not lock in bending, and enough bending
+        thickness or more, `warpffrf.model.reduced.inertia`; cells that do not lock in bending, and enough bending
         modes, are needed for it.
     membrane_modes: how many modes, the lowest, have membrane energy; None: up to 20. n take n (n + 1)/2 static
         responses.

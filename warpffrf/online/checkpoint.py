@@ -7,8 +7,8 @@ serve from step to step as long as they are good. Everything else that a step us
 scene) or made anew at the start of every step, so a run continued from a checkpoint with the same step and the same
 options gives the same numbers, bit for bit, as one that was never stopped. Tableaus of laps are no part of it: they are
 of the size of all cells squared, and are made anew of the cells' forces, so that a run with laps goes on to round-off
-of their solve, 1e-11 of the largest force in each step. Where what was kept does not fit, or an
-older file lacks it, compliances are made anew, and the numbers are the same to the tolerance of the iteration.
+of their solve, 1e-11 of the largest force in each step. Where what was kept does not fit,
+compliances are made anew, and the numbers are the same to the tolerance of the iteration.
 """
 
 from __future__ import annotations

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Rows, Source, Unfinished
-from warpffrf.model.messages.interruption import deferred_interrupts
+from warpffrf.model.messages.progress import deferred_interrupts
 from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.ring import taken
 from warpffrf.online.checkpoint import restore

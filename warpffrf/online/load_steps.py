@@ -36,13 +36,12 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.checks.consistency import refuse_singular_mass
-from warpffrf.model.checks.signal_cover import refuse_short_signals
+from warpffrf.model.checks.redundancy import refuse_singular_mass
+from warpffrf.model.checks.scene import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.friction import RUBBED_REST, friction_notes, rolling_notes
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
-from warpffrf.model.messages.interruption import deferred_interrupts
-from warpffrf.model.messages.progress import Progress
+from warpffrf.model.messages.progress import Progress, deferred_interrupts
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of

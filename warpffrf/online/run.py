@@ -9,11 +9,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bearings.bearing import loose_ring, without_cage
-from warpffrf.model.checks.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.checks.overlap import excessive_wedge, refuse_overlap
-from warpffrf.model.checks.scene import connecting
-from warpffrf.model.checks.signal_cover import refuse_short_signals
-from warpffrf.model.checks.wedge import find_wedge
+from warpffrf.model.checks.contacts import excessive_wedge, find_wedge, refuse_overlap
+from warpffrf.model.checks.redundancy import refuse_positions, refuse_singular_mass, refuse_velocities
+from warpffrf.model.checks.scene import connecting, refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces import Pretension
@@ -27,29 +25,29 @@ from warpffrf.model.integrators import (
     roots_at_infinity,
 )
 from warpffrf.model.joints import Drive
-from warpffrf.model.laps.preload import refuse_pushed_apart
+from warpffrf.model.laps.lap import refuse_pushed_apart
 from warpffrf.model.lumped_contact import refuse_lumped_overlap
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Unfinished
-from warpffrf.model.messages.interruption import deferred_interrupts
-from warpffrf.model.messages.progress import Progress
+from warpffrf.model.messages.progress import Progress, deferred_interrupts
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online.checkpoint import is_dynamic, is_loaded, off_end_of, restore, time_of, turned_of
 from warpffrf.online.diagnosis.cell_check import cell_check_notes, check_cells
-from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes
-from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
+from warpffrf.online.diagnosis.contact_notes import contact_notes, energy_notes, overlap_notes, sampling_notes
 from warpffrf.online.diagnosis.energy_watch import EnergyWatch, round_off_energy
 from warpffrf.online.diagnosis.failure_report import failure_owner
-from warpffrf.online.diagnosis.film_check import FilmWatch, check_films, film_check_notes
 from warpffrf.online.diagnosis.film_grid import film_grid_errors, film_grid_notes
-from warpffrf.online.diagnosis.film_notes import alternation_notes, film_notes, squeezed_out
-from warpffrf.online.diagnosis.free_falls import fall_notes
-from warpffrf.online.diagnosis.hidden_inertia import hidden_inertia
-from warpffrf.online.diagnosis.indicator import indicator_lines, term_sizes, unheld_lines
-from warpffrf.online.diagnosis.load_notes import is_static, load_notes
+from warpffrf.online.diagnosis.film_notes import (
+    FilmWatch,
+    alternation_notes,
+    check_films,
+    film_check_notes,
+    film_notes,
+    squeezed_out,
+)
+from warpffrf.online.diagnosis.indicator import deflection_lines, deflections, indicator_lines, term_sizes, unheld_lines
+from warpffrf.online.diagnosis.motion_notes import fall_notes, hidden_inertia, is_static, load_notes, steep_notes
 from warpffrf.online.diagnosis.off_end import EndWatch, OffEnd
-from warpffrf.online.diagnosis.sampling_check import sampling_notes
-from warpffrf.online.diagnosis.steep_falls import steep_notes
 from warpffrf.online.engine import Engine, EngineOf
 from warpffrf.online.free_flight.check_run import run_check
 from warpffrf.online.history.history import History
@@ -59,9 +57,9 @@ from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.marks import Marks
 from warpffrf.online.settings import Settings
 from warpffrf.online.start.consistent import RUB_IN, start_consistently, start_from_loads
+from warpffrf.online.start.motions import slide_time
 from warpffrf.online.start.rub_to_rest import refuse_without_rest, rub_to_rest
 from warpffrf.online.start.settle import ROUND_OFF, settle
-from warpffrf.online.start.slow_films import slide_time
 from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
 from warpffrf_kernels.core import control as k

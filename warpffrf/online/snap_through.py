@@ -24,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model.friction import rubbing
-from warpffrf.model.reduced.second_order_motion import skin_displacement
+from warpffrf.model.reduced.inertia import skin_displacement
 from warpffrf.model.rotation import matrix
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES

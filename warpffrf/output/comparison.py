@@ -29,9 +29,9 @@ from warpffrf.model.errors import InputError, require_count, unknown_name
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.output.files.fields import RUN_FIELDS
 from warpffrf.output.files.table import Series, histories
-from warpffrf.output.plots.overlay import Overlaid, overlay_figure
+from warpffrf.output.plots.colors import LEAST
+from warpffrf.output.plots.panels import Overlaid, overlay_figure
 from warpffrf.output.plots.picture import write_picture
-from warpffrf.output.plots.scales import LEAST
 from warpffrf.output.result import Result
 from warpffrf.output.run_settings import settings_apart
 

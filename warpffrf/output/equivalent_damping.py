@@ -11,7 +11,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError, require_array, require_count, require_number
-from warpffrf.model.reduced.interface_motion import interface_motion, interface_slope
+from warpffrf.model.reduced.inertia import interface_motion, interface_slope
 from warpffrf.online.vibrations.eigenmodes import SceneModes
 from warpffrf.online.vibrations.rubbing import Cycle, equivalent, rubbing_mode
 

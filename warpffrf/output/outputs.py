@@ -19,9 +19,8 @@ from typing import Any, TypeVar
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import check_ending, checked_output_path
-from warpffrf.model.messages.console import notes
-from warpffrf.model.messages.interruption import deferred_interrupts, what_follows
+from warpffrf.model.files.paths import check_ending, checked_output_path
+from warpffrf.model.messages.progress import deferred_interrupts, notes, what_follows
 from warpffrf.online.checkpoint import time_of
 from warpffrf.online.history.history import History
 from warpffrf.online.run import INTERRUPTED

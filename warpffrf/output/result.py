@@ -14,11 +14,11 @@ import numpy as np
 from warpffrf.model.arguments import Vector
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
-from warpffrf.model.messages.console import speaking
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.model.messages.progress import speaking
 from warpffrf.online.history.history import (
     BodyHistory,
+    BudgetLine,
     ForceHistory,
     History,
     JointHistory,
@@ -29,13 +29,11 @@ from warpffrf.online.history.sensors import sensor_history, sensor_values
 from warpffrf.output.bearings.bearing_result import BearingResult
 from warpffrf.output.bodies.skin import Skin
 from warpffrf.output.contact.cell_result import CellContactResult
-from warpffrf.output.contact.film_result import FilmResult
 from warpffrf.output.contact.pair_result import PairResult
-from warpffrf.output.contact.result import ContactResult
+from warpffrf.output.contact.result import ContactResult, FilmResult
 from warpffrf.output.geometry.scene_view import SceneView, scene_view
-from warpffrf.output.laps.lap_result import LapResult
-from warpffrf.output.loops.channels import channel
-from warpffrf.output.loops.hysteresis import Hysteresis
+from warpffrf.output.laps import LapResult
+from warpffrf.output.loops import Hysteresis, channel
 from warpffrf.output.written import Written
 
 if TYPE_CHECKING:
@@ -185,7 +183,7 @@ class Result(reprs.Shown):
 
         force, against: an array (T,) [N, m], or what it is of: `("push", "x")`, of a force, sensor, joint, lap,
         contact, film or body and its component, or a name alone where it has one, as a joint's coordinate or a sensor;
-        see `warpffrf.output.loops.channels`. Raises InputError for what there is not.
+        see `warpffrf.output.loops`. Raises InputError for what there is not.
         """
         F = channel(self, force, "N", "force")
         x = channel(self, against, "m", "displacement")
@@ -475,7 +473,7 @@ class Result(reprs.Shown):
     def to_xarray(self) -> xarray.Dataset:
         """An `xarray.Dataset` with the names, units and frames of the results file; needs the optional
         package xarray."""
-        from warpffrf.output.files.dataset import to_xarray
+        from warpffrf.output.files.table import to_xarray
 
         return to_xarray(self)
 

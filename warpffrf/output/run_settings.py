@@ -38,15 +38,9 @@ def settings_apart(a: Result, b: Result, length: float) -> tuple[dict[str, tuple
     found.compare("status", a.status, b.status)
     found.compare("rows", len(a.time), len(b.time))
     found.compare("end [s]", *(float(run.time[-1]) if len(run.time) else None for run in (a, b)))
-    described = [run.view.description for run in (a, b)]
-    if all(described):
-        found.compare("", *(_by_item(_plain(one)) for one in described))
-    else:
-        found.views(a, b)
+    found.compare("", *(_by_item(_plain(run.view.description)) for run in (a, b)))
     for name in a.view.bodies.keys() & b.view.bodies.keys():
         found.reductions(f"body {name}", *(run.view.bodies[name].reduced for run in (a, b)))
-    if not all(described) and a.view.content_hash != b.view.content_hash:
-        notes.append("the scenes differ; a results file of an older version does not say in all that they do")
     if found.slight:
         notes.append(f"settings that differ by round-off: {found.slight}, the first {found.first_slight}")
     return found.texts, notes
@@ -92,15 +86,6 @@ class _Settings:
         if texts[0] == texts[1]:
             texts = [", ".join(repr(float(v)) for v in values) for values in (a, b)]
         self.texts[name] = texts[0] + where, texts[1]
-
-    def views(self, a: Result, b: Result) -> None:
-        """What results files have of a scene without its description."""
-        for name in dict.fromkeys([*a.view.bodies, *b.view.bodies]):
-            one, other = (run.view.bodies.get(name) for run in (a, b))
-            self.compare(f"body {name}: mass", one and one.mass, other and other.mass)
-        for name in dict.fromkeys([*a.view.pairs, *b.view.pairs]):
-            one, other = (run.view.pairs.get(name) for run in (a, b))
-            self.compare(f"contact {name}: friction", one and one.friction, other and other.friction)
 
     def reductions(self, label: str, a: Any, b: Any) -> None:
         """Two reduced bodies, None of a rigid one."""

@@ -9,17 +9,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from warpffrf.model.checks.signal_cover import refuse_short_signals
+from warpffrf.model.checks.scene import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, RunError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, INTEGRATORS, EnergyMomentum, Integrator, RungeKutta4
-from warpffrf.model.messages.console import speaking
-from warpffrf.model.messages.interruption import terminated_as_interrupted
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.progress import speaking, terminated_as_interrupted
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha, Settings, find_equilibrium, run
 from warpffrf.online.checkpoint import time_of
-from warpffrf.online.history.budget_line import BudgetLine
-from warpffrf.online.history.history import History
+from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.online.load_steps import run_static
 from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics, refuse_other_modes
 from warpffrf.online.run import INTERRUPTED

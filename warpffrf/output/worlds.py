@@ -12,9 +12,8 @@ from typing import Any, Literal
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
 from warpffrf.model.integrators import CHECK_INTEGRATORS, Integrator
-from warpffrf.model.messages.console import notes, speaking
-from warpffrf.model.messages.interruption import terminated_as_interrupted, what_follows
 from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.progress import notes, speaking, terminated_as_interrupted, what_follows
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online import Settings, run
@@ -25,7 +24,7 @@ from warpffrf.online.local_dynamics import LocalDynamics, as_local_dynamics
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.online.stages import KINDS
 from warpffrf.online.turn import TURN
-from warpffrf.online.worlds.side_by_side import side_by_side
+from warpffrf.online.worlds import side_by_side
 from warpffrf.output.outputs import Outputs, run_options
 from warpffrf.output.result import Result
 from warpffrf.output.simulate import (

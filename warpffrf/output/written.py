@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from warpffrf.model.files.output_paths import size_text
+from warpffrf.model.files.paths import size_text
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from warpffrf.model.errors import InputError, suggestion
+from warpffrf.scene_file.document import Refused, refused_place
 from warpffrf.scene_file.forms import (
     Form,
     brief,
@@ -28,7 +29,6 @@ from warpffrf.scene_file.forms import (
 )
 from warpffrf.scene_file.kept import MADE_OF, SECTIONS, Kept
 from warpffrf.scene_file.numbers import read_numbers
-from warpffrf.scene_file.refused_line import Refused, refused_place
 from warpffrf.scene_file.source import Path, Source
 
 TITLE = "title"

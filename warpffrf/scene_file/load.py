@@ -129,7 +129,7 @@ def run_scene(
 
 def _write_document(file: Path, text: str, overwrite: bool, resume: bool) -> None:
     """Write the document as it was run; a scene that was not written so is never replaced."""
-    from warpffrf.model.files.output_paths import checked_output_path, written_whole
+    from warpffrf.model.files.paths import checked_output_path, written_whole
 
     there = file.read_bytes() if file.is_file() else None
     if there == text.encode():
@@ -147,7 +147,7 @@ def _write_document(file: Path, text: str, overwrite: bool, resume: bool) -> Non
 
 def _in_folder(arguments: dict[str, Any], folder: Path, results: str, anywhere: bool) -> dict[str, Any]:
     """The arguments with output files in `folder`; raises `InputError` for those outside, unless `anywhere`."""
-    from warpffrf.model.files.output_paths import refuse_nul
+    from warpffrf.model.files.paths import refuse_nul
 
     files = {"results": results, **arguments}
     placed = {key: folder / files[key] for key in ("results", "record") if key in files}

@@ -14,7 +14,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import read_regular
+from warpffrf.model.files.paths import read_regular
 
 Path = tuple[str | int, ...]  # keys and list indices from the top of the document
 LARGEST_INTEGER = 2**63 - 1  # TOML promises 64 bits; larger ones overflow in floating point sooner or later

@@ -28,7 +28,7 @@ from warpffrf.model.mesh import roller as roller_mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget.budget import FLOOR
 from warpffrf.output.budget.figures import UNKNOWN, figures, total
 from warpffrf.output.budget.quantities import quantities

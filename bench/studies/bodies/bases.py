@@ -21,13 +21,11 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline import bases
 from warpffrf.offline.bases.build import build_basis
-from warpffrf.offline.bases.global_basis import attachment_modes
-from warpffrf.offline.bases.shifted import shifted_solver
+from warpffrf.offline.bases.modes import attachment_modes
+from warpffrf.offline.bases.vibrations import shifted_solver
 from warpffrf.offline.elastic import ElasticModel, free_model
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
-from warpffrf.offline.interfaces.kinds import body_interfaces
-from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.fe import assemble, assign
+from warpffrf.offline.interfaces import InterfaceSystem, body_interfaces
 from warpffrf.offline.products import Limits
 from warpffrf.offline.reduction import one_thread
 from warpffrf.study.markdown import table
@@ -258,7 +256,7 @@ def _reading(rows: list[list[Entry]], rule: list[tuple[float, list[Entry]]]) -> 
 
 def picture(rows: list[list[Entry]], path: Path) -> None:
     """Error against size."""
-    from warpffrf.output.plots.curves import save_curves
+    from studies.charts import save_curves
 
     names = list(dict.fromkeys(entry.name for row in rows for entry in row))
     curves = {}

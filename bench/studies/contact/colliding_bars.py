@@ -32,10 +32,9 @@ from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery
 from warpffrf.model.reduced.data import DisplaySurface
 from warpffrf.model.reduced.local_mass import LocalMass
-from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Plane
 from warpffrf.online.local_dynamics import EXACT_DAMPING, LocalDynamics

@@ -2,7 +2,7 @@
 `python -m studies.contact.contact_grid [FOLDER]`. A minute or two.
 
 Every figure in the tables is computed by this script; the factors of the rule are written down, rounded up, in
-`warpffrf.offline.contact.grid_rule`, and the script says where a measured error exceeds them.
+`warpffrf.offline.contact.contact_grid`, and the script says where a measured error exceeds them.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ import numpy as np
 from scipy.stats import qmc
 
 from references.half_space.compliances import EllipsePatch, LinePatch
+from studies.charts import ErrorPanel, error_charts
 from studies.contact.grid_errors import grid_errors, put_on_grid
 from studies.contact.grid_on_roller import FINEST_GROWTH, layer_states, roller_half_width, roller_states
 from studies.contact.tables import NAMES
-from warpffrf.offline.contact.grid_rule import PATCHES, QUANTITIES, RULES, contact_spacing
-from warpffrf.output.plots.error_chart import ErrorPanel, error_charts
+from warpffrf.offline.contact.contact_grid import PATCHES, QUANTITIES, RULES, contact_spacing
 from warpffrf.study.markdown import table
 
 DEPTH = 10.0  # half-widths: depth of the half-plane, see `grid_rule`
@@ -236,7 +236,7 @@ grids lie anywhere against each other. {verdict}
 
 ## The rule
 
-`error <= c (s/b)^p`, derived in `warpffrf/offline/contact/grid_rule.py` and used by `warpffrf.contact_spacing`.
+`error <= c (s/b)^p`, derived in `warpffrf/offline/contact/contact_grid.py` and used by `warpffrf.contact_spacing`.
 Spacing in half-widths for a wanted error of each quantity, hats:
 
 {table(["patch", "error", *NAMED], _rule_rows())}

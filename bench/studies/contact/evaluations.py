@@ -31,7 +31,7 @@ from studies.speed.step_time import BORE, RADIUS, WIDTH, swinging_pair
 from warpffrf.model.laws import LinearLayer
 from warpffrf.model.mesh import roller
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.model.reduced.sampling import ALL_ALONG, ALL_AROUND
+from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND
 from warpffrf.model.reduced.stress_field import von_mises
 from warpffrf.model.scene import Scene
 from warpffrf.model.surfaces import Cylinder

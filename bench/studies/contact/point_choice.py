@@ -38,12 +38,10 @@ from scenes.rollers import STEEL
 from studies.contact.interpolation_points import Array, constant, deim, interpolation, qdeim
 from studies.speed.step_time import BORE, RADIUS, WIDTH
 from warpffrf.model.mesh import roller
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.sampling import Sampling
+from warpffrf.model.reduced.contact_surface import ContactSurface, Sampling
 from warpffrf.model.surfaces import CrownedCylinder, Cylinder
 from warpffrf.offline import reduce
-from warpffrf.offline.contact.cubature import choose_sampling
-from warpffrf.offline.contact.training import PATCHES, Places, all_points, patch_fields
+from warpffrf.offline.contact.cubature import PATCHES, Places, all_points, choose_sampling, patch_fields
 from warpffrf.study.markdown import table
 
 MADE = "Made by `python -m studies.contact.point_choice`; do not edit.\n"

@@ -25,8 +25,8 @@ import numpy as np
 from studies.hard_cases.case import Finding, Ledger
 from warpffrf.model.checks.redundancy import scene_length
 from warpffrf.model.errors import InputError
-from warpffrf.model.joints.rows import value
-from warpffrf.online.history.joint_motion import marker_motion
+from warpffrf.model.joints.base import value
+from warpffrf.online.history.record import marker_motion
 from warpffrf.output.result import Result
 
 PASS, DEGRADED, FAIL, REFUSED, SILENT = CLASSES = ("pass", "degraded", "fail", "refused", "silent")

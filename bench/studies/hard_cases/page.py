@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from studies.charts import save_class_map
 from studies.hard_cases.case import STEPS, Case, Setting
 from studies.hard_cases.classes import CLASSES, DEGRADED, FAIL, PASS, REFUSED, SILENT
 from studies.hard_cases.run import Row
-from warpffrf.output.plots.class_map import save_class_map
 from warpffrf.study.markdown import table
 
 MADE = "Made by `python -m studies.hard_cases`; do not edit."

@@ -17,7 +17,7 @@ from studies.hard_cases.page import csv_rows, page, save_map
 from studies.hard_cases.run import Row, run_case
 from warpffrf import __version__
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 from warpffrf.model.messages.progress import Progress
 
 KIND = "warpffrf stability study"

@@ -23,8 +23,8 @@ from warpffrf.model import forces, joints, laws, signals, surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.reduced.contact_surface import Recovery
 from warpffrf.model.reduced.data import DisplaySurface
-from warpffrf.model.reduced.recovery import Recovery
 from warpffrf.model.scene import Scene
 from warpffrf.online import GeneralizedAlpha
 from warpffrf.output.result import Result

@@ -13,8 +13,8 @@ from references.small_sliding.full_model import FullModel, Part
 from references.small_sliding.quasi_static import Followed, StaticLap, follow
 from references.small_sliding.sheets import stack
 from warpffrf.model.material import Material
-from warpffrf.offline.bases.problem import lowest_modes
-from warpffrf.offline.bases.tvd import joint_modes
+from warpffrf.offline.bases.modes import lowest_modes
+from warpffrf.offline.bases.responses import joint_modes
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.products import Limits
 

@@ -36,7 +36,7 @@ import numpy as np
 from references.small_sliding.full_model import FullModel
 from warpffrf.model.bodies import Port
 from warpffrf.model.forces import SpringDamper
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 
 Array = np.ndarray
 Springs = list[tuple[Array, float]]

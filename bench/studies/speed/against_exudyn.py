@@ -28,8 +28,7 @@ from warpffrf.model.mesh import Mesh
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
 from warpffrf.offline import reduce
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 from warpffrf.online import GeneralizedAlpha, History, run
 
 LENGTH, HEIGHT, WIDTH = 0.5, 0.02, 0.012  # m

@@ -15,8 +15,7 @@ from typing import Any
 
 from studies.speed_error_pages.study import Study
 from warpffrf.study.markdown import table
-from warpffrf.study.speed_against_error.outcome import SpeedError
-from warpffrf.study.speed_against_error.report import wanted_table
+from warpffrf.study.speed_against_error.outcome import SpeedError, wanted_table
 
 PAGES, INDEX = "speed_error", "speed_error.md"
 MADE = "Made by `python -m studies.speed_error_pages`; do not edit.\n"

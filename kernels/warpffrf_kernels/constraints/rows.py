@@ -15,7 +15,7 @@ where dx are material displacements of the point x_b carried by either body and 
 the wrench (f, t) at x_b on b and the opposite on a: action equals reaction by construction.
     TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0;
     ANGLE: f = 0, t = u_i where w_j is perpendicular to it (in general, and for SECOND_ANGLE and TWIST:
-                  `model/joints/rows.py`).
+                  `model/joints/base.py`).
     BUSHING       c = v.d + z.phi of the row's vector (v, z), with d = A_a^T (x_b - x_a) and exp(phi^) = A_a^T A_b:
                   f = A_a v, t = A_a T(phi)^-1 z, since phi turns by T(phi)^-T A_a^T (dTheta_b - dTheta_a).
 An angle that is a spring counts its turns.

@@ -1,6 +1,6 @@
 r"""Coefficients of friction that depend on the slip speed: bounds mu(v) p, and their slopes condensed into the cells.
 
-Law (`warpffrf.model.friction.law`). With w the slip of a cell in the step h, after its touch (`entering_cells`), and
+Law (`warpffrf.model.friction`). With w the slip of a cell in the step h, after its touch (`entering_cells`), and
 v = |w|/h, the bound is mu(v) p. In each round of tractions and bounds it is replaced by a tangent, whose slope is
 condensed into K, the compliance of the cells with everything else condensed (`cell_compliance`). With r = area w the
 weak slip, b_k and r_k bound and slip at hand and s = mu' p/(h area)

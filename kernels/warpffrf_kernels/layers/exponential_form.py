@@ -1,4 +1,4 @@
-"""p = p_0 [exp(d/lambda) - eps] on the device, see `warpffrf.model.laws.curves.exponential`."""
+"""p = p_0 [exp(d/lambda) - eps] on the device, see `warpffrf.model.laws.curves.curve`."""
 
 import warp as wp
 

@@ -1,4 +1,4 @@
-"""p = k [(d + e)^n - e^n] on the device, see `warpffrf.model.laws.curves.power`."""
+"""p = k [(d + e)^n - e^n] on the device, see `warpffrf.model.laws.curves.curve`."""
 
 import warp as wp
 

@@ -1,4 +1,4 @@
-"""Straight pieces between points on the device, see `warpffrf.model.laws.curves.table`."""
+"""Straight pieces between points on the device, see `warpffrf.model.laws.curves.curve`."""
 
 import warp as wp
 

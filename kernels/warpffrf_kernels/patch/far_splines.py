@@ -1,7 +1,7 @@
 """Quadratic splines of a surface's far field on the device, and its compliance S among them.
 
 Between two ends splines stand on knots; around a full turn those of column j begin 1.5 columns before it. See
-`warpffrf.model.half_space.far_splines`.
+`warpffrf.model.half_space`.
 """
 
 import warp as wp

@@ -32,7 +32,7 @@ from references.films.grid import FilmGrid
 from references.films.rough_walls import RoughWalls
 from warpffrf.model.errors import InputError
 from warpffrf.model.laws.curves.curve import Curve
-from warpffrf.model.oils.oil import Oil
+from warpffrf.model.oils import Oil
 from warpffrf.model.reduced.body import ReducedBody
 
 Array = np.ndarray

@@ -22,10 +22,8 @@ from references.half_space.influence import mean_2d, mean_3d
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
+from warpffrf.model.reduced.contact_surface import ContactSurface, Recovery, Tangential
 from warpffrf.model.reduced.data import DisplaySurface, Interface
-from warpffrf.model.reduced.recovery import Recovery
-from warpffrf.model.reduced.tangential import Tangential
 from warpffrf.model.surfaces import Plane
 
 Array = np.ndarray

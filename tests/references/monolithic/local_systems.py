@@ -22,7 +22,7 @@ from references.monolithic.core.local_coordinates import (
     static_coordinates,
 )
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced.slopes import leanings
+from warpffrf.model.reduced.local_modes import leanings
 
 Place = tuple[int, str]  # number of the body, name of the surface
 

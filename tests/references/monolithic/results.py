@@ -20,9 +20,9 @@ import numpy as np
 from references.monolithic.core.integrator import DEFAULT_INTEGRATOR, coefficients_of
 from references.monolithic.history import MonolithicHistory
 from references.monolithic.run import run
-from warpffrf.model.checks.consistency import refuse_positions, refuse_singular_mass, refuse_velocities
-from warpffrf.model.checks.overlap import refuse_overlap
-from warpffrf.model.checks.signal_cover import refuse_short_tables
+from warpffrf.model.checks.contacts import refuse_overlap
+from warpffrf.model.checks.redundancy import refuse_positions, refuse_singular_mass, refuse_velocities
+from warpffrf.model.checks.scene import refuse_short_signals
 from warpffrf.model.errors import InputError
 from warpffrf.model.films.film import refuse_touching
 from warpffrf.model.forces.notes import characteristic_notes
@@ -39,8 +39,7 @@ from warpffrf.online.history.history import (
     History,
     JointHistory,
 )
-from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
-from warpffrf.online.history.pretension import with_pulls
+from warpffrf.online.history.record import coordinates, half_turn_notes, left_out_notes, with_pulls
 from warpffrf.online.history.sensors import force_histories, sensor_histories
 from warpffrf.online.local_dynamics import LocalDynamics, LocalPlan, as_local_dynamics
 from warpffrf.output.result import Result
@@ -76,7 +75,7 @@ def simulate(
         )
     refuse_singular_mass(scene)
     if not isinstance(start, MonolithicHistory):
-        refuse_short_tables(scene, 0.0, step_count(duration, step)[0] * step)
+        refuse_short_signals(scene, 0.0, step_count(duration, step)[0] * step)
         if start == "initial":
             refuse_positions(scene)
             refuse_overlap(scene)

@@ -20,7 +20,7 @@ from references.finite_elements.meshes import facet_shares, matrices
 from warpffrf.model.errors import InputError, require_array
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes
 
 Array = np.ndarray
 Sparse = Any  # scipy.sparse

@@ -15,12 +15,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from warpffrf.model.bearings.ball import add_ball_bearing
 from warpffrf.model.bearings.bearing import Bearing
-from warpffrf.model.bearings.cage import Cage, PocketCage, PrescribedCage
+from warpffrf.model.bearings.build import add_ball_bearing, add_roller_bearing
+from warpffrf.model.bearings.elements import Cage, PocketCage, PrescribedCage
 from warpffrf.model.bearings.flanges import Flanges
-from warpffrf.model.bearings.preload import Preload, PreloadForce, PreloadOffset
-from warpffrf.model.bearings.roller import add_roller_bearing
+from warpffrf.model.bearings.parts import Preload, PreloadForce, PreloadOffset
 from warpffrf.model.errors import no_attribute
 
 __all__ = [

@@ -8,24 +8,42 @@ one surface: two patches that feel each other through the element (`warpffrf.onl
 
 A cage holds an element by its centre. A flexible body has no points: there it takes the interface whose reference point
 is the centre, the mean motion of both ends of a roller, `interfaces={"ends": "average"}`.
+
+Cages: what keeps the rolling elements apart.
+
+Without one, raceways squeeze every loaded element that does not stand on the line of the load out of the load zone, and
+there is no equilibrium. A kind of cage is a class with `hold`, which adds its parts to the bearing.
+
+    PrescribedCage     elements at equal angles in a frame whose rotation is prescribed: standing still, or with a given
+    speed PocketCage    a body that turns as elements push it: each has play in a pocket, and friction there
+
+A pocket of `PocketCage` is a cup around a ball, and two planes before and behind a roller.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import KW_ONLY, dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from warpffrf.model import laws, surfaces
 from warpffrf.model.bearings.parts import Place
-from warpffrf.model.bodies import Body, Port
-from warpffrf.model.errors import InputError
+from warpffrf.model.bodies import Body, Ground, Port, as_port
+from warpffrf.model.errors import InputError, require_array, require_number
+from warpffrf.model.friction import FrictionLike
+from warpffrf.model.joints import Drive, LineInPlane, PointInPlane, Revolute
+from warpffrf.model.laws.lumped import LumpedLaw
+from warpffrf.model.lumped_contact import LumpedContact
+from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.body import ReducedBody
+from warpffrf.model.signals import SignalLike
 
 if TYPE_CHECKING:
+    from warpffrf.model.bearings.bearing import Bearing
     from warpffrf.model.scene import Scene
 
 CENTRED = 1e-4  # of the diameter: what a mesh makes of a centre that is the origin
@@ -126,3 +144,168 @@ def centre_of(element: Body, label: str) -> Port:
         f"{label}: the flexible element {element.name!r} has no interface at its centre to be held by; reduce it with "
         'one whose nodes have their mean there, of a roller interfaces={"ends": "average"}, or leave the cage out'
     )
+
+
+LIGHT = 0.2  # of the mass of all elements: a cage of sheet steel
+POCKET_STIFFNESS = 1e9  # N/m^1.5: 10 N press 5 um into it
+POCKET_LAMINAE = 5  # of a roller on the wall of its pocket, so that one that skews is turned back
+
+
+@dataclass(frozen=True)
+class Cage(ABC):
+    """What all cages have: mass [kg], None for a fifth of that of the elements, spread along the pitch circle; guide:
+    the port that the cage turns about (`body.at(point)`, `body["interface"]`), None for the outer ring, or the ground
+    where that is flexible."""
+
+    _: KW_ONLY
+    mass: float | None = None
+    guide: Port | Ground | None = None
+    kind: ClassVar[str] = ""
+
+    @abstractmethod
+    def hold(self, scene: Scene, bearing: Bearing) -> None:
+        """Add the cage to the scene and to `bearing`. Raises `InputError` for what does not fit."""
+
+    def ring(self, scene: Scene, bearing: Bearing) -> Body:
+        """Add its body to the `scene`, a thin ring on the pitch circle, which becomes the cage of the `bearing`. Raises
+        `InputError` for a mass that is not positive."""
+        label = f"bearing {bearing.name!r}: cage"
+        total = sum(element.mass for element in bearing.elements)
+        mass = LIGHT * total if self.mass is None else require_number(self.mass, f"{label}: mass [kg]", positive=True)
+        axis = bearing.place.axis
+        about = mass * (0.5 * bearing.raceways.pitch_diameter) ** 2
+        inertia = 0.5 * about * (np.eye(3) + np.outer(axis, axis))
+        body = scene.add_rigid_body(mass, inertia, name=f"{bearing.name} cage", position=bearing.place.center)
+        bearing.cage = body
+        return body
+
+    def axle(self, scene: Scene, bearing: Bearing, body: Body) -> Revolute:
+        """Add the joint to the `scene` about which the `body` of the cage rotates, "cage_axle" of the `bearing`. Raises
+        `InputError` for a guide that is no port."""
+        label = f"bearing {bearing.name!r}: cage: guide"
+        center, guide = bearing.place.center, self.guide
+        if guide is None:
+            outer = bearing.outer
+            guide = scene.ground.at(center) if outer.reduced is not None else outer.at(outer.to_user(center))
+        axle = Revolute(
+            as_port(guide, label), body.at((0.0, 0.0, 0.0)), axis=bearing.place.axis, point=center,
+            name=f"{bearing.name} cage axle",
+        )  # fmt: skip
+        bearing.joints["cage_axle"] = scene.add(axle)
+        return axle
+
+
+@named_arguments
+@dataclass(frozen=True)
+class PrescribedCage(Cage):
+    """Elements at equal angles in a frame that turns with `speed` [rad/s], a number or a signal; 0 stands still.
+
+    The centre of an element stays in a plane through the axis, in which it is free; a roller's axis stays in it, too.
+    What the element pushes with is the reaction of the joint `bearing.joints["pocket_3"]`. `bearing.drive.signal` may
+    be changed afterwards. `bearing.orbit_speed(...)` is the speed of elements that roll.
+    """
+
+    speed: SignalLike = 0.0
+    kind: ClassVar[str] = "prescribed_cage"
+
+    def hold(self, scene: Scene, bearing: Bearing) -> None:
+        body = self.ring(scene, bearing)
+        axle = self.axle(scene, bearing, body)
+        bearing.drive = scene.add(Drive(axle, self.speed, name=f"{bearing.name} cage drive"))
+        place = bearing.place
+        for i, element in enumerate(bearing.elements, start=1):
+            angle = bearing.raceways.angles[i - 1]
+            ports = body.at((0.0, 0.0, 0.0)), centre_of(element, f"bearing {bearing.name!r}: PrescribedCage")
+            name, across = f"{bearing.name} pocket {i}", place.around(angle)
+            if bearing.kind == "roller":
+                joint = LineInPlane(*ports, axis=across, line=place.axis, name=name)
+            else:
+                joint = PointInPlane(*ports, axis=across, name=name)
+            bearing.joints[f"pocket_{i}"] = scene.add(joint)
+
+
+@named_arguments
+@dataclass(frozen=True)
+class PocketCage(Cage):
+    """A body with a pocket for each element, which has `clearance` [m] in it, of the diameter.
+
+    law: of the force in a pocket, a lumped law: of a ball None for PowerForce(1e9, 1.5), of a roller, whose laminae
+    each meet the wall, None for PalmgrenLine. friction: of elements in their pockets. guided: whether the cage is kept
+    on the axis by a joint without friction, as on a land of the guide; else its pockets alone carry it, which those of
+    balls can. inertia: its diagonal (3,) [kg m2] across the axis twice and about it, None for that of a ring. Contacts
+    are `bearing.contacts["pocket_3"]`, of rollers ["pocket_3_front"] and ["pocket_3_back"].
+    """
+
+    clearance: float
+    _: KW_ONLY
+    law: LumpedLaw | None = None
+    friction: FrictionLike = 0.0
+    guided: bool = True
+    inertia: tuple[float, float, float] | None = None
+    kind: ClassVar[str] = "pocket_cage"
+
+    def hold(self, scene: Scene, bearing: Bearing) -> None:
+        """Add the cage to `scene` and `bearing`. Raises `InputError` for pockets that overlap, or smaller than the
+        elements."""
+        label = f"bearing {bearing.name!r}: PocketCage"
+        play = require_number(self.clearance, f"{label}: clearance [m]")
+        D, apart = bearing.raceways.diameter, bearing.raceways.apart
+        if play < 0.0:
+            raise InputError(
+                f"{label}: pockets of {D + play:.6g} m are smaller than the elements, whose diameter is {D:g} m; the "
+                "clearance is the pocket's size less the element's, and not negative"
+            )
+        if bearing.kind == "roller" and D + play > apart:
+            raise InputError(
+                f"{label}: pockets of {D + play:.4g} m overlap, the elements are {apart:.4g} m apart; take less "
+                "clearance than their distance less their diameter"
+            )
+        if bearing.kind == "roller" and not self.guided:
+            raise InputError(
+                f"{label}: rollers do not carry a cage along their axes, nor keep it upright; leave guided=True"
+            )
+        if any(element.reduced is not None for element in bearing.elements):
+            raise InputError(
+                f"{label}: pockets are of rigid elements, these are flexible; take cage=bearings.PrescribedCage(...), "
+                "with the speed of bearing.orbit_speed(...)"
+            )
+        body = self.ring(scene, bearing)
+        if self.inertia is not None:
+            across, other, about = require_array(self.inertia, f"{label}: inertia", (3,))
+            body.inertia = bearing.place.axes.T @ np.diag([across, other, about]) @ bearing.place.axes
+        if self.guided:
+            self.axle(scene, bearing, body)
+        for i, element in enumerate(bearing.elements, start=1):
+            for name, shape in self._walls(bearing, body, i, 0.5 * (D + play)).items():
+                wall = body.surface(shape, name=name.replace("_", " "))
+                port = element[bearing.element_surface]
+                contact = LumpedContact(
+                    port, wall, law=self._law(bearing), friction=self.friction,
+                    name=f"{bearing.name} {name.replace('_', ' ')}",
+                )  # fmt: skip
+                bearing.contacts[name] = scene.add(contact)
+
+    def _law(self, bearing: Bearing) -> LumpedLaw:
+        if self.law is not None:
+            return self.law
+        if bearing.kind == "roller":
+            return laws.PalmgrenLine(bearing.raceways.length, POCKET_LAMINAE)  # pyright: ignore[reportAttributeAccessIssue]
+        return laws.PowerForce(POCKET_STIFFNESS, 1.5)
+
+    @staticmethod
+    def _walls(bearing: Bearing, body: Body, i: int, half: float) -> dict[str, surfaces.Shape]:
+        """What element i may touch, user axes of the cage: name -> shape."""
+        place, angle = bearing.place, bearing.raceways.angles[i - 1]
+        out, around = place.outward(angle), place.around(angle)
+        middle = 0.5 * bearing.raceways.pitch_diameter * out
+        if bearing.kind == "ball":
+            return {f"pocket_{i}": surfaces.Cup(radius=half, axis_point=middle, axis_direction=place.axis)}
+        return {
+            f"pocket_{i}_{name}": surfaces.Plane(
+                origin=middle + sign * half * around, outward=-sign * around, direction=place.axis
+            )
+            for name, sign in (("front", 1.0), ("back", -1.0))
+        }
+
+
+STANDING = PrescribedCage()  # where no cage is named

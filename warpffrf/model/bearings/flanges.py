@@ -43,7 +43,7 @@ from warpffrf.model.laws import HertzPoint
 from warpffrf.model.laws.lumped import LumpedLaw
 from warpffrf.model.lumped_contact import LumpedContact
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.model.surfaces.cone import FLATTEST, STEEPEST
+from warpffrf.model.surfaces.round import FLATTEST, STEEPEST
 
 if TYPE_CHECKING:
     from warpffrf.model.bearings.bearing import Bearing

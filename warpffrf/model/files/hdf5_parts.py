@@ -3,12 +3,18 @@
 A dataset may declare any size, also one of which nothing was ever written: reading it takes that memory. Compression
 makes at most `RATIO` bytes of one, so a dataset that declares more than its stored bytes can give is wrong, and one
 that claims more stored bytes than the file has. Links to other files and datasets that lie in other files are refused.
+
+Damage that somebody has sealed can make the library loop for ever in code that no signal of Python reaches: `probe`
+lets a child process, which can be ended, look through a file first.
 """
 
 from __future__ import annotations
 
 import math
 import os
+import subprocess
+import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,6 +25,19 @@ RATIO = 1032  # bytes that one byte of deflate can stand for, at most
 REAL = "biufV"  # V: vectors in records
 COMPLEX = REAL + "c"
 LEAST = 1 << 16  # bytes below which a size is not looked at
+SECONDS = 15.0  # it takes half a second
+_LOOK = """
+import sys, h5py
+def look(item):
+    for name in item.attrs:
+        item.attrs[name]
+    texts = isinstance(item, h5py.Dataset) and item.dtype.kind == "O"
+    if texts and 16 * item.size <= item.id.get_storage_size() + 65536:  # references that are stored, not only declared
+        item[()]
+with h5py.File(sys.argv[1], "r") as file:
+    look(file)
+    file.visititems(lambda name, item: look(item))
+"""
 
 
 def member(file: Any, path: str) -> Any:
@@ -31,10 +50,10 @@ def member(file: Any, path: str) -> Any:
     here = file
     for name in path.split("/"):
         if not isinstance(here, h5py.Group):
-            raise KeyError(path)
+            raise KeyError(f"{path} is missing")
         if not isinstance(here.get(name, getlink=True), h5py.HardLink):
             if here.get(name, getlink=True) is None:
-                raise KeyError(path)
+                raise KeyError(f"{path} is missing")
             raise InputError(f"{path} is a link to another place")
         here = here[name]
     return here
@@ -70,6 +89,21 @@ def read_text(file: Any, path: str) -> str:
     if not isinstance(found, bytes | str):
         raise InputError(f"{path} holds no text")
     return found.decode() if isinstance(found, bytes) else found
+
+
+def probe(path: Path, subject: str, cure: str) -> None:
+    """Raise `InputError`, "`subject` is damaged (why); `cure`", where reading the texts of `path` never ends or ends
+    the process. What else is wrong with it is left to its reader."""
+    if not sys.executable:
+        return
+    try:
+        done = subprocess.run([sys.executable, "-I", "-c", _LOOK, str(path)], capture_output=True, timeout=SECONDS)
+    except subprocess.TimeoutExpired:
+        raise InputError(f"{subject} is damaged (the HDF5 library does not come back from it); {cure}") from None
+    except OSError:
+        return  # no process to be had
+    if done.returncode < 0:
+        raise InputError(f"{subject} is damaged (the HDF5 library breaks down on it); {cure}")
 
 
 def _dataset(file: Any, path: str) -> Any:

@@ -1,8 +1,8 @@
-"""A checksum over a whole file, behind its last byte, looked at before anything else of it: before the HDF5 library
-opens a file of its own, and before arrays are read from one without it (`sealed_arrays`).
+"""Files with a checksum behind their last byte, looked at before anything else of them: HDF5 files, and files of named
+arrays without HDF5, which are quick to write, and beside other work, as that holds no lock of Python.
 
-The library may loop for ever, or allocate what a damaged header asks for, so damage has to be seen in the raw bytes.
-The seal is 96 bytes behind the file,
+The HDF5 library may loop for ever, or allocate what a damaged header asks for, so damage has to be seen in the raw
+bytes. The seal is 96 bytes behind the file,
 
     mark (16), length of what stands before (8), version (4), zeros (4), sha256 of what stands before (32), zeros (16),
     mark (16),
@@ -13,30 +13,37 @@ of HDF5, by which xarray, `file` and we ourselves know it. A program that change
 result counts as damaged until `seal` is called again. A seal tells damage, not malice: whoever makes a file can seal
 it.
 
-Files of versions before the seal have none. Whoever reads one asks for it by the schema that the file says it has.
+A file of arrays is
+
+    mark (16), length of the header (8), header, the bytes of all arrays one behind the other, seal.
+
+The header is JSON: `about`, what whoever writes the file wants to say, and of each array its name, type and shape.
+Sizes are compared with the length of the file before anything is allocated.
 """
 
 from __future__ import annotations
 
 import hashlib
-import logging
+import json
+import math
 import struct
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from warpffrf.model.errors import InputError
-from warpffrf.model.files.hdf5_probe import probe
-from warpffrf.model.files.output_paths import written_whole
+import numpy as np
 
-logger = logging.getLogger("warpffrf.model")
-SIGNATURE = b"\x89HDF\r\n\x1a\n"
+from warpffrf.model.errors import InputError
+from warpffrf.model.files.paths import written_whole
+
 MARK = b"warpffrf sealed\n"
 VERSION = 1
 BLOCK = 1 << 20  # bytes read at once
 TRAILER = struct.Struct("<16sQI4x32s16x16s")
-_END_AT = {0: 40, 1: 44, 2: 28, 3: 28}  # where a superblock of that version holds the file's end; 8 bytes each
+ARRAYS = b"warpffrf arrays\n"
+HEAD = struct.Struct("<16sQ")
+UNSEALED = "its checksum is missing: it is cut off, another program has changed it, or it is no file of warpffrf"
 
 
 @contextmanager
@@ -69,31 +76,12 @@ def seal_of(length: int, digest: bytes) -> bytes:
     return TRAILER.pack(MARK, length, VERSION, digest, MARK)
 
 
-def verify(path: Path, subject: str, cure: str) -> bool:
-    """Whether the HDF5 file `path` has a seal that is right; False for a whole file without a seal, of older versions.
-
-    Raises `InputError`, "`subject` is damaged (why); `cure`", where the bytes are not those that were sealed, where the
-    file is cut off or longer than it says, where it cannot be read or is no HDF5 file, and where one without a seal
-    holds up the HDF5 library.
-    """
-    try:
-        fault, has_seal = _look(path)
-    except OSError as error:
-        raise InputError(f"{subject} cannot be read ({error.strerror or error}); check the path") from None
-    if fault:
-        raise InputError(f"{subject} is damaged ({fault}); {cure}")
-    if not has_seal:
-        probe(path, subject, cure)
-    return has_seal
-
-
-def require_sealed(path: Path, subject: str, cure: str) -> int:
-    """Bytes before the seal of `path`, which may hold anything. Raises `InputError`, "`subject` is damaged (why);
-    `cure`", without a seal, where the bytes are not those that were sealed, and where it cannot be read."""
+def verify(path: Path, subject: str, cure: str) -> int:
+    """Bytes before the seal of `path`. Raises `InputError`, "`subject` is damaged (why); `cure`", without a seal, where
+    the bytes are not those that were sealed, and where the file cannot be read."""
     try:
         with path.open("rb") as file:
-            size, end = _end_of(file)
-            fault = _broken(file, size, end)
+            size, fault = _look(file)
     except OSError as error:
         raise InputError(f"{subject} cannot be read ({error.strerror or error}); check the path") from None
     if fault:
@@ -101,66 +89,104 @@ def require_sealed(path: Path, subject: str, cure: str) -> int:
     return size - TRAILER.size
 
 
-def require_seal(has_seal: bool, schema: int, since: int, subject: str, cure: str) -> None:
-    """Raise `InputError` for a file without a seal of a schema that has one, `since` and later; log that damage to an
-    older one cannot be seen."""
-    if has_seal:
-        return
-    if schema >= since:
+def check_schema(found: int, schema: int, subject: str, cure: str) -> None:
+    """Raise `InputError` for a file of another schema than `schema`, with the cure."""
+    if found != schema:
         raise InputError(
-            f"{subject} is damaged or was changed by another program (its checksum is missing); {cure}, or take a copy "
-            "from before the change"
+            f"{subject} has schema {found}, this version of warpffrf reads schema {schema} alone; {cure} with this "
+            "version, or open the file with the version that wrote it"
         )
-    logger.warning("%s is of an older version and has no checksum: damage to it may not be noticed; %s", subject, cure)
 
 
-def _look(path: Path) -> tuple[str, bool]:
-    """What is wrong with the bytes of `path`, "" for nothing, and whether they are sealed."""
-    with path.open("rb") as file:
-        start = file.read(64)
-        size, end = _end_of(file)
-        if end.startswith(MARK) or end.endswith(MARK):
-            return _broken(file, size, end), True
-    if not start.startswith(SIGNATURE):
-        return "it is not an HDF5 file", False
-    ends = _end(start)
-    if ends is None:
-        return "its header cannot be read", False
-    if ends != size:
-        return f"it has {size} bytes and should have {ends}", False
-    return "", False
-
-
-def _end_of(file: BinaryIO) -> tuple[int, bytes]:
-    """The size of an open file, and what stands where its seal would."""
+def _look(file: BinaryIO) -> tuple[int, str]:
+    """The size of an open file, and what is wrong with it, "" for nothing."""
     size = file.seek(0, 2)
     file.seek(max(size - TRAILER.size, 0))
-    return size, file.read(TRAILER.size)
-
-
-def _broken(file: BinaryIO, size: int, end: bytes) -> str:
-    """What is wrong with the open `file` of `size` bytes with the seal `end`."""
+    end = file.read(TRAILER.size)
     if len(end) < TRAILER.size or not (end.startswith(MARK) or end.endswith(MARK)):
-        return "it is cut off"
+        return size, UNSEALED
     length = TRAILER.unpack(end)[1]
     if length != size - TRAILER.size:
-        return f"it has {size - TRAILER.size} bytes and should have {length}"
+        return size, f"it has {size - TRAILER.size} bytes and should have {length}"
     file.seek(0)
     sha, left = hashlib.sha256(), length
     while left:
         block = file.read(min(left, BLOCK))
         if not block:
-            return "it changed while it was read"
+            return size, "it changed while it was read"
         sha.update(block)
         left -= len(block)
-    if seal_of(length, sha.digest()) != end:
-        return "its checksum differs"
-    return ""
+    return size, "" if seal_of(length, sha.digest()) == end else "its checksum differs"
 
 
-def _end(start: bytes) -> int | None:
-    """The length that an HDF5 file says it has in its first bytes; None where it says none."""
-    at = _END_AT.get(start[8] if len(start) > 8 else -1)
-    if at is None or len(start) < at + 8:
-        return None
-    return int.from_bytes(start[at : at + 8], "little")
+def write_arrays(path: Path, about: Mapping[str, Any], arrays: Mapping[str, Sequence[np.ndarray]]) -> None:
+    """Write `about` (JSON) and `arrays`, each given in blocks, one at least, that follow each other along the first
+    axis. `path` is written whole or stays as it was. Raises OSError where it cannot be written."""
+    entries = [
+        {"name": name, "type": np.lib.format.dtype_to_descr(blocks[0].dtype), "shape": _shape(blocks)}
+        for name, blocks in arrays.items()
+    ]
+    header = json.dumps({"about": about, "arrays": entries}).encode()
+    sha, length = hashlib.sha256(), 0
+    with written_whole(path) as partial, partial.open("wb") as file:
+        for piece in _pieces(header, arrays.values()):
+            sha.update(piece)
+            file.write(piece)
+            length += len(piece)
+        file.write(seal_of(length, sha.digest()))
+
+
+def read_arrays(path: Path, subject: str, cure: str) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """What `write_arrays` wrote: `about`, and the arrays by name. Raises `InputError`, "`subject` is damaged (why);
+    `cure`", for any other file."""
+    length = verify(path, subject, cure)
+    try:
+        with path.open("rb") as file:
+            mark, size = HEAD.unpack(file.read(HEAD.size))
+            if mark != ARRAYS or size > length - HEAD.size:
+                raise ValueError("it is no file of arrays")
+            header = json.loads(file.read(size))
+            entries = [(str(e["name"]), _type(e["type"]), tuple(map(int, e["shape"]))) for e in header["arrays"]]
+            counts = [math.prod(shape) for _, _, shape in entries]
+            total = sum(count * kind.itemsize for (_, kind, _), count in zip(entries, counts, strict=True))
+            if any(n < 0 for _, _, shape in entries for n in shape) or total != length - HEAD.size - size:
+                raise ValueError("its arrays have other sizes than it says")
+            found = {
+                name: np.fromfile(file, kind, count).reshape(shape)
+                for (name, kind, shape), count in zip(entries, counts, strict=True)
+            }
+        return dict(header["about"]), found
+    except OSError as error:
+        raise InputError(f"{subject} cannot be read ({error.strerror or error}); check the path") from None
+    except (ValueError, TypeError, KeyError, OverflowError, struct.error, RecursionError) as error:
+        raise InputError(f"{subject} is damaged ({error}); {cure}") from None
+
+
+def _shape(blocks: Sequence[np.ndarray]) -> list[int]:
+    if len(blocks) == 1:
+        return list(blocks[0].shape)
+    return [sum(len(block) for block in blocks), *blocks[0].shape[1:]]
+
+
+def _pieces(header: bytes, arrays: Iterable[Sequence[np.ndarray]]) -> Iterable[Any]:
+    """The bytes of the file up to its seal."""
+    yield HEAD.pack(ARRAYS, len(header)) + header
+    for blocks in arrays:
+        for block in blocks:
+            yield np.ascontiguousarray(block).reshape(-1).view(np.uint8).data
+
+
+def _type(described: Any) -> np.dtype:
+    """The type that `dtype_to_descr` described; JSON knows no tuples."""
+    kind = np.lib.format.descr_to_dtype(_fields(described) if isinstance(described, list) else described)
+    if kind.hasobject or not kind.itemsize:
+        raise ValueError(f"arrays of {kind} are not kept")
+    return kind
+
+
+def _fields(described: list[Any]) -> list[tuple[Any, ...]]:
+    found = []
+    for name, kind, *shape in described:
+        inner = _fields(kind) if isinstance(kind, list) else kind
+        found.append((name, inner, *(tuple(s) for s in shape)))
+    return found

@@ -15,9 +15,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from warpffrf.model.errors import no_attribute
-from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, AxialGroove, CircumferentialGroove, Feed, SupplyHole
-from warpffrf.model.films.film import EVALUATIONS, Film
+from warpffrf.model.films.film import CAVITATIONS, EVALUATIONS, Film
 from warpffrf.model.films.roughness import ROUGHNESSES, Roughness
 from warpffrf.model.surfaces.form_deviations import (
     FORMS,

@@ -5,6 +5,8 @@ another one, whose grid yields under what stands opposite it, or the rigid surfa
 Pressures are above the pressure of cavitation, which is zero. They are given at the ends of the film, the first and the
 last row of the grid and of an arc or a plane the first and the last column too, and in its feeds; what lies between is
 solved for.
+
+Cavitation. What becomes of a film where its pressure would fall below that of cavitation, which is zero here.
 """
 
 from __future__ import annotations
@@ -16,7 +18,6 @@ import numpy as np
 
 from warpffrf.model.bodies import SurfacePort
 from warpffrf.model.errors import InputError, require_number, unknown_name
-from warpffrf.model.films.cavitation import CAVITATIONS
 from warpffrf.model.films.feeds import FEEDS, Feed
 from warpffrf.model.films.roughness import Roughness, as_roughness, summed_deviation
 from warpffrf.model.laws import Law, as_law
@@ -25,8 +26,7 @@ from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.oils import Oil, as_oil
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.surfaces.form_deviations import Form, as_form
-from warpffrf.model.surfaces.round_form import refuse_form
+from warpffrf.model.surfaces.form_deviations import Form, as_form, refuse_form
 
 EVALUATIONS = ("semi", "hyper")
 PROFILES = (0, 1, 2)  # axial degrees: a shaft that tilts needs odd ones
@@ -431,3 +431,11 @@ def _deviation(form: Form | None, theta: Any, z: Any) -> np.ndarray:
     if form is not None:
         return form(theta, z)
     return np.zeros(np.broadcast_shapes(np.shape(theta), np.shape(z)))
+
+
+CAVITATIONS = {
+    "jfo": "film or void, and the oil that enters a cavity comes out of it: p >= 0, void D >= 0, p D = 0",
+    "reynolds": "the film ends where pressure and slope vanish; oil is lost where it ends and found where it begins",
+    "full_sommerfeld": "pressures of any sign, a film that never breaks",
+    "half_sommerfeld": "as 'full_sommerfeld', and negative pressures are left out of the forces",
+}

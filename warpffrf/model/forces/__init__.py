@@ -11,8 +11,6 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from warpffrf.model.errors import no_attribute
-from warpffrf.model.forces.bearing_spring import BearingSpring
-from warpffrf.model.forces.bushing import Bushing
 from warpffrf.model.forces.characteristics import (
     CHARACTERISTICS,
     Characteristic,
@@ -21,17 +19,11 @@ from warpffrf.model.forces.characteristics import (
     Pieces,
     PowerLaw,
 )
-from warpffrf.model.forces.cylindrical_friction import CylindricalFriction
 from warpffrf.model.forces.force import Force
-from warpffrf.model.forces.joint_spring import JointSpringDamper, TorsionalSpringDamper
+from warpffrf.model.forces.joint_friction import CylindricalFriction, PrismaticFriction, RevoluteFriction
 from warpffrf.model.forces.laws import BodyLoad, Coordinate, PointLoad, SlipLaw, SpringLaw, TensionLaw, scalar_law
-from warpffrf.model.forces.nodal_load import NodalLoad
-from warpffrf.model.forces.point import PointForce, PointTorque
-from warpffrf.model.forces.pretension import Pretension
-from warpffrf.model.forces.prismatic_friction import PrismaticFriction
-from warpffrf.model.forces.revolute_friction import RevoluteFriction
-from warpffrf.model.forces.spring import SpringDamper
-from warpffrf.model.forces.surface_load import SurfaceLoad
+from warpffrf.model.forces.loads import NodalLoad, PointForce, PointTorque, Pretension, SurfaceLoad
+from warpffrf.model.forces.springs import BearingSpring, Bushing, JointSpringDamper, SpringDamper, TorsionalSpringDamper
 
 FORCES = {
     element.kind: element

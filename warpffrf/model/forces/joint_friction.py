@@ -7,6 +7,23 @@ redundant press nothing.
 The terms are those of the joint friction of other multibody programs (radial, axial and bending reactions with an arm
 each, and a preload), but for the bending: the pin is carried at two places, whose loads are taken one by one, not
 as |R| + 2 |M|/L, which they never exceed.
+
+Cylindrical friction. Friction of a cylindrical joint: a pin that turns and slides in its bush.
+
+The surface of the pin, of radius r, slides along helices, with the velocity (v, r omega). Friction points against it:
+of the force F along the axis and the torque T about it, the vector (F, T/r) is at most mu (|N_1| + |N_2|) long, and
+turning eases sliding.
+
+Prismatic friction. Friction of a prismatic joint: a slide in its guide.
+
+A reaction R across the axis allows the force mu (|N_1| + |N_2|), N the loads of the two ends of the guide (without
+bending mu |R|); a moment M_z about the axis is carried by forces M_z/(2 r) on both flanks at the distance r, which
+allow mu |M_z|/r.
+
+Revolute friction. Friction of a revolute joint: a pin that turns in its bush, and on its collar.
+
+A reaction R across the axis, on a pin of radius r, allows the torque mu r (|N_1| + |N_2|), N the loads of the places
+that carry the pin (without bending mu r |R|); a thrust R_z on a collar of mean radius r_t the torque mu r_t |R_z|.
 """
 
 from __future__ import annotations
@@ -70,4 +87,127 @@ class JointFriction(Force):
         return SlipLaw(
             self.joint, self.friction, tuple(Coordinate(row.kind, row.i, row.j) for row in rows),
             tuple(coordinates.values()), radial, axial, spin, preload, bearing_length,
+        )  # fmt: skip
+
+
+@named_arguments
+class CylindricalFriction(JointFriction):
+    """Dry friction that brakes, or holds, the turning and sliding of a cylindrical joint, both as one.
+
+    friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). pin_radius [m]: of the surface that rubs.
+    bearing_length [m]: distance of the two places that carry the pin, on either side of the second body's port, with
+    which they move; a bending moment M presses with M/bearing_length on each; None: bending moments do not rub. preload
+    [N]: friction force on the pin's surface that is there without any reaction, it does not depend on the coefficient.
+    Raises `InputError`.
+    """
+
+    kind = "cylindrical_friction"
+    joint_kind = "cylindrical"
+    numbers = ("pin_radius", "bearing_length", "preload")
+
+    def __init__(
+        self,
+        joint: Joint,
+        friction: FrictionLike,
+        *,
+        pin_radius: float,
+        bearing_length: float | None = None,
+        preload: float = 0.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(joint, friction, name)
+        self.pin_radius = self._number(pin_radius, "pin_radius", positive=True)
+        self.bearing_length = self._length(bearing_length, "bearing_length")
+        self.preload = self._number(preload, "preload", non_negative=True)
+
+    def slip(self) -> SlipLaw:
+        """What slides, and what presses."""
+        return self._law(
+            {"translation": 1.0, "rotation": self.pin_radius}, radial=1.0, preload=self.preload,
+            bearing_length=self.bearing_length,
+        )  # fmt: skip
+
+
+@named_arguments
+class PrismaticFriction(JointFriction):
+    """Dry friction that brakes, or holds, the sliding of a prismatic joint.
+
+    friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). bearing_length [m]: distance of the two places
+    at which the guide carries, on either side of the second body's port, with which they move; a bending moment M
+    presses with M/bearing_length on each; None: bending moments do not rub. flank_radius [m]: distance of the flanks
+    that carry a moment about the axis; None: such moments do not rub. preload [N]: friction force that is there without
+    any reaction (a gland, a clamp), it does not depend on the coefficient. Raises `InputError`.
+    """
+
+    kind = "prismatic_friction"
+    joint_kind = "prismatic"
+    numbers = ("bearing_length", "flank_radius", "preload")
+
+    def __init__(
+        self,
+        joint: Joint,
+        friction: FrictionLike,
+        *,
+        bearing_length: float | None = None,
+        flank_radius: float | None = None,
+        preload: float = 0.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(joint, friction, name)
+        self.bearing_length = self._length(bearing_length, "bearing_length")
+        self.flank_radius = self._length(flank_radius, "flank_radius")
+        self.preload = self._number(preload, "preload", non_negative=True)
+
+    def slip(self) -> SlipLaw:
+        """What slides, and what presses."""
+        spin = 0.0 if self.flank_radius is None else 1.0 / self.flank_radius
+        return self._law(
+            {"translation": 1.0}, radial=1.0, spin=spin, preload=self.preload, bearing_length=self.bearing_length
+        )
+
+
+@named_arguments
+class RevoluteFriction(JointFriction):
+    """Dry friction that brakes, or holds, the turning of a revolute joint.
+
+    friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`: of the velocity at the pin's surface).
+    pin_radius [m]: arm of the friction by forces across the axis. thrust_radius [m]: arm of that by the force along it.
+    bearing_length [m]: distance of the two places that carry the pin, in the middle of which the joint's point lies; a
+    bending moment M presses with M/bearing_length on each; None: bending moments do not rub. preload [N m]: torque that
+    is there without any reaction (a seal, a press fit), it does not depend on the coefficient. Raises `InputError`.
+    """
+
+    kind = "revolute_friction"
+    joint_kind = "revolute"
+    numbers = ("pin_radius", "thrust_radius", "bearing_length", "preload")
+
+    def __init__(
+        self,
+        joint: Joint,
+        friction: FrictionLike,
+        *,
+        pin_radius: float = 0.0,
+        thrust_radius: float = 0.0,
+        bearing_length: float | None = None,
+        preload: float = 0.0,
+        name: str | None = None,
+    ) -> None:
+        super().__init__(joint, friction, name)
+        self.pin_radius = self._number(pin_radius, "pin_radius", non_negative=True)
+        self.thrust_radius = self._number(thrust_radius, "thrust_radius", non_negative=True)
+        self.bearing_length = self._length(bearing_length, "bearing_length")
+        self.preload = self._number(preload, "preload", non_negative=True)
+        if not (self.pin_radius or self.thrust_radius or self.preload):
+            raise InputError(f"{self.label}: nothing rubs; give it a pin_radius, a thrust_radius or a preload")
+        if self.friction.creep_limit > 0.0 and not (self.pin_radius or self.thrust_radius):
+            raise InputError(
+                f"{self.label}: the law depends on the velocity of the surfaces, in m/s; give it the pin_radius"
+            )
+
+    def slip(self) -> SlipLaw:
+        """What slides, and what presses."""
+        arm = self.pin_radius or self.thrust_radius or 1.0  # m; a preload alone is a torque at the arm of 1 m
+        return self._law(
+            {"rotation": arm}, radial=self.pin_radius / arm, axial=self.thrust_radius / arm, preload=self.preload / arm,
+            bearing_length=self.bearing_length,
         )  # fmt: skip

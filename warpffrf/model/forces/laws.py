@@ -10,7 +10,7 @@ Kinds of coordinates:
     "translation"  u_i . (x_b - x_a)                                     [m]
     "distance"     |x_b - x_a|                                           [m]
     "direction"    u_i . w_j                                             [-]
-    "angle", "second_angle", "twist"   see `warpffrf.model.joints.rows`, but with turns counted   [rad]
+    "angle", "second_angle", "twist"   see `warpffrf.model.joints.base`, but with turns counted   [rad]
     "bushing"      v[:3] . d + v[3:] . phi                               d = A_a^T (x_b - x_a), exp(phi^) = A_a^T A_b
 
 Forces follow the exact gradients of these, so with K symmetric the
@@ -35,8 +35,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, require_number
-from warpffrf.model.forces.characteristics import CHARACTERISTICS, Characteristic
-from warpffrf.model.forces.characteristics.characteristic import ROUND_OFF
+from warpffrf.model.forces.characteristics import CHARACTERISTICS, ROUND_OFF, Characteristic
 
 ZERO_STIFFNESS = 1e-10  # of an equilibrated matrix with unit diagonal: rounding of typed numbers, not a stiffness
 

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
-from warpffrf.model.forces.characteristics import Characteristic
-from warpffrf.model.forces.characteristics.characteristic import ROUND_OFF
+from warpffrf.model.forces.characteristics import ROUND_OFF, Characteristic
 from warpffrf.model.forces.laws import Coordinate, SpringLaw
 
 DIRECTIONS = ("d_x", "d_y", "d_z", "phi_x", "phi_y", "phi_z")

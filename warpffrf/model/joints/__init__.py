@@ -21,20 +21,21 @@ redundancy check, the record and the conformance tests read these tables. `JOINT
 
 from __future__ import annotations
 
-from warpffrf.model.joints.base import Joint, Marker, coincident_within
-from warpffrf.model.joints.cylindrical import Cylindrical
-from warpffrf.model.joints.distance import Distance
+from warpffrf.model.joints.base import Joint, Marker, Row, coincident_within
 from warpffrf.model.joints.drive import QUANTITIES, Drive
-from warpffrf.model.joints.fixed import Fixed
-from warpffrf.model.joints.line_in_plane import LineInPlane
-from warpffrf.model.joints.planar import Planar
-from warpffrf.model.joints.point_in_plane import PointInPlane
-from warpffrf.model.joints.point_on_line import PointOnLine
-from warpffrf.model.joints.prismatic import Prismatic
-from warpffrf.model.joints.revolute import Revolute
-from warpffrf.model.joints.rows import Row
-from warpffrf.model.joints.spherical import Spherical
-from warpffrf.model.joints.universal import Universal
+from warpffrf.model.joints.kinds import (
+    Cylindrical,
+    Distance,
+    Fixed,
+    LineInPlane,
+    Planar,
+    PointInPlane,
+    PointOnLine,
+    Prismatic,
+    Revolute,
+    Spherical,
+    Universal,
+)
 
 JOINT_KINDS: dict[str, type[Joint]] = {
     joint.kind: joint

@@ -6,8 +6,7 @@ from typing import Any, Literal
 
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import InputError
-from warpffrf.model.joints.base import Joint
-from warpffrf.model.joints.rows import Row
+from warpffrf.model.joints.base import Joint, Row
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.signals import Signal, SignalLike, as_signal

@@ -8,7 +8,6 @@ Lap           the joint in a scene, within a body or between two
 from __future__ import annotations
 
 from warpffrf.model.laps.lap import Lap
-from warpffrf.model.laps.lap_cells import LapCells
-from warpffrf.model.laps.lap_surface import LapSurface
+from warpffrf.model.laps.lap_surface import LapCells, LapSurface
 
 __all__ = ["Lap", "LapCells", "LapSurface"]

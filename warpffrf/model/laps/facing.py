@@ -5,6 +5,26 @@ against each other, `n.n_b < -cos 60 deg`, and b is neither behind a, by more th
 fits overlap, nor far away, the shadow of b on the plane of a cuts a convex polygon out of it (`clipping`). The polygons
 of all b fill the part of a that is covered; cut into triangles they are the *pieces*, each with one triangle on either
 side.
+
+Clipping. Convex polygons in the plane cut by one another (Sutherland and Hodgman 1974, Commun. ACM 17, 32), many at a
+time.
+
+Pairing. Which cells of two faces lie on each other at the initial pose, and how forces of a cell act on the other face.
+
+Triangles of the first face are cut by those of the second, seen along the normals of the first (`facing`). A cell of
+the first face that is covered is a cell of the lap; its force acts on the cells of the second face in proportion to the
+areas that they share, and what it sees of the second face is the mean of their displacements with the same weights, so
+that the two are conjugate. Cells of the second face have a mean displacement each and no slope, so that shared areas
+alone would put the force beside the cell where cells do not nest, and two cells on one of the second face would see the
+same, which locks them. So weights w are changed by as little as makes them exact for displacements that are linear
+along the face,
+
+    sum w = 1,        sum w x = x of the cell,
+
+with the cells x of the second face that it shares area with and the `NEAR` nearest ones; weights below 0 may be among
+them. At the outline of the overlap cells of the first face are taken whole: the force acts on all
+of the cell, and on the cells of the second face that it covers. The gap of a cell is the mean distance along its
+normal.
 """
 
 from __future__ import annotations
@@ -13,9 +33,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from scipy.spatial import KDTree
 
-from warpffrf.model.laps.clipping import areas, clipped, fans
+from warpffrf.model.errors import InputError
 
 Array = np.ndarray
 FACING = -0.5  # cosine between normals of triangles that face each other, at most
@@ -184,3 +205,133 @@ def _candidates(first: Triangles, second: Triangles) -> tuple[Array, Array]:
         one.append(i[seen])
         other.append(j[seen])
     return np.concatenate(one), np.concatenate(other)
+
+
+def clipped(polygons: Array, count: Array, windows: Array) -> tuple[Array, Array]:
+    """The parts of convex polygons that lie inside convex windows, one window a polygon.
+
+    `polygons` (p, k, 2), of which the first `count` (p,) corners count, and `windows` (p, l, 2), all corners, run
+    counter-clockwise. Returns polygons (p, k', 2) and their count, 0 where nothing is left.
+    """
+    for edge in range(windows.shape[1]):
+        a, b = windows[:, edge], windows[:, (edge + 1) % windows.shape[1]]
+        polygons, count = _half(polygons, count, a, b)
+    return polygons, count
+
+
+def areas(polygons: Array, count: Array) -> Array:
+    """Areas (p,) of polygons, counter-clockwise positive."""
+    k = polygons.shape[1]
+    there = np.arange(k) < count[:, None]
+    x = np.where(there[:, :, None], polygons - polygons[:, :1], 0.0)
+    following = np.take_along_axis(x, _next(k, count)[:, :, None], axis=1)
+    twice = x[:, :, 0] * following[:, :, 1] - x[:, :, 1] * following[:, :, 0]
+    return 0.5 * np.sum(np.where(there, twice, 0.0), axis=1)
+
+
+def fans(polygons: Array, count: Array) -> tuple[Array, Array]:
+    """Triangles (t, 3, d) that fill convex polygons (p, k, d), and the polygon (t,) of each."""
+    k = polygons.shape[1]
+    number, i = np.nonzero((np.arange(1, k - 1) + 1)[None, :] < count[:, None])
+    i += 1
+    return np.stack([polygons[number, 0], polygons[number, i], polygons[number, i + 1]], axis=1), number
+
+
+def _half(polygons: Array, count: Array, a: Array, b: Array) -> tuple[Array, Array]:
+    """What lies to the left of the line from a to b (p, 2)."""
+    p, k = polygons.shape[:2]
+    there = np.arange(k) < count[:, None]
+    along = b - a
+    x = polygons - a[:, None]
+    side = along[:, None, 0] * x[:, :, 1] - along[:, None, 1] * x[:, :, 0]  # positive to the left
+    following = _next(k, count)
+    next_side = np.take_along_axis(side, following, axis=1)
+    next_corner = np.take_along_axis(polygons, following[:, :, None], axis=1)
+    inside = there & (side >= 0.0)
+    crosses = there & ((side >= 0.0) != (next_side >= 0.0))
+    share = np.where(crosses, side / np.where(crosses, side - next_side, 1.0), 0.0)
+    crossing = polygons + share[:, :, None] * (next_corner - polygons)
+    # each corner, then the crossing behind it, as far as they are kept
+    kept = np.stack([inside, crosses], axis=2).reshape(p, 2 * k)
+    corners = np.stack([polygons, crossing], axis=2).reshape(p, 2 * k, 2)
+    found = kept.sum(axis=1)
+    # one more than before, but where an edge on the line goes to and fro across it by round-off
+    order = np.argsort(~kept, axis=1, kind="stable")[:, : max(k + 1, int(found.max(initial=0)))]
+    return np.take_along_axis(corners, order[:, :, None], axis=1), found
+
+
+def _next(k: int, count: Array) -> Array:
+    """Number (p, k) of the corner behind each, that behind the last being the first."""
+    following = np.arange(1, k + 1)[None, :]
+    return np.where(following < count[:, None], following, 0)
+
+
+LEAST = 1e-2  # of a cell's area: less of it covered is none
+NEAR = 5  # a cell and its neighbours on a grid
+AT_PLACE = 1e-6  # of a cell's edge: how far its force may act beside it
+SHORT = 1e-6  # of how far the cells at hand lie apart: directions in which they do not differ
+
+
+@dataclass(frozen=True, eq=False)
+class Pairing:
+    """Cells of the lap, c of them: `cell` (c,) on the first face, `covered` (c,) the covered share of its area, `gap`
+    (c,) [m], `weights` (c, cells of the second face) csr, rows that add up to 1; `shares` of both faces' areas that
+    face each other."""
+
+    cell: Array
+    covered: Array
+    gap: Array
+    weights: sp.csr_matrix
+    shares: tuple[float, float]
+
+
+def pair_faces(label: str, first: Array, cell: Array, normals: Array, second: Array, other: Array) -> Pairing:
+    """The pairing of two faces in common axes.
+
+    first (t, 3, 3), second (u, 3, 3): corners of their triangles [m], outwards; cell (t,), other (u,): the cells that
+    these are of; normals (cells of the first face, 3). Raises `InputError`, naming `label`, where they do not face each
+    other.
+    """
+    a, b = Triangles.of(first), Triangles.of(second)
+    pieces = facing(a, b)
+    cells, of = int(cell.max()) + 1, cell[pieces.source]
+    area = np.bincount(of, weights=pieces.area, minlength=cells)
+    covered = area / np.bincount(cell, weights=a.area, minlength=cells)
+    lap = np.flatnonzero(covered > LEAST)
+    if not len(lap):
+        raise InputError(
+            f"{label}: the faces do not face each other: {why_apart(a, b, pieces.covered)}; place the bodies so that "
+            "the two faces look at each other across a small gap"
+        )
+    gap = np.bincount(of, weights=pieces.area * pieces.gap, minlength=cells)[lap] / area[lap]
+    shape = cells, int(other.max()) + 1
+    shared = sp.csr_matrix((pieces.area, (of, other[pieces.across])), shape=shape)[lap]
+    weights = sp.csr_matrix(sp.diags(1.0 / area[lap]) @ shared)
+    weights = _at_their_places(weights, _centers(a, cell)[lap], np.sqrt(area[lap]), normals[lap], _centers(b, other))
+    shares = min(pieces.covered[0], 1.0), min(pieces.covered[1], 1.0)
+    return Pairing(lap, np.minimum(covered[lap], 1.0), gap, weights, shares)
+
+
+def _centers(triangles: Triangles, cell: Array) -> Array:
+    """Centroids (cells, 3) [m]."""
+    area = np.bincount(cell, weights=triangles.area)
+    middle = triangles.x.mean(axis=1) * triangles.area[:, None]
+    return np.stack([np.bincount(cell, weights=middle[:, d]) for d in range(3)], axis=1) / area[:, None]
+
+
+def _at_their_places(weights: sp.csr_matrix, x: Array, edge: Array, normals: Array, others: Array) -> sp.csr_matrix:
+    """The weights (c, cells of the second face) changed as the module docstring says; x (c, 3), edge (c,), normals
+    (c, 3) of the cells, others (cells of the second face, 3): places."""
+    tree, near = KDTree(others), min(NEAR, len(others))
+    aside = weights @ others - x
+    aside -= np.einsum("ci,ci->c", aside, normals)[:, None] * normals
+    rows = weights.tolil()
+    for c in np.flatnonzero(np.linalg.norm(aside, axis=1) > AT_PLACE * edge):
+        used = np.union1d(rows.rows[c], np.atleast_1d(tree.query(x[c], k=near)[1]))
+        away = others[used] - x[c]
+        away -= np.outer(away @ normals[c], normals[c])
+        w = np.zeros(len(used))
+        w[np.searchsorted(used, rows.rows[c])] = rows.data[c]
+        w -= np.linalg.pinv((away - away.mean(axis=0)).T, rcond=SHORT) @ (w @ away)  # by no change of the sum
+        rows.rows[c], rows.data[c] = used.tolist(), w.tolist()
+    return sp.csr_matrix(rows)

@@ -1,4 +1,4 @@
-"""Contact laws: what lies between two surfaces that touch. One file a law; `law` has what they share.
+"""Contact laws: what lies between two surfaces that touch. `layers` has what they share.
 
 With the gap g [m] between the deformed surfaces, the depth d = -g and the pressure p >= 0 [Pa]
 
@@ -30,11 +30,16 @@ from warpffrf.model.friction import (
     TractionCurve,
 )
 from warpffrf.model.laws import curves
-from warpffrf.model.laws.exponential_asperities import ExponentialAsperities
 from warpffrf.model.laws.greenwood_tripp import GreenwoodTripp
 from warpffrf.model.laws.hunt_crossley import HuntCrossley
-from warpffrf.model.laws.law import Law
-from warpffrf.model.laws.linear_layer import LinearLayer
+from warpffrf.model.laws.layers import (
+    ExponentialAsperities,
+    Law,
+    LinearLayer,
+    NonlinearLayer,
+    TabulatedLayer,
+    Unilateral,
+)
 from warpffrf.model.laws.lumped import (
     LUMPED_LAWS,
     Approach,
@@ -45,9 +50,6 @@ from warpffrf.model.laws.lumped import (
     PowerForce,
     TabulatedForce,
 )
-from warpffrf.model.laws.nonlinear_layer import NonlinearLayer
-from warpffrf.model.laws.tabulated_layer import TabulatedLayer
-from warpffrf.model.laws.unilateral import Unilateral
 from warpffrf.model.moments import RollingHysteresis, RollingResistance, RollingResistanceArm
 
 LAWS = {

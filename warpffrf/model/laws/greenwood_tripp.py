@@ -30,7 +30,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.curves import Table
-from warpffrf.model.laws.law import Law
+from warpffrf.model.laws.layers import Law
 from warpffrf.model.messages.named_arguments import named_arguments
 
 POINTS = 1000  # of the table

@@ -24,8 +24,8 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.laws.curves import Power
-from warpffrf.model.laws.curves.power import require_exponent
-from warpffrf.model.laws.law import Law
+from warpffrf.model.laws.curves.curve import require_exponent
+from warpffrf.model.laws.layers import Law
 from warpffrf.model.messages.named_arguments import named_arguments
 
 BISECTIONS = 200  # halve until neighbouring numbers are left

@@ -1,15 +1,14 @@
 """Finite-element meshes: the data, structured bodies, and files made elsewhere."""
 
-from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.data import Matrices, Mesh, MeshReport
 from warpffrf.model.mesh.facets import FacetSet
 from warpffrf.model.mesh.files.matrices import from_matrices, read_matrix
 from warpffrf.model.mesh.files.reader import read
+from warpffrf.model.mesh.periodicity import Cyclic
 from warpffrf.model.mesh.shapes.ball import ball
-from warpffrf.model.mesh.shapes.block import block
-from warpffrf.model.mesh.shapes.box import box, grid
+from warpffrf.model.mesh.shapes.boxes import block, box, grid
+from warpffrf.model.mesh.shapes.revolved import ring, sleeve
 from warpffrf.model.mesh.shapes.roller import roller
-from warpffrf.model.mesh.shapes.sleeve import ring, sleeve
 
 __all__ = [
     "Cyclic",

@@ -18,11 +18,11 @@ from warpffrf.model.mesh import cut as cutting
 from warpffrf.model.mesh import periodicity
 from warpffrf.model.mesh import select as selection
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, check_used
-from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import FacetSet, node_numbers, outer_faces
 from warpffrf.model.mesh.files import pyvista_export
 from warpffrf.model.mesh.files.set_names import SetNames
+from warpffrf.model.mesh.periodicity import Cyclic
 from warpffrf.model.mesh.report import MeshReport
 from warpffrf.model.mesh.report import report as make_report
 from warpffrf.model.messages import reprs

@@ -2,17 +2,47 @@
 
 The time left is that of what is left at the pace since the first count. What comes before that, as kernels that are
 compiled, comes once, and is no time of a step.
+
+Console. What a script hears: lines on stderr while `reduce`, `simulate` and their like work, unless the application has
+set up logging.
+
+Everything is said through the logger "warpffrf" and its children: what is being done and the notes of a run at INFO,
+doubts at WARNING, details at DEBUG. An application that has handlers, of its own or by `logging.basicConfig`, gets the
+records as it has asked for and nothing else happens. Where there is none, Python itself prints warnings (its
+`logging.lastResort`); while a function of `speaking` works, the lines at INFO come as well, by a handler that lives as
+long as that function. A script becomes quiet by `progress=False` for one call, and for good by
+
+    logging.getLogger("warpffrf").setLevel("WARNING")
+
+which is what `warpffrf.quiet()` does; `"ERROR"` silences warnings too.
+
+Interruption. Ctrl-C, and SIGTERM, which is taken as Ctrl-C: work that is asked to end keeps what it has.
+
+Both raise KeyboardInterrupt where it is expected, between two chunks of steps, and wait where a file or the result is
+being finished. Handlers can be set in the main thread alone; in others both contexts do nothing.
+
+A run that was ended is a result, and the script that asked for it goes on with it. After Ctrl-C it may run more;
+SIGTERM asks the process to end, so that a script may still store what it has, and ends where it would begin another
+run.
 """
 
 from __future__ import annotations
 
 import logging
+import signal
 import sys
+import threading
 import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from types import FrameType
+from typing import Any
 
 from tqdm import tqdm
 
-from warpffrf.model.messages.printable import printable
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.messages.reprs import printable
 
 log = logging.getLogger("warpffrf")
 FIRST_LINE = 3.0  # s until the first log line off a terminal: what is over by then needs none
@@ -63,3 +93,169 @@ class Progress:
         """End of the work."""
         if self.bar is not None:
             self.bar.close()
+
+
+notes = logging.getLogger("warpffrf.notes")  # of finished runs: a report has them as well
+
+_lowest: ContextVar[int | None] = ContextVar("lowest level heard inside of speaking", default=None)
+
+
+class Lines(logging.Handler):
+    """Writes each record as one line to the standard error of the moment, above a bar of progress if there is one."""
+
+    def __init__(self, form: str = "%(message)s") -> None:
+        super().__init__()
+        self.setFormatter(logging.Formatter(form))
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write the record where there is a standard error."""
+        if sys.stderr is None:
+            return
+        try:
+            tqdm.write(printable(self.format(record)), file=sys.stderr)
+        except Exception:
+            self.handleError(record)
+
+
+class _Heard(Lines):
+    """Lines of the threads that speak; of others, as of one in the background, warnings. On the logger while anybody
+    speaks and nobody else receives what is said."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.calls, self.sets_level = 0, False
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Write the record where its thread hears it."""
+        lowest = _lowest.get()
+        if record.levelno >= (logging.WARNING if lowest is None else lowest):
+            super().emit(record)
+
+    def enter(self) -> None:
+        """One call more, in any thread."""
+        with _lock:
+            self.calls += 1
+            if self.calls == 1 and not log.hasHandlers():
+                log.addHandler(self)
+                self.sets_level = log.level == logging.NOTSET
+                if self.sets_level:
+                    log.setLevel(logging.INFO)
+
+    def leave(self) -> None:
+        """One call less."""
+        with _lock:
+            self.calls -= 1
+            if not self.calls and self in log.handlers:
+                log.removeHandler(self)
+                if self.sets_level and log.level == logging.INFO:
+                    log.setLevel(logging.NOTSET)
+
+
+_lock = threading.Lock()
+_heard = _Heard()
+
+
+@named_arguments
+def quiet() -> None:
+    """From now on only warnings and errors go to stderr, no lines about what is being done.
+
+    The same as `logging.getLogger("warpffrf").setLevel("WARNING")`; `progress=False` does it for one call.
+    """
+    log.setLevel(logging.WARNING)
+
+
+@contextmanager
+def speaking(shown: bool = True) -> Iterator[None]:
+    """Lines of the logger "warpffrf" go to stderr inside, where the application does not receive them.
+
+    shown: False for warnings and errors alone. Calls may stand in one another, then the quietest is followed, and in
+    several threads.
+    """
+    token = _lowest.set(max(_lowest.get() or logging.INFO, logging.INFO if shown else logging.WARNING))
+    _heard.enter()
+    try:
+        yield
+    finally:
+        _heard.leave()
+        _lowest.reset(token)
+
+
+Handler = Callable[[int, FrameType | None], Any] | signal.Handlers
+
+
+class Asked:
+    """Whether something was asked to end while it could not."""
+
+    def __init__(self) -> None:
+        self.asked = False
+
+    def __bool__(self) -> bool:
+        return self.asked
+
+
+_process = Asked()  # by SIGTERM
+
+
+@contextmanager
+def _handled(handlers: dict[int, Handler]) -> Iterator[None]:
+    """Signals handled in this way inside."""
+    before = {number: signal.signal(number, handler) for number, handler in handlers.items()}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    _process.asked = True
+    raise KeyboardInterrupt
+
+
+@contextmanager
+def terminated_as_interrupted() -> Iterator[None]:
+    """SIGTERM raises KeyboardInterrupt inside, unless the program has a handler of its own. Raises SystemExit where it
+    has come in an earlier such block, which went on."""
+    free = _in_main_thread() and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
+    if free and _process:
+        log.error("SIGTERM has ended an earlier run: the process ends here, before another one begins")
+        raise SystemExit(128 + signal.SIGTERM)
+    with _handled({signal.SIGTERM: _interrupt} if free else {}):
+        yield
+
+
+def what_follows() -> str:
+    """A clause on what comes after a run that was interrupted."""
+    return "a script goes on after it" + (", and ends where it would begin another run (SIGTERM)" if _process else "")
+
+
+@contextmanager
+def deferred_interrupts() -> Iterator[Asked]:
+    """What would raise KeyboardInterrupt waits for the end of the block, which tells it by the answer's truth; a second
+    one comes through."""
+    answer = Asked()
+
+    def wait(number: int, frame: FrameType | None) -> None:
+        _process.asked |= number == signal.SIGTERM
+        if answer.asked:
+            raise KeyboardInterrupt
+        answer.asked = True
+        log.warning("interrupted: what is there is being finished first; once more ends at once")
+
+    own = (signal.default_int_handler, _interrupt)
+    with _handled(
+        {n: wait for n in (signal.SIGINT, signal.SIGTERM) if _in_main_thread() and signal.getsignal(n) in own}
+    ):
+        yield answer
+
+
+@contextmanager
+def deaf_children() -> Iterator[None]:
+    """Processes that are started inside do not hear Ctrl-C, which a terminal sends to all of them: whoever started them
+    ends them."""
+    with _handled({signal.SIGINT: signal.SIG_IGN} if _in_main_thread() else {}):
+        yield
+
+
+def _in_main_thread() -> bool:
+    return threading.current_thread() is threading.main_thread()

@@ -2,10 +2,13 @@
 
 A class says by `_facts` what matters of it, name -> value, in few words; arrays are told by their shapes. Both looks
 follow from that, so that none of them writes out the numbers of a mesh or of a run.
+
+Printable. Text for a terminal: names in files may hold what a terminal obeys, such as colours and moves of the cursor.
 """
 
 from __future__ import annotations
 
+import unicodedata
 from dataclasses import fields
 from html import escape
 from typing import Any
@@ -77,3 +80,14 @@ def names(items: Any) -> str:
     if len(text) <= LONGEST:
         return text or "none"
     return f"{text[: text.rfind(',', 0, LONGEST)]}, ... ({len(listed)})"
+
+
+HIDDEN = ("Cc", "Cf")  # categories of Unicode: controls, formats
+
+
+def printable(text: str) -> str:
+    """`text` for a terminal: control characters but line feeds and tabs, and those that change the direction of
+    writing, which names in files may hold, as their escapes."""
+    return "".join(
+        c if c in "\n\t" or unicodedata.category(c) not in HIDDEN else c.encode("unicode_escape").decode() for c in text
+    )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from warpffrf.model.files.output_paths import checked_output_path
+from warpffrf.model.files.paths import checked_output_path
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.data import ReducedBodyData
@@ -51,7 +51,7 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
 
     @classmethod
     def load(cls, path: str | Path) -> ReducedBody:
-        """Read the file at `path` that `save` wrote. Raises `InputError` for a missing, damaged, or newer-schema
+        """Read the file at `path` that `save` wrote. Raises `InputError` for a missing, damaged, or other-schema
         file."""
         return read_reduced_body(cls, Path(path))
 

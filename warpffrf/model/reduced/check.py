@@ -11,8 +11,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.cross_compliance import FUNCTIONS, CrossCompliance
+from warpffrf.model.reduced.contact_surface import FUNCTIONS, ContactSurface, CrossCompliance
 from warpffrf.model.reduced.data import ReducedBodyData
 
 SYMMETRIC_COMPLIANCE = 1e-12  # of the laps, of its largest entry: written symmetric

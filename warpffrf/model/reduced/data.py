@@ -9,8 +9,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapSurface
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance
 from warpffrf.model.reduced.inertia import InertiaTerms
 from warpffrf.model.reduced.stress_field import StressField
 
@@ -36,7 +35,7 @@ class DisplaySurface:
     """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n, 3)
     [m/N], what each of the N forces on the body's laps does beyond the global modes, user axes; None where there are no
     laps, or where that was left out as too large; `second_order` (R, n, 3), the shapes of second-order motion
-    (`warpffrf.model.reduced.second_order_motion`), None of a body without."""
+    (`warpffrf.model.reduced.inertia`), None of a body without."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -62,8 +61,8 @@ class ReducedBodyData:
     stress: dict[str, StressField] = field(default_factory=dict)  # where stresses can be asked for, by name
     report: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
-    inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body reduced before they existed
-    cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces; of files before schema 5 none
+    inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body without
+    cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces
     laps: dict[str, LapSurface] = field(default_factory=dict)  # faces with cells, `model.laps`
     lap_compliance: np.ndarray | None = None  # (N, N) m/N of all forces of `laps`, in their order; None without laps
 
@@ -73,8 +72,8 @@ class ReducedBodyData:
         return sum(s.local_modes for s in self.contact_surfaces.values())
 
     def cross_compliance(self, target: str, source: str) -> CrossCompliance | None:
-        """What loads on contact surface `source` do to contact surface `target`; None of a body whose file was written
-        before there was such a compliance. Raises `InputError` for names that are not two contact surfaces."""
+        """What loads on contact surface `source` do to contact surface `target`; None of a body without.
+        Raises `InputError` for names that are not two contact surfaces."""
         if target == source or not {target, source} <= set(self.contact_surfaces):
             raise InputError(
                 f"cross_compliance: {target!r} and {source!r} are not two contact surfaces of this body; it has "

@@ -5,12 +5,12 @@ body's material, exact on any grid, and S what is left of the body's compliance 
 among the splines of `FarSplines`, which P evaluates. Both halves have the same half-space, which is
 
 - cut off by `cutoff` of the angle between outward normals, so that it does not go round the body;
-- a quarter space at the `ends` of the surface, see `warpffrf.offline.near_field.ends`.
+- a quarter space at the `ends` of the surface, see `warpffrf.offline.near_field.window`.
 
 Tangential tractions have a far field, too (`FarTangential`), among the same splines. Their half-space is Cerruti's with
 mirror images at the ends, of the same sign around and along, and of no part between these directions; what a free end
 adds to the images is in S, as far as splines follow it: not of tractions within about a spacing of the grid from an end
-(`warpffrf.offline.near_field.exact`).
+(`warpffrf.offline.near_field.half_space`).
 What normal loads move along the surface is taken in the frame of the load: a near field that leaves the turning of the
 tangents out, as H of a flat patch does, lacks u_n/R of the half-space in its strain du/ds, and a strain from S has
 u_n/R of the rest in it.
@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.model.half_space.quarter_surface import QuarterSurface
+from warpffrf.model.half_space import QuarterSurface
 
 Array = np.ndarray
 # rad between the normals at two places: the half-space counts in full up to WHOLE, and not at all from NOTHING on.

@@ -19,26 +19,20 @@ from warpffrf.model import surfaces
 from warpffrf.model.errors import InputError
 from warpffrf.model.files import hdf5_parts
 from warpffrf.model.files.hdf5_parts import COMPLEX, REAL
-from warpffrf.model.files.sealed_file import require_seal, verify, written_sealed
+from warpffrf.model.files.sealed_file import check_schema, verify, written_sealed
 from warpffrf.model.laps import LapSurface
 from warpffrf.model.reduced.check import check_body
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance, Recovery, Sampling, Tangential
 from warpffrf.model.reduced.data import DisplaySurface, Interface, ReducedBodyData
 from warpffrf.model.reduced.far_field import FarField
-from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms
+from warpffrf.model.reduced.inertia import GeometricStiffness, InertiaTerms, SecondOrderMotion
 from warpffrf.model.reduced.local_mass import LocalMass
-from warpffrf.model.reduced.recovery import Recovery
-from warpffrf.model.reduced.sampling import Sampling
-from warpffrf.model.reduced.second_order_motion import SecondOrderMotion
 from warpffrf.model.reduced.stress_field import StressField
-from warpffrf.model.reduced.tangential import Tangential
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 11  # 11: second-order motion; 10: membrane energy; 9: laps; 8: sealed; all older ones are read
-SEALED_SINCE = 8
+SCHEMA = 11  # goes up with every change of what a file holds; files of other schemas are refused
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
@@ -161,7 +155,7 @@ def _inertia_arrays(terms: InertiaTerms) -> dict[str, np.ndarray]:
 
 
 def _inertia_terms(arrays: dict[str, np.ndarray]) -> InertiaTerms | None:
-    """The inertia terms; None in files of the schemas 1 and 2, which have none."""
+    """The inertia terms, None of a body without."""
     if not any(key.startswith("inertia_terms/") for key in arrays):
         return None
     stiffening = None
@@ -186,7 +180,7 @@ def _grid_facts(grid: ContactGrid) -> dict[str, Any]:
 
 
 def _grid(arrays: dict[str, np.ndarray], root: str, f: dict[str, Any]) -> ContactGrid:
-    """The grid of `_grid_facts` on the lines of `root`; files of schema 1 hold hats and do not say so."""
+    """The grid of `_grid_facts` on the lines of `root`."""
     return ContactGrid(
         e_0=arrays[f"{root}/grid/e_0"],
         theta_start=f["theta_start"],
@@ -195,7 +189,7 @@ def _grid(arrays: dict[str, np.ndarray], root: str, f: dict[str, Any]) -> Contac
         periodic=f["periodic"],
         z=arrays[f"{root}/grid/z"],
         columns_per_sector=f["columns_per_sector"],
-        kind=f.get("kind", "hats"),
+        kind=f["kind"],
     )
 
 
@@ -218,10 +212,8 @@ def _local_mass(arrays: dict[str, np.ndarray], root: str) -> LocalMass | None:
 
 
 def _sampling(arrays: dict[str, np.ndarray], root: str, facts: dict[str, Any] | None) -> Sampling | None:
-    """The sampling points, None where the file has none, as those of the schemas 1 to 3."""
-    if facts is None:
-        return None
-    return Sampling.restore(_under(arrays, root), facts)
+    """The sampling points, None where the file has none."""
+    return None if facts is None else Sampling.restore(_under(arrays, root), facts)
 
 
 def _under(arrays: dict[str, np.ndarray], root: str) -> dict[str, np.ndarray]:
@@ -363,25 +355,19 @@ def _stored(file: Any) -> dict[str, np.ndarray]:
 
 def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None, content: str | None = None) -> Body:
     """The body of class `kind` in the file `path`; raises `InputError` when the file is missing, damaged, no body's, of
-    a newer schema, or another body than the one with the content hash `content`. `subject`: what messages call it,
+    another schema, or another body than the one with the content hash `content`. `subject`: what messages call it,
     where a reader knows the file by another name."""
     import h5py
 
     if not path.is_file():
         raise InputError(f"reduced body: there is no file {path}; check the path")
     subject, cure = subject or f"reduced body: {path}", "run the reduction again"
-    has_seal = verify(path, subject, cure)
+    verify(path, subject, cure)
     try:
         with h5py.File(path, "r") as file:
             if file.attrs.get("format") != MARK:
                 raise InputError(f"{subject} is not a reduced body file; {cure}")
-            schema = int(np.asarray(file.attrs["schema"]))
-            if schema > SCHEMA:
-                raise InputError(
-                    f"{subject} has schema {schema}, this version reads up to {SCHEMA}; update warpffrf or {cure}"
-                )
-            require_seal(has_seal, schema, SEALED_SINCE, subject, cure)
-
+            check_schema(int(np.asarray(file.attrs["schema"])), SCHEMA, subject, cure)
             facts, report, provenance = (_document(file, k) for k in ("facts", "report", "provenance"))
             arrays = _stored(file)
             expected = file.attrs["content_hash"]

@@ -31,17 +31,60 @@ sigma0 is linear in what causes it, the centrifugal load (products of w) and the
 
 All arrays are in the axes of the user frame, moments about the centre of mass; modes have modal mass 1 kg, so that q is
 in m, J1 in kg m, J2 and G in kg. They cover the first k of the m modes; the others count as if without these terms.
+
+Membrane. The membrane energy of a body: what its fibres are stretched by, of second order in its modes, and cannot
+evade.
+
+Deflections stretch fibres by w'^2/2. A beam whose ends may move, or a developable bend of a plate, relieves that by
+motion along itself; a plate held along its rim, or bent both ways, cannot. The energy left is the square of a strain
+that is quadratic in the modal coordinates q, and kept by its R largest principal parts (derived in
+`warpffrf.offline.inertia.membrane`):
+
+    V4 = 1/2 sum_r e_r^2,        e_r = q.L_r q/2,        y_r = L_r q,
+    dV4/dq = sum_r e_r y_r,      d2V4/dq2 = sum_r y_r y_r^T + e_r L_r.
+
+It is never negative, and so is the first part of its tangent. q is in m at modal mass 1 kg, L_r in sqrt(J)/m^2, e_r in
+sqrt(J).
+
+Second order motion. Where deflections take the points of a body: its motion of second order in the modes, on few
+shapes.
+
+A body that deflects far moves by u = sum_i q_i phi_i + Theta(q, q): Theta is what bends shorten, and how the body
+evades stretching (derived in `warpffrf.offline.inertia.second_order`). Of the pairs of modes, each a field, the R
+principal ones in the mass are kept (`warpffrf.offline.inertia.second_order`),
+
+    Theta(q, q) = sum_s g_s B_s,      g_s = q.S_s q/2,      dTheta = sum_s (q.S_s dq) B_s,
+
+with shapes B_s of modal mass 1 kg, as those of modes, orthogonal to one another: g_s is in m like q, S_s in 1/m. In the
+rates gd_s = q.S_s qd and with the overlap C_is = int phi_i.B_s dm the kinetic energy of a body that does not turn is
+
+    T = |qd|^2/2 + qd.C gd + |gd|^2/2,
+
+of which simulations have the first part.
+
+Interface motion. How the modes move an interface: the one place on the host that says it.
+
+Components d_c of the translation and rotation (u, theta) in body axes follow from the mode shapes Phi_c and, of a body
+that loads stiffen, the geometric stiffness K_c of a unit load (`warpffrf.model.reduced.inertia.GeometricStiffness`),
+
+    d_c = Phi_c.q - q.K_c q/2,      dd_c/dq = Phi_c - K_c q,
+
+as the constraint rows see it (`warpffrf_kernels.bodies.interfaces`). The second part is what deflections shorten: the
+work of a load F on it is the energy -F.d = F q.K q/2 of the prestress, so that one does not go without the other.
+
+A *body* here is whatever has `reduced`, a reduced body, and `stiffening`, whether loads stiffen it: a body of a scene
+or a `BodyView` of results.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_array, unknown_name
-from warpffrf.model.reduced.second_order_motion import SecondOrderMotion
 
 Array = np.ndarray
 LEVELS: dict[str, tuple[bool, bool, bool]] = {  # which of J1, J2, G are kept
@@ -59,7 +102,7 @@ class GeometricStiffness:
     """Stiffness of the first k modes by prestress, symmetric: `centrifugal` (6, k, k) for w_x^2, w_y^2, w_z^2, w_x w_y,
     w_y w_z, w_z w_x, each times the product itself; `interfaces` name -> (6, k, k) per unit force (3) [N] and torque
     (3) [N m] on the body at the interface's point, body (user) axes; `membrane` (R, k, k) [sqrt(J)/m^2], the forms of
-    the membrane energy (`warpffrf.model.reduced.membrane`), None of a body reduced without; `motion`: the second-order
+    the membrane energy (`warpffrf.model.reduced.inertia`), None of a body reduced without; `motion`: the second-order
     motion of all its points, None likewise."""
 
     centrifugal: Array
@@ -198,3 +241,109 @@ def _cross(G: Array, q: Array, qd: Array) -> Array:
     """sum_ij q_i qd_j G_ij (3,): of q and qd the momentum h."""
     k = len(G)
     return np.einsum("i,ija,j->a", q[:k], G, qd[:k])
+
+
+def membrane_amplitudes(forms: Array, q: Array) -> Array:
+    """e_r (R,) [sqrt(J)] of the `forms` L (R, k, k) at the first k of the coordinates q (m,) [m]."""
+    q = q[: forms.shape[1]]
+    return 0.5 * (forms @ q) @ q
+
+
+def membrane_forms(body: Any) -> Array | None:
+    """L (R, k, k) of a body that loads stiffen, None of others, and of one without membrane energy.
+
+    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
+    """
+    terms = body.reduced.inertia_terms if body.stiffening and body.reduced is not None else None
+    return None if terms is None or terms.stiffening is None else terms.stiffening.membrane
+
+
+def membrane_energies(forms: Array, q: Array) -> Array:
+    """V4 (T,) [J] of rows of coordinates q (T, m)."""
+    k = forms.shape[1]
+    e = 0.5 * np.einsum("ti,rij,tj->tr", q[:, :k], forms, q[:, :k], optimize=True)
+    return 0.5 * np.sum(e * e, axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class SecondOrderMotion:
+    """Amplitudes of the shapes of second order: `forms` S (R, k, k) [1/m], symmetric, of the first k modes, and the
+    `overlap` C (k, R) of these modes with the shapes. The shapes themselves are with what is seen of them, as
+    `DisplaySurface.second_order`."""
+
+    forms: Array
+    overlap: Array
+
+    def __post_init__(self) -> None:
+        require_array(self.forms, "second-order motion", (None, None, None))
+        if self.forms.shape[1] != self.forms.shape[2] or self.overlap.shape != self.forms.shape[1::-1]:
+            raise InputError(
+                f"second-order motion: forms {self.forms.shape} and overlap {self.overlap.shape} are not (R, k, k) and "
+                "(k, R)"
+            )
+
+    def amplitudes(self, q: Array) -> Array:
+        """g (..., R) [m] at modal coordinates q (..., m) [m]."""
+        return 0.5 * self.between(q, q)
+
+    def between(self, x: Array, y: Array) -> Array:
+        """x.S_s y (..., R) [m] of x, y (..., m) [m]: of y a rate or a variation, at x, that of g."""
+        k = self.forms.shape[1]
+        return np.einsum("...i,sij,...j->...s", x[..., :k], self.forms, y[..., :k], optimize=True)
+
+    def kinetic_energy(self, q: Array, qd: Array) -> Array:
+        """What T (...) [J] has beside |qd|^2/2, at q (..., m) [m] and rates qd (..., m) [m/s]."""
+        gd = self.between(q, qd)
+        along = np.einsum("...i,is,...s->...", qd[..., : len(self.overlap)], self.overlap, gd, optimize=True)
+        return along + 0.5 * np.sum(gd * gd, axis=-1)
+
+
+def motion_of(body: Any) -> SecondOrderMotion | None:
+    """The second-order motion of a body that loads stiffen, None of others, and of one that was reduced without.
+
+    A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
+    """
+    terms = body.reduced.inertia_terms if body.stiffening and body.reduced is not None else None
+    return None if terms is None or terms.stiffening is None else terms.stiffening.motion
+
+
+def skin_displacement(body: Any, q: Array) -> Array:
+    """Phi q + Theta(q, q) (n, 3) [m, user axes] at the points of the skin of a flexible body."""
+    surface, motion = body.reduced.surface, motion_of(body)
+    u = np.einsum("m,mnd->nd", q, surface.modes)  # without a copy of the modes in double precision
+    if motion is not None and surface.second_order is not None:
+        u += np.einsum("s,snd->nd", motion.amplitudes(q), surface.second_order)
+    return u
+
+
+def skin_variation(body: Any, q: Array, dq: Array) -> Array:
+    """The change (n, 3) [m, user axes] of `skin_displacement` at q (m,) by small dq (m,), real or complex."""
+    surface, motion = body.reduced.surface, motion_of(body)
+    du = np.tensordot(dq, surface.modes, 1)
+    if motion is not None and surface.second_order is not None:
+        du = du + np.tensordot(motion.between(q, dq), surface.second_order, 1)
+    return du
+
+
+def interface_motion(body: Any, name: str, q: Array) -> Array:
+    """Translation and rotation (..., 6) [m, rad] of interface `name` at modal coordinates q (..., m), body axes."""
+    return q @ body.reduced.interfaces[name].modes - 0.5 * second_order(body, name, q, q)
+
+
+def interface_slope(body: Any, name: str, q: Array) -> Array:
+    """The derivative (m, 6) of `interface_motion` by the modal coordinates at q (m,): how modes move the interface."""
+    slope = np.array(body.reduced.interfaces[name].modes, dtype=float)
+    if body.stiffening:
+        K = body.reduced.inertia_terms.stiffening.interfaces[name]
+        k = K.shape[1]
+        slope[:k] -= np.einsum("cij,j->ic", K, q[:k])
+    return slope
+
+
+def second_order(body: Any, name: str, x: Array, y: Array) -> Array:
+    """x.K_c y (..., 6) for x, y (..., m) [m]; zeros of a body that loads do not stiffen."""
+    if not body.stiffening:
+        return np.zeros((*x.shape[:-1], 6))
+    K = body.reduced.inertia_terms.stiffening.interfaces[name]
+    k = K.shape[1]
+    return np.einsum("...i,cij,...j->...c", x[..., :k], K, y[..., :k], optimize=True)

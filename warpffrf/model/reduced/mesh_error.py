@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number, unknown_name
-from warpffrf.model.half_space.pressure import rectangle
+from warpffrf.model.half_space import rectangle
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.reduced.far_field import FarField
 

@@ -11,11 +11,23 @@ coefficients of the traction `t = sum_i psi_i s_i` that the forces stand for, an
 that follows from the traction alone, without any deformation: see `warpffrf.offline.stress.operator`. It makes the
 traction on a contact surface the one that was applied. Forces s on the cells of laps add `sum_i laps_i(x) s_i`, the
 response of the residual flexibility to them; on the faces of a lap themselves it is the stress of the finite elements.
-Amplitudes e of the membrane energy (`warpffrf.model.reduced.membrane`) add `sum_r membrane_r(x) e_r`.
+Amplitudes e of the membrane energy (`warpffrf.model.reduced.inertia`) add `sum_r membrane_r(x) e_r`.
 
 On a rotationally periodic body `T` is kept for the `p0` distinct places of the points in one sector, in the axes of
 that sector, per harmonic: `sigma_j = Re sum_k w_k e^{i k s_j phi} T_k f_k` at the place of point j, turned into user
 axes, with `f_k` the harmonics of the forces and w_k = 1/N for k = 0 and N/2, else 2/N.
+
+Skin strain. Strains of a body's skin, from the motion of its nodes.
+
+An edge X of a triangle that goes over into X + u is stretched, of second order, by
+
+    e = (X.u + v.v/2)/|X|^2,      u of Phi q + Theta(q, q),      v of Phi q,
+
+v.v/2 less what Theta relieves of it (`warpffrf.model.reduced.inertia`); of bodies without Theta by the
+linear strain, as in their equations. It is the mean of the strain along the edge, right on quadratic cells that bend,
+where shears of flat triangles are not: across a deep bend of cells much longer than thick these would be several times
+the strain there is. Pressures on contact surfaces, local modes and notches inside are not in it, and of shear only what
+is along edges.
 """
 
 from __future__ import annotations
@@ -29,7 +41,8 @@ import numpy as np
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.reduced.contact_grid import meridian_gram
-from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.contact_surface import Recovery
+from warpffrf.model.reduced.inertia import motion_of, skin_displacement
 
 _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _FIRST, _SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
@@ -305,3 +318,23 @@ class StressField:
             name, arrays["points"], arrays["modes"], found["normal"], found["tangential"], arrays["place"],
             arrays["sector"], arrays.get("laps"), arrays.get("membrane"),
         )  # fmt: skip
+
+
+Array = np.ndarray
+
+
+def skin_strain(body: Any, q: Array) -> Array:
+    """Strains (t, 3) [-] of the edges of each triangle of the skin of a flexible body at modal coordinates q (m,) [m].
+    A *body* is whatever has `reduced` and `stiffening`."""
+    surface = body.reduced.surface
+    corners = np.asarray(surface.triangles)
+
+    def edges(x: Array) -> Array:
+        at = np.asarray(x, dtype=float)[corners]
+        return np.roll(at, -1, axis=1) - at  # (t, 3, 3)
+
+    X = edges(surface.points)
+    stretch = np.einsum("tei,tei->te", X, edges(skin_displacement(body, q)))
+    if motion_of(body) is not None:
+        stretch += 0.5 * np.sum(edges(np.tensordot(q, surface.modes, 1)) ** 2, axis=2)
+    return stretch / np.sum(X * X, axis=2)

@@ -185,9 +185,7 @@ def _covered(f: dict[str, Any]) -> str:
 
 
 def _membrane(m: dict[str, Any]) -> str:
-    moved = ""  # of files before schema 11
-    if "shapes" in m:
-        moved = f"; motion on {m['shapes']} shapes, error below {m['motion_left_out']:.2g} of the largest"
+    moved = f"; motion on {m['shapes']} shapes, error below {m['motion_left_out']:.2g} of the largest"
     if not m["rank"]:
         return f"no energy kept: motion relieves all but {1.0 - m['relieved']:.2g} of the second-order strain{moved}"
     return (

@@ -14,19 +14,10 @@ from typing import Any
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.surfaces.base import DEFAULT_FIT_FRACTION, Shape
-from warpffrf.model.surfaces.bore import Bore
-from warpffrf.model.surfaces.cone import Cone
-from warpffrf.model.surfaces.conical_bore import ConicalBore
-from warpffrf.model.surfaces.crowned_cylinder import CrownedCylinder
-from warpffrf.model.surfaces.cup import Cup
-from warpffrf.model.surfaces.cylinder import Cylinder
-from warpffrf.model.surfaces.groove import Groove
 from warpffrf.model.surfaces.plane import Plane
 from warpffrf.model.surfaces.profile import SurfaceProfile
-from warpffrf.model.surfaces.profiled_cylinder import ProfiledCylinder
-from warpffrf.model.surfaces.revolution import RevolutionShape
-from warpffrf.model.surfaces.ring import Ring
-from warpffrf.model.surfaces.sphere import Sphere
+from warpffrf.model.surfaces.profiled_cylinder import ProfiledCylinder, RevolutionShape
+from warpffrf.model.surfaces.round import Bore, Cone, ConicalBore, CrownedCylinder, Cup, Cylinder, Groove, Ring, Sphere
 
 __all__ = [
     "DEFAULT_FIT_FRACTION",

@@ -12,15 +12,10 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf.model.errors import unknown_name
-from warpffrf.offline.bases.balanced import Balanced
 from warpffrf.offline.bases.basis import Basis
-from warpffrf.offline.bases.craig_bampton import CraigBampton
-from warpffrf.offline.bases.craig_chang import CraigChang
-from warpffrf.offline.bases.free_free import FreeFree
-from warpffrf.offline.bases.krylov import Krylov
-from warpffrf.offline.bases.pod import POD
-from warpffrf.offline.bases.problem import BasisProblem, RawBasis
-from warpffrf.offline.bases.tvd import TrialVectorDerivatives
+from warpffrf.offline.bases.modes import BasisProblem, RawBasis
+from warpffrf.offline.bases.responses import POD, Balanced, Krylov, TrialVectorDerivatives
+from warpffrf.offline.bases.vibrations import CraigBampton, CraigChang, FreeFree
 
 BASES: dict[str, type[Basis]] = {
     cls.kind: cls for cls in (FreeFree, CraigBampton, CraigChang, Krylov, Balanced, POD, TrialVectorDerivatives)

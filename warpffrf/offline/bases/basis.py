@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.offline.bases.problem import BasisProblem, RawBasis
+from warpffrf.offline.bases.modes import BasisProblem, RawBasis
 
 
 @dataclass(frozen=True, kw_only=True)

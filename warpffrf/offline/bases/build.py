@@ -21,10 +21,9 @@ import numpy as np
 
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.bases.basis import Basis
-from warpffrf.offline.bases.global_basis import attachment_modes, global_basis, missing_energy
-from warpffrf.offline.bases.problem import BasisProblem
+from warpffrf.offline.bases.modes import BasisProblem, attachment_modes, global_basis, missing_energy
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.interfaces import InterfaceSystem
 from warpffrf.offline.products import Limits
 
 

@@ -7,13 +7,38 @@ modes never appear. A block Krylov space with full M-orthogonalisation is used (
 
 With `T Q = Q H + Q_next S E^H` (E picks the last block) a Ritz pair `(nu, Q y)` has residual `|S y_last|` in the M
 norm.
+
+Global modes: vibration modes and interface attachment modes, jointly M- and K-orthonormal.
+
+An *attachment mode* is the inertia-relief response to a unit force or moment on an interface, `a = P^H K^+ P F_I`. With
+`a` in the span of `Phi_g` the residual local response does not move the interface: for a load f its interface
+coordinates are `F_I^H (G - Phi_g (Phi_g^H K Phi_g)^-1 Phi_g^H) f = a^H f - a^H f = 0`.
+
+The union of the attachment modes A and many vibration modes V is nearly dependent (condition 7e15 was met). It is
+orthonormalised in the *energy* inner product, the attachment modes first, so that they stay in the span to round-off:
+
+1. A is scaled to unit energy; eigenvectors of `A^H K A` below `dependent^2` are dropped, the others scaled to unit
+   energy;
+2. V, scaled to unit energy, is freed from A, `V := V - A A^H K V`, twice, and treated alike: what is dropped is a
+   combination of vibration modes that A holds already. Both go through this a second time, in which nothing may shrink;
+3. now `Q = [A V]` has `Q^H K Q = 1`; with `Q^H M Q = Y mu Y^H` the modes are `Phi = Q Y mu^-1/2`: M-orthonormal,
+   K-orthogonal, and `omega^2 = 1/mu` is the Rayleigh-Ritz frequency.
+
+Problem. What every basis is given, and what it gives back.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
+from typing import Any
+
 import numpy as np
 
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh import Mesh
 from warpffrf.offline.elastic import Array, ElasticModel
+from warpffrf.offline.interfaces import InterfaceSystem
+from warpffrf.offline.products import Limits
 
 BLOCK = 8  # vectors a block: more than the multiplicity that symmetry alone gives, and efficient right-hand sides
 RESIDUAL = 1e-11  # of the eigenvalue: eigenvectors to about 1e-9 for neighbours 1 % apart
@@ -177,3 +202,144 @@ def whole_multiples(omega: Array, count: int) -> int:
     while 0 < kept < len(omega) and omega[kept] - omega[kept - 1] <= SAME_FREQUENCY * omega[kept]:
         kept += 1
     return kept
+
+
+# Energy norm of a unit-energy direction outside the others below which it is dropped: round-off of the Gram matrix,
+# 1e-16 in its eigenvalues, is 1e-8 in a norm.
+DEPENDENT = 3e-8
+# Energy of a unit-energy direction that must be left when it is orthogonalised again: one that was round-off shrinks.
+MOSTLY_THERE = 0.5
+
+
+def attachment_modes(model: ElasticModel, F: Array) -> Array:
+    """Inertia-relief responses (n, a) to interface loads F (n, a)."""
+    return model.flexibility(F)
+
+
+def global_basis(model: ElasticModel, V: Array, A: Array, *, dependent: float = DEPENDENT) -> tuple[Array, Array, int]:
+    """`omega` (m,) [rad/s] ascending, `Phi` (n, m), and the number of dropped directions.
+
+    V (n, v): vibration modes, or the columns of any other basis; A (n, a): attachment modes; all M-orthogonal to rigid
+    motion. A unit-energy direction whose part outside the others has an energy norm below `dependent` is dropped.
+    """
+    offered = V.shape[1] + A.shape[1]
+    A = _independent(model, _scaled(model, A), None, dependent)
+    V = _freed(model, _independent(model, _scaled(model, V), A, dependent), A)
+    Q = np.concatenate([A, V], axis=1)
+    if not Q.shape[1]:
+        return np.zeros(0), Q, offered
+    mu, Y = np.linalg.eigh(_hermitian(Q.conj().T @ (model.M @ Q)))
+    mu, Y = mu[::-1], Y[:, ::-1]
+    return 1.0 / np.sqrt(mu), Q @ (Y / np.sqrt(mu)), offered - Q.shape[1]
+
+
+def _scaled(model: ElasticModel, U: Array) -> Array:
+    """Columns scaled to unit energy; those without energy, as of a load that strains nothing, become zero."""
+    energy = np.real(np.einsum("na,na->a", U.conj(), model.K @ U))
+    scale = np.zeros_like(energy)
+    scale[energy > 0.0] = 1.0 / np.sqrt(energy[energy > 0.0])
+    return U * scale
+
+
+def _freed(model: ElasticModel, U: Array, A: Array | None) -> Array:
+    """U without its K-projection on the K-orthonormal A, and without rigid motion: that has no energy, so that scaling
+    to unit energy blows up what little of it round-off left."""
+    for _ in range(2):  # twice is enough (Kahan, Parlett)
+        U = model.without_rigid(U if A is None else U - A @ (A.conj().T @ (model.K @ U)))
+    return U
+
+
+def _independent(model: ElasticModel, U: Array, A: Array | None, dependent: float) -> Array:
+    """K-orthonormal basis of the columns of U outside A, without directions of energy norm below `dependent`."""
+    for least in (dependent**2, MOSTLY_THERE):  # the second pass repairs what small eigenvalues cost in orthogonality
+        U = _freed(model, U, A)
+        values, vectors = np.linalg.eigh(_hermitian(U.conj().T @ (model.K @ U)))
+        keep = values > least
+        U = U @ (vectors[:, keep] / np.sqrt(values[keep]))
+    return U
+
+
+def missing_energy(model: ElasticModel, V: Array, A: Array, *, dependent: float = DEPENDENT) -> float:
+    """Largest energy norm (0 to 1) of a unit-energy column of A outside the span of V: what V lacks of A."""
+    if not A.shape[1]:
+        return 0.0
+    A, V = _scaled(model, A), _independent(model, _scaled(model, V), None, dependent)
+    rest = _freed(model, A, V)
+    return float(np.sqrt(max(np.max(np.real(np.einsum("na,na->a", rest.conj(), model.K @ rest))), 0.0)))
+
+
+AHEAD = 4  # modes computed beyond those wanted, to see whether a multiple frequency would be cut apart
+
+
+@dataclass(frozen=True, eq=False)
+class BasisProblem:
+    """What a basis is made for: the free constrained body `model` (n dofs), the `system` of its interfaces with loads F
+    (n, a), the `limits` of `reduce`, the `attachments` G F (n, a), displacements [m] under these loads, and the `mesh`,
+    for bases that look at facets."""
+
+    model: ElasticModel
+    system: InterfaceSystem
+    limits: Limits
+    attachments: Array
+    mesh: Mesh | None = None
+
+    @property
+    def elastic_dofs(self) -> int:
+        """Dofs less rigid motions: no basis can be larger."""
+        return self.model.size - self.model.R.shape[1]
+
+    def unit_loads(self) -> tuple[Array, Array]:
+        """Interface loads and their attachment modes (n, a), scaled so that each load stores unit static energy
+        f^T G f, which makes forces and moments comparable; loads that strain nothing are left out."""
+        F = self.system.loads
+        energy = np.einsum("na,na->a", F, self.attachments)
+        straining = energy > 0.0
+        scale = 1.0 / np.sqrt(energy[straining])
+        return F[:, straining] * scale, self.attachments[:, straining] * scale
+
+    def require_interfaces(self, kind: str) -> None:
+        """Raises `InputError` where there are no interface loads to build the basis called `kind` from."""
+        if not self.attachments.shape[1]:
+            raise InputError(
+                f"basis {kind!r} is built from loads on interfaces and there are none; name interfaces, or use "
+                "'free_free'"
+            )
+
+    def require_fits(self, kind: str, wanted: int, what: str, available: int | None = None) -> None:
+        """Raises `InputError` where `wanted` columns of the basis called `kind`, `what` in words, are more than are
+        `available`, the elastic dofs if None."""
+        most = self.elastic_dofs if available is None else available
+        if wanted > most:
+            raise InputError(
+                f"basis {kind!r}: {wanted} {what} are more than the model has ({most}); ask for fewer, or refine the "
+                "mesh"
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class RawBasis:
+    """Columns (n, c) that shall be in the span of the global modes; rigid motion in them does not matter.
+
+    redundant: how many of their directions lie in the span of the attachment modes or of other columns by their very
+    construction, so that dropping them is no news. notes: lines for the report of the body; facts: plain data for its
+    provenance.
+    """
+
+    columns: Array
+    redundant: int = 0
+    notes: list[str] = field(default_factory=list)
+    facts: dict[str, Any] = field(default_factory=dict)
+
+
+def lowest_modes(model: ElasticModel, limits: Limits, residual: float) -> tuple[Array, Array, list[str]]:
+    """`omega` (m,) [rad/s] and M-orthonormal modes (n, m) within the limits, and notes. A multiple frequency is never
+    cut apart."""
+    wanted = limits.count if limits.count is None else limits.count + AHEAD * (limits.count > 0)
+    omega, V = vibration_modes(model, count=wanted, omega_max=limits.omega_max, residual=residual)
+    notes = []
+    if limits.count is not None:
+        kept = whole_multiples(omega, limits.count)
+        if kept > limits.count:
+            notes = [f"modes={limits.count} would split a pair of equal frequencies: {kept} are kept"]
+        omega, V = omega[:kept], V[:, :kept]
+    return omega, V, notes

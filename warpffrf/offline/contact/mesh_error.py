@@ -24,8 +24,7 @@ from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.reduced.contact_grid import ContactGrid
-from warpffrf.offline.contact.contact_grid import largest_radius
-from warpffrf.offline.contact.grid_rule import FINER_BEHIND
+from warpffrf.offline.contact.contact_grid import FINER_BEHIND, largest_radius
 
 FACTORS = {1: (0.2, 1.5), 2: (0.014, 2.0)}  # c_p, n_p by degree of the cells
 EXPECTED = 4.0  # half-width, in spacings of the grid, where none is expected

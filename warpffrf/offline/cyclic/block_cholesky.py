@@ -25,7 +25,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import get_blas_funcs, get_lapack_funcs
 
-from warpffrf.offline.fe.assembly import Sparse
+from warpffrf.offline.fe import Sparse
 
 Array = np.ndarray
 

@@ -22,30 +22,27 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.facets import outer_faces, triangles
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import outer_faces, rigid_modes, triangles
+from warpffrf.model.reduced.contact_surface import Recovery, Tangential
 from warpffrf.model.reduced.data import Interface
-from warpffrf.model.reduced.recovery import Recovery
-from warpffrf.model.reduced.tangential import Tangential
-from warpffrf.offline.bases.global_basis import attachment_modes, global_basis
-from warpffrf.offline.contact.independence import window_columns
-from warpffrf.offline.contact.local_mass import HarmonicMass
-from warpffrf.offline.contact.slopes import slope_lags
-from warpffrf.offline.cyclic.centrifugal import TurningWaves, left_out_products, turning_waves
-from warpffrf.offline.cyclic.cross import CyclicCross
-from warpffrf.offline.cyclic.harmonics import AxialInterface, Harmonics
-from warpffrf.offline.cyclic.inertia import cyclic_inertia_terms
-from warpffrf.offline.cyclic.observers import CyclicObserver, ObservedModes, selected_dofs
-from warpffrf.offline.cyclic.real_modes import HarmonicModes, RealModes
+from warpffrf.offline.bases.modes import attachment_modes, global_basis
+from warpffrf.offline.contact.local_mass import HarmonicMass, slope_lags, window_columns
+from warpffrf.offline.cyclic.harmonics import AxialInterface, HarmonicModes, Harmonics, RealModes, vibrations
+from warpffrf.offline.cyclic.inertia import (
+    CyclicObserver,
+    ObservedModes,
+    TurningWaves,
+    cyclic_inertia_terms,
+    left_out_products,
+    selected_dofs,
+    turning_waves,
+)
 from warpffrf.offline.cyclic.sector import Sector, assemble_sector, sector_axes
-from warpffrf.offline.cyclic.surface import CyclicField, CyclicSurface, FacetPattern, by_distance
-from warpffrf.offline.cyclic.vibrations import vibrations
+from warpffrf.offline.cyclic.surface import CyclicCross, CyclicField, CyclicSurface, FacetPattern, by_distance
 from warpffrf.offline.elastic import Array, ElasticModel
-from warpffrf.offline.fe.assembly import Sparse
-from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.inertia.centrifugal import TurningResponse, covering_turning, left_out
-from warpffrf.offline.inertia.invariants import covered_modes
-from warpffrf.offline.interfaces.kinds import BodyInterface
+from warpffrf.offline.fe import Assignment, Sparse
+from warpffrf.offline.inertia.invariants import TurningResponse, covered_modes, covering_turning, left_out
+from warpffrf.offline.interfaces import BodyInterface
 from warpffrf.offline.products import Limits, PathProduct, SurfaceProduct, mass_properties
 from warpffrf.offline.progress import Progress
 from warpffrf.offline.quality import sampled_residual

@@ -18,8 +18,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.mesh import Mesh
-from warpffrf.offline.fe.assembly import Sparse, assemble
-from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe import Assignment, Sparse, assemble
 
 PERIODIC = 1e-10  # of the body's radius: nodes of turned sectors agree to round-off, 1 nm on 50 mm is seen (2e-8)
 

@@ -19,24 +19,33 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError
 from warpffrf.model.laps import LapCells
 from warpffrf.model.mesh import Mesh
-from warpffrf.model.mesh.facets import triangles
-from warpffrf.model.mesh.rigid import rigid_modes
+from warpffrf.model.mesh.facets import rigid_modes, triangles
 from warpffrf.offline.bases import Basis
 from warpffrf.offline.bases.build import GlobalBasis, build_basis
 from warpffrf.offline.elastic import Array, ElasticModel, free_model
-from warpffrf.offline.fe.assembly import fe_matrices
-from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe import Assignment, fe_matrices
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.general.observers import SKIN, Observer, node_observer, require_observers
-from warpffrf.offline.general.surface import GeneralSurface, cross_compliance
-from warpffrf.offline.general.unit_loads import ResponseSolver, UnitLoads, results_bytes
-from warpffrf.offline.inertia.centrifugal import covering_turning, left_out, turning_response
-from warpffrf.offline.inertia.invariants import covered_modes, inertia_terms
+from warpffrf.offline.general.unit_loads import (
+    GeneralSurface,
+    ResponseSolver,
+    UnitLoads,
+    cross_compliance,
+    results_bytes,
+)
+from warpffrf.offline.inertia.invariants import (
+    Prestress,
+    centrifugal_acceleration,
+    covered_modes,
+    covering_turning,
+    inertia_terms,
+    left_out,
+    prestress_stiffness,
+    turning_response,
+)
 from warpffrf.offline.inertia.membrane import MEMBRANE, membrane_terms
 from warpffrf.offline.inertia.second_order import lifted_stiffness
-from warpffrf.offline.inertia.stiffening import Prestress, centrifugal_acceleration, prestress_stiffness
-from warpffrf.offline.interfaces.kinds import BodyInterface
-from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.interfaces import BodyInterface, InterfaceSystem
 from warpffrf.offline.laps.compliance import BodyLaps
 from warpffrf.offline.products import Limits, MembraneTerms, PathProduct, mass_properties
 from warpffrf.offline.progress import Progress

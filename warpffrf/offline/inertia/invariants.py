@@ -13,18 +13,78 @@ turned modes is ever formed, a block of modes at a time; `BLOCK` bounds the memo
 
 The consistent mass of finite elements is one scalar matrix m for all three components. All then follows from the
 moments `int X phi_i^T dm` and `int phi_i phi_j^T dm` with three products by m, at a tenth of the cost (`from_moments`).
+
+Centrifugal. The static response of a body to its own turning: attachment modes for it, and what a reduced body lacks of
+it.
+
+At constant angular velocity w a body carries the load `-int rho w x (w x X) dV`, one field for each of the six products
+w_a w_b. For loads on interfaces attachment modes make the static response exact at any number of modes; the loads of
+turning are no different. With
+
+    F_c = T^T M a,        a_ab = -(R_a R_b + R_b R_a) X,   a_aa = -R_a R_a X,        A_c = G F_c,
+
+beside the interface loads (`reduce(centrifugal=True)`), Phi Omega^-2 Phi^T F_c = G F_c. Vibration modes alone hardly
+hold it: that of a disc is the breathing one, above hundreds of others, and interface modes have it by accident only.
+
+Without it, or where the inertia terms cover the lowest k modes only, a part of G F_c is left out,
+
+    u = G F_c - Phi_k Omega_k^-2 Phi_k^T F_c,        S = u^T M u (6, 6).
+
+The products, those of two axes times root 2, have the length |w|^2, whichever axes they are taken in. So, with those
+columns over root 2, the displacement left out has at turning |w| a root mean square over the radius of gyration of at
+most
+
+    |w|^2 left_out,        left_out = root(largest eigenvalue of S) / root(tr J0/2)      [s^2].
+
+Stiffening. Geometric stiffness of the modes: what the prestress of turning and of interface loads adds to their
+stiffness.
+
+A displacement u of a body under the stress sigma0 turns and shortens its fibres; of second order in u the strain is
+`d_a u . d_b u/2`, on which sigma0 works, so that (Washizu, Variational Methods in Elasticity and Plasticity, ch. 5)
+
+    K_sigma,ij = sum_c int d_a phi_i^c sigma0_ab d_b phi_j^c dV,        V = q.K_sigma q/2.
+
+Tension stiffens. On a mesh it is one scalar matrix for all three components, `k_ab = int grad N_a . sigma0 grad N_b`,
+and `K_sigma = sum_c U_c^T k U_c` over the components U_c of the modes at the nodes. A bar under the axial force F gives
+`int F w'^2` for a deflection w.
+
+sigma0 is linear in what causes it. A unit load f at rest in the body's frame is balanced by the inertia of rigid motion
+(inertia relief), so that the stress is the elastic one of `flexibility(f)`:
+
+* turning with w: the body force `-rho w x (w x X)`, with X about the centre of mass. Per product of two components
+  `-(R_a R_b + R_b R_a) X` times the mass matrix, `-R_a R_a X` of squares, R_a u = e_a x u. Its moment is what
+  makes the body tumble (wdot of free motion), so that free motion at constant w about a principal axis has none;
+* a unit force or moment on an interface, as its kind applies it.
+
+Integrals use the points of the stiffness matrix. The stress is that of the finite elements at these points, not
+smoothed: what is left of equilibrium goes to zero with the mesh as fast as their energy does.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
-from warpffrf.model.mesh.rigid import rigid_modes
-from warpffrf.model.reduced.inertia import InertiaTerms
+from warpffrf.model.errors import InputError
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.mesh.facets import rigid_modes
+from warpffrf.model.reduced.inertia import PRODUCTS, GeometricStiffness, InertiaTerms
 from warpffrf.offline.bases.modes import whole_multiples
+from warpffrf.offline.elastic import ElasticModel
+from warpffrf.offline.fe import (
+    CHUNK_BYTES,
+    Assignment,
+    Sparse,
+    is_mixed,
+    physical_gradients,
+    projected_dilatation,
+    scatter,
+)
+from warpffrf.offline.interfaces import InterfaceSystem
 
 Array = np.ndarray
 MODES = 60  # covered unless more are asked for: tables grow with the square, and modes above follow turning at rest
@@ -110,3 +170,151 @@ def from_moments(first: Array, second: Array) -> InertiaTerms:
     skew = second - second.transpose(0, 1, 3, 2)
     G = np.stack([skew[:, :, 1, 2], skew[:, :, 2, 0], skew[:, :, 0, 1]], axis=2)
     return InertiaTerms(J1, 0.5 * (J2 + J2.transpose(1, 0, 2, 3)), 0.5 * (G - G.transpose(1, 0, 2)))
+
+
+# Of the static response to turning that inertia terms may leave to modes beyond those they cover: displacements are
+# usually wanted to that.
+BEYOND = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class TurningResponse:
+    """Static response u (n, c) to loads F (n, c) of turning beside the modes Phi (n, m), `omega` (m,) [rad/s]
+    ascending: `on_modes` Phi^H F (m, c), `overlap` Phi^H M u (m, c), `gram` u^H M u (c, c)."""
+
+    omega: Array
+    on_modes: Array
+    overlap: Array
+    gram: Array
+
+    @classmethod
+    def of(cls, M, F: Array, u: Array, omega: Array, Phi: Array) -> TurningResponse:
+        """Of loads `F`, whose flexible response is `u`, and M-orthonormal modes `Phi`; M (n, n) mass matrix."""
+        Mu = M @ u
+        return cls(omega, Phi.conj().T @ F, Phi.conj().T @ Mu, u.conj().T @ Mu)
+
+    def beyond(self, limit: float) -> Array:
+        """S (c, c): M-products of what modes up to `limit` [rad/s] lack of the response."""
+        inside = self.omega <= limit
+        c = self.on_modes[inside] / (self.omega[inside] ** 2)[:, None]
+        both = self.overlap[inside].conj().T @ c
+        return self.gram - both - both.conj().T + c.conj().T @ c
+
+
+def covering_turning(omega: Array, least: int, lacking: Callable[[float], float]) -> int:
+    """How many of the modes `omega` (m,) [rad/s], `least` at least, get inertia terms so that they hold the static
+    response to turning but `BEYOND`; `lacking`: `left_out` [s^2] of the modes up to a limit [rad/s]."""
+    allowed = BEYOND * lacking(0.0)
+    for kept in range(least, len(omega)):
+        whole = covered_modes(omega, kept) == kept  # cuts no multiple frequency apart
+        if whole and lacking(float(omega[kept - 1]) if kept else 0.0) <= allowed:
+            return kept
+    return len(omega)
+
+
+def left_out(S: Array, inertia: Array) -> float:
+    """Bound of the displacement left out [s^2], see the module: S (6, 6) [kg m2 s4] in the order of `PRODUCTS`,
+    `inertia` J0 (3, 3) [kg m2]."""
+    scale = np.array([1.0 if a == b else np.sqrt(0.5) for a, b in PRODUCTS])
+    largest = float(np.linalg.eigvalsh(0.5 * (S + S.T) * np.outer(scale, scale))[-1])
+    return float(np.sqrt(max(largest, 0.0) / (0.5 * np.trace(inertia))))
+
+
+def turning_response(model: ElasticModel, F: Array, omega: Array, Phi: Array) -> TurningResponse:
+    """`TurningResponse` of the free body `model` to loads F (n, c) beside modes Phi (n, m)."""
+    return TurningResponse.of(model.M, F, model.flexibility(F), omega, Phi)
+
+
+def require_cells(mesh: Mesh, material: Any, stiffening: bool | str) -> None:
+    """Raises `InputError` where there is nothing to compute stresses from."""
+    if not mesh.cells or not material:
+        raise InputError(
+            f"reduce: stiffening={stiffening!r} needs the stresses in cells of a known material, the body has matrices "
+            "only; give a mesh with its material, or leave stiffening out"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Prestress:
+    """The loads that stiffen: turning (six products of its components), then six unit loads of each interface.
+
+    `loads` (n^, l) on the coordinates of the constrained model, of these `nodal` (3 n, l) on nodes, `static` (3 n, l)
+    [m] what the free body answers, `names` of the interfaces.
+    """
+
+    loads: Array
+    nodal: Array
+    static: Array
+    names: tuple[str, ...]
+
+    @classmethod
+    def of(cls, model: ElasticModel, system: InterfaceSystem, M: Sparse, center: Array) -> Prestress:
+        """Those of the free constrained body `model` with the interfaces of `system`; `M` (3 n, 3 n) [kg] nodal mass
+        matrix, `center` (3,) [m] of mass."""
+        turning = np.asarray(M @ centrifugal_acceleration(system.points, center))
+        wrenches = system.wrenches()
+        loads = np.concatenate([system.T.T @ turning, *wrenches.values()], axis=1)
+        static = np.asarray(system.T @ model.flexibility(loads))
+        nodal = np.zeros_like(static)
+        nodal[:, :6] = turning
+        return cls(loads, nodal, static, tuple(wrenches))
+
+    def by_load(self, K: Array) -> GeometricStiffness:
+        """Stiffness K (l, k, k) of all loads, as the terms of turning and of each interface."""
+        named = {name: K[6 * (i + 1) : 6 * (i + 2)] for i, name in enumerate(self.names)}
+        return GeometricStiffness(K[:6], named)
+
+
+def centrifugal_acceleration(points: Array, center: Array) -> Array:
+    """(3 n, 6) [1/s^2 -> m/s^2]: -w x (w x X) per product of components of w, in the order of `PRODUCTS`."""
+    X = (points - center).reshape(-1, 1)
+    columns = []
+    for a, b in PRODUCTS:
+        both = turned(turned(X, b), a)
+        columns.append(-both if a == b else -both - turned(turned(X, a), b))
+    return np.concatenate(columns, axis=1)
+
+
+def prestress_stiffness(
+    points: Array, cells: Mapping[str, Array], assignment: Assignment, static: Array, U: Array
+) -> Array:
+    """K_sigma (l, k, k) of the modes `U` (3 n, k) for the elastic stress of each displacement in `static` (3 n, l) [m],
+    over the `cells` {kind: (m, nodes)} at `points` (n, 3) [m]."""
+    n, count = len(points), static.shape[1]
+    scalar = [sp.csr_matrix((n, n)) for _ in range(count)]
+    for kind, all_cells in cells.items():
+        for i, material in enumerate(assignment.materials):
+            here = all_cells[assignment.of_cell[kind] == i]
+            chunk = max(1, CHUNK_BYTES // (8 * 9 * (count + here.shape[1]) * here.shape[1]))
+            for start in range(0, len(here), chunk):
+                part = here[start : start + chunk]
+                slopes, weight = physical_gradients(points[part], kind)
+                u = static.reshape(n, 3, count)[part]
+                gradient = np.einsum("eacl,eqad->eqcdl", u, slopes, optimize=True)
+                dilatation = None
+                if is_mixed(kind, material):
+                    D = projected_dilatation(points[part], kind)
+                    dilatation = np.einsum("eacl,eqac->eql", u, D, optimize=True)
+                sigma = stress(gradient, *material.lame, dilatation) * weight[:, :, None, None, None]
+                for load in range(count):
+                    pulled = np.matmul(slopes, sigma[..., load])
+                    local = np.matmul(pulled.transpose(0, 2, 1, 3).reshape(*part.shape, -1), _across(slopes))
+                    scalar[load] = scalar[load] + scatter(local, part, n)
+    K = np.stack([sum(U[c::3].T @ (k @ U[c::3]) for c in range(3)) for k in scalar])
+    return 0.5 * (K + K.transpose(0, 2, 1))
+
+
+def _across(slopes: Array) -> Array:
+    """Gradients (e, q, a, 3) as (e, 3 q, a)."""
+    e, q, a, _ = slopes.shape
+    return slopes.transpose(0, 1, 3, 2).reshape(e, 3 * q, a)
+
+
+def stress(gradient: Array, lam: float, mu: float, dilatation: Array | None = None) -> Array:
+    """Stress (..., 3, 3, l) [Pa] of displacement gradients (..., 3, 3, l), isotropic with Lame's `lam`, `mu` [Pa];
+    `dilatation` (..., l): where it is not their trace."""
+    sigma = mu * (gradient + gradient.swapaxes(-3, -2))
+    trace = np.einsum("...iil->...l", gradient) if dilatation is None else dilatation
+    for i in range(3):
+        sigma[..., i, i, :] += lam * trace
+    return sigma

@@ -36,12 +36,9 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.elastic import ElasticModel
-from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
-from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import physical_gradients
-from warpffrf.offline.inertia.second_order import SecondOrderStrain, second_order_motion
-from warpffrf.offline.inertia.second_order_shapes import second_order_shapes
-from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.fe import CHUNK_BYTES, Assignment, Sparse, physical_gradients
+from warpffrf.offline.inertia.second_order import SecondOrderStrain, second_order_motion, second_order_shapes
+from warpffrf.offline.interfaces import InterfaceSystem
 from warpffrf.offline.products import MembraneTerms
 
 Array = np.ndarray

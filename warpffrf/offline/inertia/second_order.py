@@ -29,24 +29,34 @@ N = sum f r^T it is theta_i.(sym N - tr N) theta_j.
 **Pairs.** Of q_i q_j only i <= j are kept, those with i < j count twice. Modes are taken at unit energy, phi_i/omega_i,
 and pairs times sqrt(1) or sqrt(2), so that the coordinates r_ij = sqrt(1 or 2) z_i z_j, z_i = omega_i q_i, have
 |r| = |z|^2 = 2 V2, whichever modes span the space. Fields of strain are made cell by cell and never stored.
+
+Second order shapes. The second-order motion of a body on few shapes.
+
+Theta = theta r, r the products of `second_order.Pairs`, has a field for each pair of modes. In the mass it is
+
+    int |Theta|^2 dm = r.G r,      G = theta^T M theta = sum_s mu_s v_s v_s^T,
+    Theta = sum_s g_s B_s,      g_s = sqrt(mu_s) v_s.r = q.S_s q/2,      B_s = theta v_s/sqrt(mu_s),
+
+B_s of modal mass 1 and orthogonal to one another. As |r| = 2 V2, shapes with sqrt(mu_s) below `TRUNCATION` of the
+largest leave out at most this fraction of the largest root mean square of Theta of all states of the same strain energy
+V2, whichever modes span the space.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.reduced.inertia import SecondOrderMotion
 from warpffrf.offline.elastic import ElasticModel
-from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
-from warpffrf.offline.fe.dilatation import is_mixed, projection
-from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import physical_gradients
-from warpffrf.offline.inertia.stiffening import Prestress
-from warpffrf.offline.interfaces.system import InterfaceSystem
+from warpffrf.offline.fe import CHUNK_BYTES, Assignment, Sparse, is_mixed, physical_gradients, projection
+from warpffrf.offline.inertia.invariants import Prestress
+from warpffrf.offline.interfaces import InterfaceSystem
 
 Array = np.ndarray
 FIRST, SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])  # xx, yy, zz, xy, yz, zx
@@ -283,3 +293,37 @@ def lifted_stiffness(
         turn = rotations[interface.name]
         found += turn @ form @ turn.T
     return found
+
+
+TRUNCATION = 3e-3  # of the largest second-order motion; at 1e-2 strains of skins were wrong by half of them
+COLUMNS = 64  # fields that are multiplied by the mass together
+
+
+@dataclass(frozen=True, eq=False)
+class SecondOrderShapes:
+    """`motion`, the amplitudes of the `shapes` B (3 n, R), and `facts` for the report."""
+
+    motion: SecondOrderMotion
+    shapes: Array
+    facts: dict[str, Any]
+
+
+def second_order_shapes(pairs: Pairs, theta: Array, scale: Array, M: Sparse, U: Array) -> SecondOrderShapes:
+    """Shapes of the second-order motion `theta` (3 n, P) [m] of `pairs` of the first of the modes `U` (3 n, k), at unit
+    energy, `scale` (m,) [rad/s] their frequencies; `M` (3 n, 3 n) [kg] nodal mass matrix."""
+    count, covered = pairs.modes, U.shape[1]
+    G = np.empty((len(pairs), len(pairs)))
+    for start in range(0, len(pairs), COLUMNS):
+        part = slice(start, start + COLUMNS)
+        G[:, part] = theta.T @ (M @ theta[:, part])
+    values, vectors = np.linalg.eigh(0.5 * (G + G.T))
+    size, vectors = np.sqrt(values[::-1].clip(0.0)), vectors[:, ::-1]
+    kept = int(np.sum(size > TRUNCATION * size[0]))
+    vectors = vectors[:, :kept] * np.sign(vectors[np.abs(vectors[:, :kept]).argmax(axis=0), np.arange(kept)])
+    forms = np.zeros((kept, covered, covered))
+    forms[:, :count, :count] = 2.0 * size[:kept, None, None] * pairs.forms(vectors) * np.outer(scale, scale)
+    shapes = theta @ (vectors / size[:kept])
+    left_out = float(size[kept] / size[0]) if 0 < kept < len(size) else 0.0
+    return SecondOrderShapes(
+        SecondOrderMotion(forms, U.T @ (M @ shapes)), shapes, {"shapes": kept, "motion_left_out": left_out}
+    )

@@ -36,20 +36,24 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.half_space.far_splines import transposed
+from warpffrf.model.half_space import transposed
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.model.reduced.far_field import NOTHING, FreeEnd, cutoff
 from warpffrf.offline.contact.contact_grid import GridPlan
-from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
-from warpffrf.offline.near_field.charts import FlatChart
-from warpffrf.offline.near_field.ends import ON_SURFACE, on_end
-from warpffrf.offline.near_field.exact import EndField, coupled_mean, tangential_mean
-from warpffrf.offline.near_field.functions import NearFunctions, SpreadFunctions
-from warpffrf.offline.near_field.half_space import mean_between
-from warpffrf.offline.near_field.window import FlatCells, FlatLoads
+from warpffrf.offline.near_field.half_space import EndField, coupled_mean, mean_between, tangential_mean
+from warpffrf.offline.near_field.window import (
+    ON_SURFACE,
+    FlatCells,
+    FlatChart,
+    FlatLoads,
+    NearFunctions,
+    SpreadFunctions,
+    on_end,
+)
 from warpffrf.offline.progress import Progress
 
 Array = np.ndarray

@@ -8,22 +8,21 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.half_space.far_splines import FarSplines
+from warpffrf.model.half_space import FarSplines
 from warpffrf.model.material import Material
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import facet_kind
 from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.contact_surface import Tangential
 from warpffrf.model.reduced.far_field import ASYMMETRIC, FarField, FarTangential
-from warpffrf.model.reduced.tangential import Tangential
+from warpffrf.offline.contact.contact_choice import wall
+from warpffrf.offline.contact.hat_loads import ContactFacets
 from warpffrf.offline.contact.mesh_error import touched_in_lines
-from warpffrf.offline.contact.traction_fields import ContactFacets
-from warpffrf.offline.contact.wall import wall
-from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.fe import Assignment
 from warpffrf.offline.general.checkpoint import Checkpoint
 from warpffrf.offline.near_field.compliance import NearTangential, near_compliance
-from warpffrf.offline.near_field.ends import free_ends
-from warpffrf.offline.near_field.functions import NearFunctions
 from warpffrf.offline.near_field.quarter_space import LARGEST_RATIO, QuarterSpace
+from warpffrf.offline.near_field.window import NearFunctions, free_ends
 from warpffrf.offline.progress import Progress
 
 # Distance of nodes in radii, or extents of a surface where they are smaller, from which a mesh counts as coarse: four

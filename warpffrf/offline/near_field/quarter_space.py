@@ -62,8 +62,8 @@ from scipy.ndimage import map_coordinates
 from scipy.special import k0, k1
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.half_space.quarter_surface import DEGREE as SURFACE_DEGREE
-from warpffrf.model.half_space.quarter_surface import QuarterSurface, require_inside
+from warpffrf.model.half_space import DEGREE as SURFACE_DEGREE
+from warpffrf.model.half_space import QuarterSurface, require_inside
 from warpffrf.offline.cache import cache_folder
 from warpffrf.offline.solvers import factorise
 

@@ -21,6 +21,30 @@ under a load along s and its image nothing moves along t, under one along t and 
 A free face with cut faces that move with half-space and image would be two fields at once: the compliance along t of a
 hollow roller then differed from 2 to 4 mm cells by 3 % of what a patch of 0.6 x 8 mm does itself, and by 9 % at 4 mm
 from an end.
+
+Functions. The functions of a contact grid as unit loads on a surface that is laid flat: hats, and cells of tangential
+ones.
+
+Charts. A contact surface laid flat around one of its points: where the half-space of the near field lies.
+
+At the point x_c of the surface stand the unit tangents e_theta and t_z and the outward normal n. A point x of the body
+goes to (s, t, y): y is its distance below the surface, and of the nearest point of the surface the components a, b
+along the tangents become arcs of the principal curvatures k,
+
+    s = asin(k_theta a)/k_theta,   t = asin(k_z b)/k_z       (a and b themselves where k = 0),
+
+so that a cylinder unrolls without stretching, and a sphere keeps its distances from x_c along both principal lines.
+(s, t, -y) is right-handed: cells keep their orientation.
+
+Ends. Where a contact surface ends at a free face, and what such an end adds to the half-space.
+
+Of a load at the distance d from a plane end face at right angles to the surface, the half-space field is mirrored at
+the end, and `QuarterSpace` releases what the mirror image leaves on the face. Ends of other angles, fillets and
+chamfers have no table: there the half-space is taken to go on, and what they change is left to the difference between
+the body and the half-space, which is then not smooth within about a spacing of the grid.
+
+Where a crown meets a plane face the edge is nearly square; up to the slope `SQUARE` it is taken as such, and its face
+stands upright on the flat surface (`on_end`).
 """
 
 from __future__ import annotations
@@ -32,13 +56,15 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.material import Material
+from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.checks import FLAT_CELL, jacobian_range
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, outer_faces, row_numbers
-from warpffrf.offline.fe.assembly import Sparse, assemble
-from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.near_field.charts import FlatChart
-from warpffrf.offline.near_field.exact import OUTWARD, EndField, PointLoads, half_space_at
+from warpffrf.model.reduced.contact_grid import ContactGrid
+from warpffrf.model.reduced.far_field import FreeEnd
+from warpffrf.offline.contact.hat_loads import ContactFacets
+from warpffrf.offline.fe import Assignment, Sparse, assemble
+from warpffrf.offline.near_field.half_space import OUTWARD, EndField, PointLoads, half_space_at
 from warpffrf.offline.solvers import factorise
 
 Array = np.ndarray
@@ -181,3 +207,170 @@ class FlatCells:
 def _corners(kind: str, nodes: Array) -> Array:
     corners = np.sort(nodes[:, : facet_kind(kind).corner_count], axis=1)
     return np.pad(corners, ((0, 0), (0, 4 - corners.shape[1])), constant_values=-1)
+
+
+GAUSS = 3  # points on either side of a node and direction, of loads as the cut faces see them: those are REACH away
+
+
+class SpreadFunctions:
+    """The functions of a contact `grid`, hats or cells, on a resolved `shape`: their areas, and unit loads spread over
+    them as forces at points."""
+
+    def __init__(self, shape: Any, grid: ContactGrid) -> None:
+        self.shape, self.grid = shape, grid
+        x, w = np.polynomial.legendre.leggauss(GAUSS)
+        x, w = 0.5 * (x + 1.0), 0.5 * w
+        share, value = (1.0, 1.0 - x) if grid.kind == "hats" else (0.5, np.ones(GAUSS))  # of the step to the next node
+        reach = share * np.diff(grid.z)
+        rows = grid.rows
+        self._z = np.repeat(grid.z[:, None], 2 * GAUSS, axis=1)
+        self._z_weight = np.zeros((rows, 2 * GAUSS))
+        for here, side, beyond in (
+            (np.s_[1:, :GAUSS], -1.0, grid.z[1:, None]),
+            (np.s_[:-1, GAUSS:], 1.0, grid.z[:-1, None]),
+        ):
+            self._z[here] = beyond + side * reach[:, None] * x
+            self._z_weight[here] = w * value * reach[:, None] * shape.measure_at(self._z[here])
+        self.area = grid.pitch * grid.gram_z(shape).sum(axis=1)  # (rows,) [m^2] of the functions of a column
+        self._z_weight /= self._z_weight.sum(axis=1)[:, None]
+        self._turn = grid.pitch * share * np.concatenate([-x, x])
+        self._turn_weight = share * np.concatenate([w * value, w * value])
+
+    def point_loads(self, chart: FlatChart, columns: Array, rows: Array) -> PointLoads:
+        """Functions of `columns` x `rows` (row fastest) as unit forces at points of the chart."""
+        g = self.grid
+        shape = (len(columns), len(rows), len(self._turn), self._z.shape[1])
+        theta = (g.theta_start + g.pitch * columns)[:, None, None, None] + self._turn[:, None]
+        z = self._z[rows][:, None, :]
+        s, t = chart.on_surface(np.broadcast_to(theta, shape), np.broadcast_to(z, shape))
+        force = np.broadcast_to(self._turn_weight[:, None] * self._z_weight[rows][:, None, :], shape)
+        return PointLoads(*(np.ascontiguousarray(v).reshape(len(columns) * len(rows), -1) for v in (s, t, force)))
+
+
+class NearFunctions:
+    """The hats of a contact `grid` on the facets of set `name`, and the cells of a grid `tangential` on the same nodes
+    where there is one."""
+
+    def __init__(
+        self, mesh: Mesh, name: str, shape: Any, grid: ContactGrid, tangential: ContactGrid | None = None
+    ) -> None:
+        self.mesh, self.shape, self.grid, self.name = mesh, shape, grid, name
+        self.surface = mesh.facets(name)
+        self.facets = ContactFacets.of(mesh.points, self.surface, shape)
+        self.edge = self.facets.chart.edge
+        around = grid.pitch * float(np.max(shape.radius_at(grid.z)))
+        self.spacing = max(self.edge, around, float(np.max(np.diff(grid.z))))  # [m]
+        self.hats = SpreadFunctions(shape, grid)
+        self.cells = None if tangential is None else SpreadFunctions(shape, tangential)
+
+    @property
+    def blocks(self) -> list[tuple[str, SpreadFunctions, SpreadFunctions]]:
+        """Parts of the compliance: name, functions of the displacement, functions of the force."""
+        found = [("nn", self.hats, self.hats)]
+        if self.cells is not None:
+            found += [("tt", self.cells, self.cells), ("tn", self.cells, self.hats)]
+        return found
+
+
+FARTHEST = 1.4  # rad between normals: arcs are known by their chords, which shorten again from pi/2 on
+STRAIGHT = 1e-12  # of a curvature times a length: below it the arc is its chord to round-off
+
+
+@dataclass(frozen=True, eq=False)
+class FlatChart:
+    """The chart of a resolved `shape` about its point (`theta`, `z`) [rad or m, m]."""
+
+    shape: Any
+    theta: float
+    z: float
+
+    @property
+    def origin(self) -> Array:
+        """x_c (3,) [m], user frame."""
+        return self.shape.point(self.theta, self.z)
+
+    @property
+    def smallest_radius(self) -> float:
+        """Smaller radius of curvature [m] of a convex surface at x_c; inf where it is convex in no direction."""
+        largest = max(float(k) for k in self.shape.curvatures(self.theta, self.z))
+        return 1.0 / largest if largest > 0.0 else np.inf
+
+    def before(self, points: Array) -> Array:
+        """Which of `points` (n, 3) [m], user frame, lie less than `FARTHEST` round the body from x_c (n,)."""
+        theta, z, _ = self.shape.chart(points)
+        return self.shape.normal(theta, z) @ self.shape.normal(self.theta, self.z) > np.cos(FARTHEST)
+
+    def flat(self, points: Array) -> tuple[Array, Array, Array]:
+        """(s, t, y) [m] of `points` (n, 3) [m], user frame; y > 0 below the surface."""
+        theta, z, distance = self.shape.chart(points)
+        return *self.on_surface(theta, z), -distance
+
+    def on_surface(self, theta: Array, z: Array) -> tuple[Array, Array]:
+        """(s, t) [m] of the places (theta, z) of the surface, at less than a quarter of a turn from the centre."""
+        off = self.shape.point(theta, z) - self.origin
+        k_theta, k_z = (float(k) for k in self.shape.curvatures(self.theta, self.z))
+        return (
+            _arc(off @ self.shape.around(self.theta), k_theta),
+            _arc(off @ self.shape.along(self.theta, self.z), k_z),
+        )
+
+
+def _arc(chord: Array, curvature: float) -> Array:
+    """Length of the arc of `curvature` [1/m] from its middle to where it lies `chord` [m] beside it."""
+    if abs(curvature) * np.max(np.abs(chord), initial=0.0) < STRAIGHT:
+        return chord
+    return np.arcsin(np.clip(curvature * chord, -1.0, 1.0)) / curvature
+
+
+ON_SURFACE = 1e-4  # of a facet's edge: nodes that lie nearer to the true surface are on it
+SQUARE = 0.05  # slope dR/dz at an end up to which its edge counts as square: 3 degrees
+
+
+def free_ends(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, edge: float) -> tuple[list[FreeEnd], list[str]]:
+    """The square ends of the contact surface, and notes on edges that are none. `edge`: longest facet edge [m]."""
+    own = np.zeros(len(mesh.points), dtype=bool)
+    own[mesh.facets(name).node_set] = True
+    reach = ON_SURFACE * edge
+    found: list[FreeEnd] = []
+    notes: list[str] = []
+    sides = ((grid.z[0], -1), (grid.z[-1], 1))
+    at = {side: np.zeros(len(mesh.points), dtype=bool) for _, side in sides}
+    nodes = np.flatnonzero(own)
+    _, z, _ = shape.chart(mesh.points[nodes])
+    for end, side in sides:
+        at[side][nodes[np.abs(z - end) < reach]] = True
+    beside: dict[int, list[Array]] = {-1: [], 1: []}
+    for kind, faces in mesh.outer_facets().blocks.items():
+        corners = faces[:, : facet_kind(kind).corner_count]
+        others = ~own[corners].all(axis=1)
+        for side, nodes_here in at.items():
+            touching = corners[others & (nodes_here[corners].sum(axis=1) >= 2)]
+            beside[side] += list(touching)
+    for end, side in sides:
+        if not beside[side]:
+            continue
+        touching = np.unique(np.concatenate(beside[side]))
+        _, _, distance = shape.chart(mesh.points[touching])
+        if (
+            np.all(np.abs(along_axis(shape, mesh.points[touching]) - end) < reach)
+            and abs(float(shape.slope_at(end))) <= SQUARE
+        ):
+            found.append(FreeEnd(float(end), side))
+        elif np.max(np.abs(distance)) >= reach:
+            where = "lower" if side < 0 else "upper"
+            notes.append(
+                f"contact {name!r}: the edge at its {where} end, z = {end:.4g} m, is no right angle between the "
+                "surface and a plane face; within about a spacing of the grid from it a contact-fixed grid is less "
+                "accurate"
+            )
+    return found, notes
+
+
+def along_axis(shape: Any, points: Array) -> Array:
+    """z [m] of `points` (n, 3) [m], user frame, along the axis."""
+    return (points - shape.axis_point) @ shape.e_a
+
+
+def on_end(shape: Any, points: Array, end: FreeEnd, edge: float) -> Array:
+    """Which of `points` (n, 3) [m] lie on the plane of the end face (n,)."""
+    return np.abs(along_axis(shape, points) - end.z) < ON_SURFACE * edge

@@ -12,12 +12,9 @@ from typing import Any
 import scipy.sparse as sp
 
 from warpffrf.model.errors import InputError
-from warpffrf.offline.solvers.cholmod import Cholmod
-from warpffrf.offline.solvers.factor import Factor
+from warpffrf.offline.solvers.factor import SMALL_SYSTEM, Cholmod, Factor, Pardiso, SuperLU
 from warpffrf.offline.solvers.multifrontal import Multifrontal
 from warpffrf.offline.solvers.ordering import Array
-from warpffrf.offline.solvers.pardiso import Pardiso
-from warpffrf.offline.solvers.superlu import SMALL_SYSTEM, SuperLU
 
 __all__ = ["SOLVERS", "Factor", "chosen", "factorise", "installed"]
 

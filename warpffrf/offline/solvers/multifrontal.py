@@ -31,10 +31,9 @@ import scipy.sparse as sp
 from scipy.linalg import get_lapack_funcs
 
 from warpffrf.model.errors import InputError
+from warpffrf.offline.progress import worker_count
 from warpffrf.offline.solvers.factor import Factor, not_definite
-from warpffrf.offline.solvers.fronts import Fronts, find_fronts
-from warpffrf.offline.solvers.ordering import Array, nested_dissection
-from warpffrf.offline.threads import worker_count
+from warpffrf.offline.solvers.ordering import Array, Fronts, find_fronts, nested_dissection
 
 
 class Multifrontal(Factor):

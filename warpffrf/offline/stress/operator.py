@@ -44,10 +44,7 @@ import scipy.sparse as sp
 from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.reduced.stress_field import from_tensor
-from warpffrf.offline.fe.assembly import CHUNK_BYTES, Sparse
-from warpffrf.offline.fe.dilatation import is_mixed, projected_dilatation
-from warpffrf.offline.fe.materials import Assignment
-from warpffrf.offline.fe.reference import gradients_at
+from warpffrf.offline.fe import CHUNK_BYTES, Assignment, Sparse, gradients_at, is_mixed, projected_dilatation
 from warpffrf.offline.stress.patches import cell_places, node_places, patch_gradients, patch_groups
 from warpffrf.offline.stress.recovery_points import recovery_points, to_nodes
 

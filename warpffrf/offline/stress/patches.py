@@ -43,8 +43,7 @@ import scipy.sparse as sp
 
 from warpffrf.model.mesh.elements import cell_kind
 from warpffrf.model.mesh.facets import outer_faces
-from warpffrf.offline.fe.assembly import Sparse
-from warpffrf.offline.fe.reference import gradients_at
+from warpffrf.offline.fe import Sparse, gradients_at
 from warpffrf.offline.stress.recovery_points import recovery_points
 
 Array = np.ndarray

@@ -34,14 +34,11 @@ import scipy.sparse as sp
 from warpffrf.model.errors import InputError, require_array, unknown_name
 from warpffrf.model.mesh import Mesh
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
-from warpffrf.model.reduced.recovery import Recovery
+from warpffrf.model.reduced.contact_surface import Recovery
 from warpffrf.model.reduced.stress_field import GridSpan, LoadStress, StressField, StressPoints
-from warpffrf.offline.contact.contact_grid import full_turn
-from warpffrf.offline.contact.grid_values import grid_values
-from warpffrf.offline.contact.hat_loads import surface_vectors
-from warpffrf.offline.contact.traction_fields import NORMAL, TANGENTIAL
-from warpffrf.offline.fe.assembly import Sparse
-from warpffrf.offline.fe.materials import Assignment
+from warpffrf.offline.contact.contact_grid import full_turn, grid_values
+from warpffrf.offline.contact.hat_loads import NORMAL, TANGENTIAL, surface_vectors
+from warpffrf.offline.fe import Assignment, Sparse
 from warpffrf.offline.stress.operator import (
     InCells,
     Slots,
@@ -52,8 +49,15 @@ from warpffrf.offline.stress.operator import (
     traction_operator,
 )
 from warpffrf.offline.stress.patches import has_patches
-from warpffrf.offline.stress.point_location import INSIDE, SNAP, Located, locate
-from warpffrf.offline.stress.sectors import SectorOperator, distinct_places, sector_blocks
+from warpffrf.offline.stress.point_location import (
+    INSIDE,
+    SNAP,
+    Located,
+    SectorOperator,
+    distinct_places,
+    locate,
+    sector_blocks,
+)
 
 Array = np.ndarray
 BATCH = 5000  # nodal values worked on together: of 27-node cells some 100 MB

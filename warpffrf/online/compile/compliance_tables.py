@@ -54,13 +54,6 @@ def product(*operators: Array) -> Array:
     return np.fft.irfft(total, n=sectors, axis=0) if sectors > 1 else total
 
 
-def weak_compliance(surface: ContactSurface, compliance: float = 0.0) -> Array:
-    """C = M D M + M `compliance`, block-circulant like D: weak displacement of hat i under a unit pressure hat j
-    [m^3/Pa], with a layer between the surfaces that yields by `compliance` [m/Pa] (`warpffrf.model.laws`)."""
-    M = hat_gram(surface)
-    return product(M, surface.lags, M) + compliance * M
-
-
 def transposed(operator: Array) -> Array:
     """The transpose, (-k) mod sectors at lag k."""
     return np.roll(operator[::-1], 1, axis=0).transpose(0, 2, 1)

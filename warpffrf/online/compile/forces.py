@@ -13,7 +13,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.forces import BodyLoad, PointLoad, SpringLaw
-from warpffrf.model.forces.characteristics.characteristic import TERMS
+from warpffrf.model.forces.characteristics import TERMS
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.joints import JointTable
 from warpffrf_kernels.constraints.forces import MOST_COUPLED

@@ -8,7 +8,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.friction.pieces import cubic_pieces
+from warpffrf.model.friction import cubic_pieces
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.collector import Collector

@@ -76,12 +76,7 @@ class InertiaPlan:
             if not body.mode_count:
                 plans.append(BodyInertia("constant", None, None))
                 continue
-            plan = _plan(body, speed, float(fastest), notes)
-            plans.append(plan)
-            if 0 < plan.count < body.mode_count:
-                notes.append(
-                    f"body {body.name!r}: the first {plan.count} of {body.mode_count} modes carry the inertia terms"
-                )
+            plans.append(_plan(body, speed, float(fastest), notes))
         return cls(plans, notes)
 
     @property
@@ -97,11 +92,6 @@ def _plan(body: Body, speed: float, fastest: float, notes: list[str]) -> BodyIne
     if body.stiffening and stiffening is None:
         raise InputError(
             f"body {body.name!r}: it was reduced without geometric stiffening; use reduce(..., stiffening=True)"
-        )
-    if stiffening is not None and stiffening.membrane is not None and len(stiffening.membrane):
-        notes.append(
-            f"body {body.name!r}: {len(stiffening.membrane)} squares of membrane energy act on its modes"
-            + ("" if stiffening.motion is not None else "; pictures of it lack second-order motion, reduce it again")
         )
     if level == "auto":
         if terms is None or not len(terms.first):

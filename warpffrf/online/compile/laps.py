@@ -19,9 +19,8 @@ from scipy.linalg import get_lapack_funcs
 from warpffrf.model import rotation as rot
 from warpffrf.model.bodies import Body
 from warpffrf.model.errors import InputError
-from warpffrf.model.laps import Lap, face_loads
-from warpffrf.model.laps.lap import LapCellsOf
-from warpffrf.model.laps.preload import lap_notes
+from warpffrf.model.laps import Lap, lap_surface
+from warpffrf.model.laps.lap import LapCellsOf, lap_notes
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.inertia import outer_modes
 from warpffrf_kernels.core.model import Laps
@@ -156,16 +155,16 @@ def _loads(lap: Lap, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
     """P of a lap on a body (unknowns of its lap compliance, 3 c); None where it does not load it."""
     laps = body.flexible.laps
     if lap.a.body is body:
-        return face_loads.on_own(laps, lap.a.name, cells.cell)
+        return lap_surface.on_own(laps, lap.a.name, cells.cell)
     if lap.b is None or lap.b.rigid or lap.b.body is not body or cells.weights is None:
         return None
     turn = rot.matrix(body.rotation).T @ rot.matrix(lap.a.body.rotation)
-    return face_loads.on_partner(laps, lap.b.name, cells.weights, cells.frames @ turn.T)
+    return lap_surface.on_partner(laps, lap.b.name, cells.weights, cells.frames @ turn.T)
 
 
 def _all_loads(laps: list[Lap], cells: list[LapCellsOf], body: Body) -> sp.csr_matrix:
     """P of all laps of a group on a body."""
-    total = face_loads.count(body.flexible.laps)
+    total = lap_surface.count(body.flexible.laps)
     parts = []
     for lap, own in zip(laps, cells, strict=True):
         found = _loads(lap, own, body)

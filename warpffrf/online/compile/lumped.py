@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from warpffrf.model.friction.pieces import cubic_pieces
-from warpffrf.model.laws.lumped import HertzPoint
+from warpffrf.model.friction import cubic_pieces
 from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.online.compile.collector import Collector
 
@@ -40,13 +39,6 @@ def fill_lumped(collector: Collector) -> None:
         form_piece=np.concatenate([np.zeros((0, 4)), *pieces]),
     )  # fmt: skip
     _fill_moments(collector, np.cumsum([0, *counts]))
-    hertz = [law.stiffness for contact, law in zip(contacts, laws, strict=True) if isinstance(contact.law, HertzPoint)]
-    if hertz:
-        low, high = f"{min(hertz):.6g}", f"{max(hertz):.6g}"
-        collector.notes.append(
-            f"lumped contacts: Hertz's stiffness ({low if low == high else f'{low} to {high}'} N/m^1.5) is that of the "
-            "curvatures where the surfaces are nearest at the initial pose, and stays"
-        )
 
 
 def _fill_moments(collector: Collector, start: np.ndarray) -> None:

@@ -91,11 +91,6 @@ class OuterPattern:
         """Largest `width`."""
         return int(self.width.max(initial=1))
 
-    def operations(self) -> int:
-        """Multiplications of one factorisation, about: s^3/3 + s^2 w + s w^2 a node."""
-        s, w = self.size.astype(np.int64), self.width.astype(np.int64)
-        return int((s**3 // 3 + s**2 * w + s * w**2).sum())
-
 
 NO_COUPLES = np.zeros((0, 2), dtype=int)
 

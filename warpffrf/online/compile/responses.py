@@ -12,8 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from warpffrf.model.bodies import Ground
-from warpffrf.model.reduced.contact_surface import ContactSurface
-from warpffrf.model.reduced.cross_compliance import CrossCompliance
+from warpffrf.model.reduced.contact_surface import ContactSurface, CrossCompliance
 from warpffrf.online.compile.collector import Collector
 from warpffrf.online.compile.compliance_tables import (
     by_column,

@@ -2,7 +2,7 @@ r"""Friction on cells that travel with the patch -> device tables (kernels of `r
 the half-spaces, and the tangential part of far fields.
 
 Of both bodies, x along e_theta and z along t_z of the first surface, per unit traction of a cell on the first body, for
-e = u_A - u_B (`warpffrf.model.half_space.traction`),
+e = u_A - u_B (`warpffrf.model.half_space`),
 
     e_1 by tau_1: sum ((1 - nu) J + nu J_xx)/(2 pi G),      e_2 by tau_2: the same with J_zz,
     e_1 by tau_2: sum nu J_xz/(2 pi G),                     e by p: -kappa (J_x, J_z),
@@ -25,8 +25,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.contact import Contact
-from warpffrf.model.half_space.pressure import rectangle
-from warpffrf.model.half_space.traction import across, along_x, along_z, toward_x, toward_z
+from warpffrf.model.half_space import across, along_x, along_z, rectangle, toward_x, toward_z
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.online.compile.patches.plan import OnMeridian, PatchPlan, bodies_under
 from warpffrf.online.compile.patches.tables import filled

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from warpffrf.model.contact import Contact
-from warpffrf.model.reduced.sampling import Sampling
+from warpffrf.model.reduced.contact_surface import Sampling
 from warpffrf.online.compile.points import PointRule, gauss_rule
 
 ON_STATION = 1e-9  # of the distance of two rows: round-off of the Gauss points in a file is 1e-16

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 import warp as wp
 
-from warpffrf.model.checks.exclusive_unknowns import refuse_claims_of
+from warpffrf.model.checks.contacts import refuse_claims_of
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced.slopes import leanings, leant
+from warpffrf.model.reduced.local_modes import leanings, leant
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.collector import Collector, OnBody
 from warpffrf.online.compile.constants import Shared

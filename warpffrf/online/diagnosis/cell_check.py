@@ -10,7 +10,7 @@ e - e/4 of finer ones, 4 e - e of coarser ones.
 
 Pressures as a field err at the edge of the patch, which runs through cells: that is of first order, and of either sign
 from one number of cells to another. As means over the boxes of the coarser cells
-[`warpffrf.model.half_space.box_means`] two fields differ by d, d^2 = e^2 + (e/2)^2 of finer and e^2 + (2 e)^2 of
+[`warpffrf.model.half_space`] two fields differ by d, d^2 = e^2 + (e/2)^2 of finer and e^2 + (2 e)^2 of
 coarser ones.
 """
 
@@ -24,7 +24,7 @@ import numpy as np
 from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.half_space.box_means import Boxes, squares
+from warpffrf.model.half_space import Boxes, squares
 from warpffrf.online.compile.patches.plan import PatchPlan
 from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ContactHistory, History

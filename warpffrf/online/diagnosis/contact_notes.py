@@ -1,4 +1,4 @@
-"""What a reader of a run should know of its contacts before trusting their pressures.
+r"""What a reader of a run should know of its contacts before trusting their pressures.
 
 Each note names the pair, what was seen, and the cure: a patch of too few columns of the contact grid, hats that reach
 over the end of the second surface, patches that reach an end (`border_notes`), axes that turned against each other,
@@ -7,6 +7,25 @@ surfaces that overlapped at the start, and energy that came from nowhere.
 Skew. A pair on the line of centres takes the section of the second body as a circle. Where its axis is turned by an
 angle e that section is an ellipse, of the curvature cos(e)^2/R_B on its side: with like radii the relative curvature is
 too large by e^2/2. Pairs that begin skewed have their gaps taken at points; one that turns in the run keeps its family.
+
+Sampling check. The online check of evaluation "hyper": few points beside all of them, on sampled saved steps, on the
+host.
+
+At a saved step the poses, global coordinates and hat forces are known. With the points x_p of a rule and weights w_p
+
+    g_i = sum_p w_p psi_i(x_p) [g(x_p) - u_B(x_p)],   S_in = sum_p w_p psi_i(x_p) psi^B_n(x_p),
+
+g the distance of x_p from B's true surface, u_B = Phi_B q_B - D_B S^T s B's outward displacement there. A's own
+displacement enters through the exact Gram matrix of its hats and is the same for both rules; a layer whose yield y(p)
+is no constant is evaluated at the same points and adds `sum_p w_p psi_i(x_p) y(p(x_p))`. The difference dg between the
+few points and the Gauss points of evaluation "semi" moves the pressures of the active hats, at held bodies, by
+
+    ds = -G^-1 dg,     G = M D_A M + S D_B S^T + E,     E_ij = sum_p w_p psi_i psi_j y'(p(x_p)),
+
+to first order and for the same active set. Reported are the largest |dg_i|/a_i over the depth of the patch, |sum a_i
+ds_i| over the force, and |ds| over |s| in the norm of M. The gap here is the distance normal to B; the engine may
+measure it along the line of centres, which is the same to second order in the angle and the same for both rules. Of
+a damped layer the curve at rest is taken.
 """
 
 from __future__ import annotations
@@ -16,17 +35,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Body
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
+from warpffrf.model.laws.curves import Curve
 from warpffrf.model.placement.gap import smallest_gap
-from warpffrf.model.reduced.slopes import leanings
+from warpffrf.model.reduced.contact_surface import ContactSurface, gauss_points
+from warpffrf.model.reduced.local_modes import leanings
 from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.border_notes import border_notes
-from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches
-from warpffrf.online.diagnosis.undeformed_normal import normal_notes
-from warpffrf.online.diagnosis.untouched import CELLS, SHALLOW, loaded_contacts, untouched_notes
+from warpffrf.online.diagnosis.cell_notes import arc_per_theta, cell_notes, near_patches, normal_notes
+from warpffrf.online.diagnosis.motion_notes import CELLS, SHALLOW, loaded_contacts, untouched_notes
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.interface_motion import turned
+from warpffrf.online.settings import Settings
 
 AT_POINTS = 'give the contact kinematics="closest_point"'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
@@ -196,3 +219,226 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
             "less numerical damping (rho_inf=)"
         )
     return notes
+
+
+SAMPLED = 8  # saved steps that are looked at, evenly spread: a patch changes slowly beside a step
+MARGIN = 1  # columns beside the active ones
+NOTED = 0.01  # a larger difference of the force is worth a cure
+
+
+@dataclass(frozen=True)
+class SamplingCheck:
+    """Largest differences over the steps looked at: `gap` over the depth of the patch, `force` over the force,
+    `pressure` over the pressure in the L2 norm; at the saved rows `rows`."""
+
+    gap: float
+    force: float
+    pressure: float
+    rows: tuple[int, ...]
+
+    def note(self, name: str, few: int, all_points: int) -> str:
+        """The line for the report."""
+        if not self.rows:
+            return f"contact {name!r}: evaluation 'hyper' was not checked, no saved step with contact"
+        text = (
+            f"contact {name!r}: evaluation 'hyper', {few} of {all_points} points a strip; against all points on "
+            f"{len(self.rows)} saved steps at most {self.gap:.2%} of the depth in a gap, {self.force:.2%} of the "
+            f"force, {self.pressure:.2%} of the pressure (L2)"
+        )
+        if self.force > NOTED:
+            text += "; reduce the first body with a smaller sampling_error"
+        return text
+
+
+def sampling_notes(scene: Scene, history: History) -> list[str]:
+    """One note for each contact of evaluation "hyper"."""
+    notes = []
+    for contact in scene.contacts:
+        if contact.evaluation != "hyper":
+            continue
+        surface = contact.a.surface
+        settings = Settings()
+        every = len(gauss_points(surface.grid.rows, settings.theta_points, settings.z_points)[0])
+        notes.append(check_sampling(contact, history).note(contact.name, surface.sampling.count, every))
+    return notes
+
+
+def check_sampling(contact: Contact, history: History, sampled: int = SAMPLED) -> SamplingCheck:
+    """Compare the sampling points of the first surface with all Gauss points on `sampled` saved steps of `history`."""
+    surface, settings = contact.a.surface, Settings()
+    x, row, zeta, share = gauss_points(surface.grid.rows, settings.theta_points, settings.z_points)
+    points = surface.sampling
+    z = points.axial(surface.grid.z)
+    few = _Rule(points.fraction, row=points.row, zeta=points.zeta, z=z, weight=points.weight)
+    lines, shape = surface.grid.z, surface.shape
+    z = lines[row] + zeta * (lines[row + 1] - lines[row])
+    measure = shape.radius_at(z) * np.sqrt(1.0 + shape.slope_at(z) ** 2)
+    every = _Rule(x, row, zeta, z, share * surface.grid.pitch * np.diff(lines)[row] * measure)
+    record = history.contacts[contact.name]
+    touching = np.flatnonzero((record.pressure > 0.0).any(axis=(1, 2)))
+    rows = touching[np.unique(np.linspace(0, len(touching) - 1, min(sampled, len(touching))).astype(int))]
+    found = [_compare(contact, history, int(t), few, every) for t in rows]
+    worst = np.max(np.array(found).reshape(-1, 3), axis=0, initial=0.0)
+    return SamplingCheck(float(worst[0]), float(worst[1]), float(worst[2]), tuple(int(t) for t in rows))
+
+
+@dataclass(frozen=True, eq=False)
+class _Rule:
+    """Points of a strip: fraction of a column, row, zeta, axial place z [m], weight [m^2]."""
+
+    fraction: np.ndarray
+    row: np.ndarray
+    zeta: np.ndarray
+    z: np.ndarray
+    weight: np.ndarray
+
+
+def _compare(contact: Contact, history: History, t: int, few: _Rule, every: _Rule) -> tuple[float, float, float]:
+    """Differences of gap, force and pressure at the saved row t."""
+    record, grid = history.contacts[contact.name], contact.a.surface.grid
+    s = record.pressure[t]
+    loaded = np.flatnonzero((s > 0.0).any(axis=1))
+    low, high = int(loaded[0]) - MARGIN, int(loaded[-1]) + 1 + MARGIN
+    columns = int(record.first_column[t]) + np.arange(low, high)
+    active = np.zeros((len(columns), grid.rows), dtype=bool)
+    active[MARGIN:-MARGIN] = s[loaded[0] : loaded[-1] + 1] > 0.0
+    pressure = np.zeros(active.shape)
+    pressure[active] = s[s > 0.0]
+    active, pressure = active.ravel(), pressure.ravel()
+    gaps, stencils = [], []
+    E = np.zeros((len(active), len(active)))
+    for rule in (few, every):
+        g, S, depth = _weak(contact, history, t, rule, columns, pressure)
+        if contact.law.bent is not None:
+            y, E = _weak_yield(contact.law.bent, rule, columns, grid.rows, pressure)
+            g = g + y
+        gaps.append(g[active])
+        stencils.append(S[active])
+    area = np.tile(grid.pitch * np.asarray(contact.a.surface.gram_z).sum(axis=1), len(columns))[active]
+    dg = gaps[0] - gaps[1]
+    M = _gram(contact.a.surface, len(columns))
+    G = M @ _compliance(contact.a.surface, columns) @ M + contact.law.compliance * M + E
+    G = G[np.ix_(active, active)]
+    B = contact.b.surface
+    if B.grid is not None:
+        second = _second_columns(record, t, B)
+        G = G + stencils[1] @ _compliance(B, second) @ stencils[1].T
+    ds = -np.linalg.solve(G, dg)
+    p, inside = pressure[active], M[np.ix_(active, active)]
+    size = float(np.sqrt(p @ inside @ p))
+    depth = max(depth, float(np.finfo(float).tiny))
+    return (
+        float(np.abs(dg / area).max() / depth),
+        float(abs(area @ ds) / (area @ p)),
+        float(np.sqrt(max(ds @ inside @ ds, 0.0)) / size),
+    )
+
+
+def _weak(
+    contact: Contact, history: History, t: int, rule: _Rule, columns: np.ndarray, pressure: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, float]:
+    """Weak gaps (hats,) [m^3] of the columns under `pressure` (hats,) without A's displacement, stencils (hats, nodes
+    of B's window) [m^2], and the depth of the patch [m]."""
+    A, B = contact.a.surface, contact.b.surface
+    grid = A.grid
+    x = np.concatenate([columns[:1] - 1, columns])[:, None] + rule.fraction  # strips below and above each column
+    theta = _grid_angle(A) + grid.theta_start + grid.pitch * x
+    z = np.broadcast_to(rule.z, x.shape)
+    (r_a, A_a, _), (r_b, A_b, q_b) = (_pose(port.body, history, t) for port in (contact.a, contact.b))
+    world = r_a + A.shape.point(theta, z) @ A_a.T
+    theta_b, z_b, gap = B.shape.chart((world - r_b) @ A_b)
+    depth = float(max(-gap.min(), 0.0))
+    weights = _hat_weights(rule, columns, grid.rows)
+    if B.grid is None:
+        return weights @ gap.ravel(), np.zeros((len(weights), 0)), depth
+    weights = weights * ((z_b >= B.grid.z[0]) & (z_b <= B.grid.z[-1])).ravel()  # what lies beside B faces nothing
+    second = _second_columns(history.contacts[contact.name], t, B)
+    S = weights @ _opposite(B, theta_b, z_b, second)
+    modal = B.mode_normal.reshape(B.grid.columns, B.grid.rows, -1)[second % B.grid.columns] @ q_b
+    u = modal.ravel() - _compliance(B, second) @ (S.T @ pressure)
+    return weights @ gap.ravel() - S @ u, S, depth
+
+
+def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
+    """w_p psi_i(x_p) (hats of the columns, points of their strips) [m^2]."""
+    n = len(rule.fraction)
+    weights = np.zeros((len(columns), rows, len(columns) + 1, n))
+    for j in range(len(columns)):
+        for strip, part in ((j, rule.fraction), (j + 1, 1.0 - rule.fraction)):
+            for up, piece in ((0, 1.0 - rule.zeta), (1, rule.zeta)):
+                weights[j, rule.row + up, strip, np.arange(n)] = rule.weight * part * piece
+    return weights.reshape(len(columns) * rows, -1)
+
+
+def _weak_yield(
+    curve: Curve, rule: _Rule, columns: np.ndarray, rows: int, pressure: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Weak yield (hats,) [m^3] of a layer under `pressure` (hats,), and its tangent E (hats, hats) [m^3/Pa]."""
+    weights = _hat_weights(rule, columns, rows)
+    psi = weights / np.tile(rule.weight, len(columns) + 1)
+    y, slope = curve.yielding(pressure @ psi)
+    return weights @ y, (weights * slope) @ psi.T
+
+
+def _pose(body: Body, history: History, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Place of the user origin, axes (3, 3) and global coordinates of a body, or the ground, at the saved row t."""
+    if body.index < 0:
+        return np.zeros(3), np.eye(3), np.zeros(0)
+    motion = history.bodies[body.name]
+    return motion.position[t], rot.matrix(motion.rotation[t]), motion.modal[t]
+
+
+def _grid_angle(surface: ContactSurface) -> float:
+    """Angle of the grid's e_0 in the chart of the shape."""
+    shape, e_0 = surface.shape, surface.grid.e_0
+    return float(np.arctan2(e_0 @ shape.e_1, e_0 @ shape.e_0))
+
+
+def _second_columns(record: ContactHistory, t: int, B: ContactSurface) -> np.ndarray:
+    """Columns of B's window at the saved row t, those that exist."""
+    columns = int(record.first_column_second[t]) + np.arange(record.load_second.shape[1])
+    if not B.grid.periodic:
+        return columns[(columns >= 0) & (columns < B.grid.columns)]
+    return columns[: B.grid.columns]
+
+
+def _opposite(B: ContactSurface, theta: np.ndarray, z: np.ndarray, columns: np.ndarray) -> np.ndarray:
+    """Values (points, nodes) of B's hats of the window's `columns` at chart places theta, z."""
+    grid = B.grid
+    x = ((theta - _grid_angle(B) - grid.theta_start) / grid.pitch).ravel()
+    middle = 0.5 * float(columns[0] + columns[-1])
+    turn = 2.0 * np.pi / grid.pitch
+    if not B.shape.profile().planar:
+        x = x - turn * np.floor((x - middle) / turn + 0.5)
+    column = np.floor(x).astype(int)
+    u = x - column
+    row = np.clip(np.searchsorted(grid.z, z.ravel(), side="right") - 1, 0, grid.rows - 2)
+    v = np.clip((z.ravel() - grid.z[row]) / np.diff(grid.z)[row], 0.0, 1.0)
+    out = np.zeros((len(x), len(columns), grid.rows))
+    n = np.arange(len(x))
+    for step, part in ((0, 1.0 - u), (1, u)):
+        at = column + step - columns[0]
+        held = (at >= 0) & (at < len(columns))
+        for up, piece in ((0, 1.0 - v), (1, v)):
+            out[n[held], at[held], row[held] + up] += (part * piece)[held]
+    return out.reshape(len(x), -1)
+
+
+def _compliance(surface: ContactSurface, columns: np.ndarray) -> np.ndarray:
+    """D of the hats of `columns`; a full turn goes on."""
+    grid = surface.grid
+    turn = len(surface.lags) * grid.columns_per_sector
+    if grid.periodic:
+        columns = columns % turn
+    known = (columns >= 0) & (columns < grid.columns)
+    D = np.zeros((len(columns) * grid.rows,) * 2)
+    at = np.repeat(known, grid.rows)
+    D[np.ix_(at, at)] = surface.compliance(columns[known])
+    return D
+
+
+def _gram(surface: ContactSurface, columns: int) -> np.ndarray:
+    """M of the hats of so many neighbouring columns [m^2]."""
+    around = np.diag(np.full(columns, 2.0 / 3.0)) + np.diag(np.full(columns - 1, 1.0 / 6.0), 1)
+    around += np.diag(np.full(columns - 1, 1.0 / 6.0), -1)
+    return surface.grid.pitch * np.kron(around, np.asarray(surface.gram_z))

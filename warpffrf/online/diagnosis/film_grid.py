@@ -8,21 +8,38 @@ error; what the borders of voids add goes with the spacing, and is caught within
 
 What is held is the gap: of a film that yields to its own pressure, and of one that carries a given load, this is more
 than what its place and its pressures err by. Walls count as smooth.
+
+Film hats. A film of all hats in a state that is held, on the host: what few profiles along are compared with.
+
+Given are the places and velocities of both bodies, the global modes of the first, and the rates of the step,
+delta_t(r h) at points and delta_t D at hats (docstring of `films.sampling`). Unknown are the pressures p of the hats
+that are full and the voids D of the others,
+
+    R_i = sum_k [psi_i,x f_x + psi_i,z f_z + psi_i delta_t(r h)] - m_i (delta_t D_i + a_0 (D_i - D_i,0)) - (T D)_i = 0,
+
+f = r (k grad p - h U), h with what p opens, G p. Newton's method with one change of the set an iteration, voids
+eliminated first: T between void hats is sparse. So much of the rates is held that the film is as slow as it was: D_0
+are the voids that the step ended with.
+
+*At the same force*: the second body is moved along `ways` until the force is a given one, which takes as many more
+unknowns d and the equations F = F_0, with dh = -n.way dd. Of F the pressures alone are derived, the shear is c/R of it.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+import scipy.linalg as la
 import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from warpffrf.model.films import Film
+from warpffrf.online.compile.compliance_tables import hat_gram
 from warpffrf.online.compile.films.bases import ACROSS, ALONG, Basis, basis_of
-from warpffrf.online.diagnosis.film_hats import MOST_ITERATIONS, NO_VOID, SETTLED, transport
 from warpffrf.online.engine import Engine
+from warpffrf.online.history.films import narrowest
 from warpffrf_kernels.films.sampling import FILLING, GAP, NORMAL
 
 Array = np.ndarray
@@ -204,3 +221,280 @@ def film_grid_notes(engine: Engine, found: dict[str, FilmGridError]) -> list[str
     """One note for each film whose grid is coarse."""
     films: list[Any] = [film for film in engine.scene.films if str(film.name) in found]
     return [note for film in films if (note := found[str(film.name)].note(film))]
+
+
+MOST_ITERATIONS = 30
+SETTLED = 1e-4  # of the largest pressure: a last change that is a hundredth of the least error that is told
+CLOSEST = 0.2  # of the smallest gap: what an iteration leaves of it
+NO_VOID = 1e-13  # of the median gap: round-off of a void
+
+
+@dataclass(frozen=True)
+class Pose:
+    """Both bodies: axes in the world, place of A's centre of mass from B's [m]; velocities of these [m/s], angular
+    velocities [rad/s], A's in its axes and B's in the world; A's turning about its own axis that U has beside half of
+    the sliding; global coordinates of A."""
+
+    turn_a: Array
+    turn_b: Array
+    from_b: Array
+    v_a: Array
+    v_b: Array
+    omega_a: Array
+    omega_b: Array
+    spin: Array
+    q: Array
+
+    def sliding(self, place: Array) -> Array:
+        """(n, 3) m/s u_B - u_A at places (n, 3) of A from its centre of mass, in A's axes."""
+        at_b = self.v_b + np.cross(self.omega_b, self.from_b + place @ self.turn_a.T)
+        return (at_b - self.v_a) @ self.turn_a - np.cross(self.omega_a, place)
+
+    def moved(self, way: Array) -> Pose:
+        """With B moved by `way` (3,) [m]."""
+        return replace(self, from_b=self.from_b - way)
+
+
+@dataclass(frozen=True)
+class Rates:
+    """filling (points,) [m/s], void (hats,) [m/s], and a_0 [1/s]."""
+
+    filling: Array
+    void: Array
+    a0: float
+
+
+@dataclass
+class HatState:
+    """pressure [Pa], void [m], full of all hats; whether it was found, the smallest gap [m] of their nodes, the force
+    on A (3,) [N] in the world, oil in through feeds and out at the ends [m3/s]."""
+
+    pressure: Array
+    void: Array
+    full: Array
+    found: bool = False
+    smallest_gap: float = np.nan
+    force: Array = field(default_factory=lambda: np.zeros(3))
+    feed_flow: float = np.nan
+    end_flow: float = np.nan
+
+    @property
+    def largest_pressure(self) -> float:
+        """Pa, at a hat."""
+        return float(self.pressure.max())
+
+
+def transport(basis: Basis, carried: Array) -> Any:
+    """T (functions, functions) [m2/s] of voids that leave with U (functions, 2) [m/s] upwind through the faces."""
+    n = basis.functions
+    T = sp.csr_matrix((n, n))
+    for way, name in enumerate(("around", "along")):
+        after, width = basis.neighbours[f"next_{name}"], basis.neighbours[f"face_{name}"]
+        at = np.flatnonzero(after >= 0)
+        to = after[at]
+        flow = 0.5 * width[at] * (carried[at, way] + carried[to, way])
+        ahead, back = np.maximum(flow, 0.0), np.maximum(-flow, 0.0)
+        T = T + sp.csr_matrix(
+            (
+                np.concatenate([ahead, -ahead, back, -back]),
+                (np.concatenate([at, to, to, at]), np.concatenate([at, at, to, to])),
+            ),
+            shape=(n, n),
+        )
+    return T
+
+
+class HatFilm:
+    """All hats of a film at all points, whatever its own evaluation is."""
+
+    def __init__(self, film: Film) -> None:
+        surface, body = film.a.surface, film.a.body
+        self.film, self.basis = film, basis_of(film, "semi")
+        basis = self.basis
+        columns = np.arange(film.grid.columns)
+        self.opening = surface.compliance(columns) @ hat_gram(surface, 1)[0]  # (hats, hats) m/Pa
+        self.shape = np.asarray(surface.mode_normal).reshape(basis.functions, -1)
+        points = len(basis.weight)
+        at = (np.repeat(np.arange(points), basis.function.shape[1]), basis.function.ravel())
+        self.value, self.x, self.z = (
+            sp.csr_matrix((values.ravel(), at), shape=(points, basis.functions))
+            for values in (basis.value, basis.around, basis.along)
+        )
+        self.place = surface.shape.point(basis.theta, basis.z) - body.center_of_mass
+        self.at_hats = surface.shape.point(*basis.at.T) - body.center_of_mass
+        self.around, self.along = _tangents(film, basis.theta, basis.z)
+        self.ways_of_hats = _tangents(film, *basis.at.T)
+        self.form, self.form_of_hats = film.gap_form(basis.theta, basis.z), film.gap_form(*basis.at.T)
+        self.can_void = film.cavitation in ("jfo", "reynolds")
+        self.travels = film.cavitation == "jfo"
+
+    def seen(self, pose: Pose, place: Array) -> tuple[Array, Array]:
+        """Gap (n,) [m] of the true shapes but for the form of A at places (n, 3) of A, and its gradient (n, 3) in the
+        world."""
+        shape = self.film.b.surface.shape
+        theta, z, distance = shape.chart((pose.from_b + place @ pose.turn_a.T) @ pose.turn_b + _center(self.film.b))
+        return distance + self.film.second_form(theta, z), np.asarray(shape.normal(theta, z)) @ pose.turn_b.T
+
+    def at_nodes(self, pose: Pose, pressure: Array) -> Array:
+        """Gap (columns, rows) [m] at the nodes."""
+        gap = self.seen(pose, self.at_hats)[0] + self.form_of_hats + self.opening @ pressure - self.shape @ pose.q
+        return gap.reshape(self.film.grid.columns, -1)
+
+    def least(self, pose: Pose, pressure: Array) -> float:
+        """The smallest of them."""
+        return float(narrowest(self.at_nodes(pose, pressure)[None], periodic=self.film.grid.periodic)[0])
+
+    def solve(
+        self, pose: Pose, rates: Rates, start: HatState, ways: Array | None = None, force: Array | None = None
+    ) -> HatState:
+        """The film in a state that is held, from `start`; with `ways` (3, n), directions in the world, of the second
+        body where it is moved so that the force along them is that of `force` (3,) [N]."""
+        ways = np.zeros((3, 0)) if ways is None or force is None else ways
+        held = _Held(self, pose, rates, start, ways)
+        free = np.flatnonzero(~self.basis.held)
+        p, D, full = start.pressure.copy(), start.void.copy(), start.full.copy()
+        at = self.basis.held
+        p[at], D[at], full[at] = self.basis.given[at], 0.0, True
+        shift, found = np.zeros(ways.shape[1]), False
+        now = held.flow(p, D, shift)
+        for _ in range(MOST_ITERATIONS):
+            if not now.h.min() > 0.0:
+                break
+            change = held.change(now, p, free[full[free]], free[~full[free]], force)
+            if change is None:
+                break
+            dp, dD, move = change
+            dh = self.value @ (self.opening @ dp) + held.towards @ move
+            part = 1.0
+            if (now.h + dh).min() < CLOSEST * now.h.min():
+                part = (1.0 - CLOSEST) * float(now.h.min()) / float((-dh).max())
+            leaves = full & ~at & self.can_void & (p + dp <= 0.0)
+            enters = ~full & (D + dD < -NO_VOID * float(np.median(now.h)))
+            p, D, shift = p + part * dp, D + part * dD, shift + part * move
+            p[leaves], full[leaves], D[enters], full[enters] = 0.0, False, 0.0, True
+            now = held.flow(p, D, shift)
+            settled = float(np.abs(dp).max()) <= SETTLED * float(np.abs(p).max())
+            if part == 1.0 and settled and not np.any(leaves | enters):
+                found = bool(now.h.min() > 0.0)
+                break
+        fed, end = self.basis.fed, at & ~self.basis.fed
+        least = self.least(pose.moved(ways @ shift), p)
+        return HatState(p, D, full, found, least, now.force, float(now.rest[fed].sum()), -float(now.rest[end].sum()))
+
+
+@dataclass(frozen=True)
+class _Flow:
+    """Of pressures and voids: gap [m], slopes [Pa/m], viscosity [Pa s], r, what is added to these by a pressure, flows
+    over r [m2/s] and k at points; R of hats [m3/s]; the force on A (3,) [N], world."""
+
+    h: Array
+    p_x: Array
+    p_z: Array
+    r: Array
+    thick: Array
+    stiff: Array
+    flow_x: Array
+    flow_z: Array
+    k: Array
+    rest: Array
+    force: Array
+
+
+class _Held:
+    """What does not change while a film is solved for."""
+
+    def __init__(self, of: HatFilm, pose: Pose, rates: Rates, start: HatState, ways: Array) -> None:
+        basis = of.basis
+        self.of, self.pose, self.rates, self.ways = of, pose, rates, ways
+        axis_point = of.film.a.surface.shape.axis_point - _center(of.film.a)
+        self.slide = pose.sliding(of.place)
+        carried = 0.5 * self.slide + np.cross(pose.spin, of.place - axis_point)
+        self.u_x, self.u_z = (_along(carried, way) for way in (of.around, of.along))
+        at_hats = 0.5 * pose.sliding(of.at_hats) + np.cross(pose.spin, of.at_hats - axis_point)
+        self.T = transport(basis, np.stack([_along(at_hats, way) for way in of.ways_of_hats], axis=1))
+        self.keeps = rates.a0 * basis.area
+        if not of.travels:  # a slack: any size does
+            self.T = sp.csr_matrix(self.T.shape)
+            self.keeps = np.maximum(self.keeps, np.abs(self.u_x).max() * of.film.grid.pitch)
+        without = basis.held | (not of.travels)
+        self.began, self.rate = (np.where(without, 0.0, values) for values in (start.void, rates.void))
+        opened, self.normal = of.seen(pose, of.place)
+        self.opened = opened + of.form - of.value @ (of.shape @ pose.q)
+        self.towards = -self.normal @ ways
+
+    def flow(self, p: Array, D: Array, shift: Array) -> _Flow:
+        """Flows of pressures and voids, with the second body moved by `shift` (n,) [m] along the ways."""
+        of, w, oil = self.of, self.of.basis.weight, self.of.film.oil
+        h = self.opened + self.towards @ shift + of.value @ (of.opening @ p)
+        p_x, p_z, here = of.x @ p, of.z @ p, of.value @ p
+        at = np.maximum(here, 0.0)
+        mu, r = oil.viscosity_at(at), oil.density_at(at)
+        k = h**3 / (12.0 * mu)
+        flow_x, flow_z = k * p_x - h * self.u_x, k * p_z - h * self.u_z
+        rest = of.x.T @ (w * r * flow_x) + of.z.T @ (w * r * flow_z) + of.value.T @ (w * self.rates.filling)
+        rest -= of.basis.area * self.rate + self.keeps * (D - self.began) + self.T @ D
+        drag = mu * np.clip(1.0 - (of.value @ D) / h, 0.0, 1.0) / h
+        shear = sum(
+            (w * (drag * _along(self.slide, way) + 0.5 * h * slope)) @ way
+            for way, slope in ((of.around, p_x), (of.along, p_z))
+        )
+        force = (w * here) @ self.normal + self.pose.turn_a @ np.asarray(shear)
+        thick, stiff = oil.viscosity_slope(at) / mu, oil.density_slope(at)
+        return _Flow(h, p_x, p_z, r, thick, stiff, flow_x, flow_z, k, rest, force)
+
+    def change(
+        self, now: _Flow, p: Array, wet: Array, dry: Array, force: Array | None
+    ) -> tuple[Array, Array, Array] | None:
+        """Newton's increments of pressures, voids and the way of the second body; None of a singular system."""
+        of, w, n = self.of, self.of.basis.weight, len(p)
+        by_gap = of.x.T @ sp.diags(w * now.r * (3.0 * now.k / now.h * now.p_x - self.u_x))
+        by_gap = (by_gap + of.z.T @ sp.diags(w * now.r * (3.0 * now.k / now.h * now.p_z - self.u_z))).tocsr()
+        A = of.x.T @ sp.diags(w * now.r * now.k) @ of.x + of.z.T @ sp.diags(w * now.r * now.k) @ of.z
+        if np.any(now.thick) or np.any(now.stiff):
+            thinner = now.r * now.k * now.thick
+            A = A + of.x.T @ sp.diags(w * (now.stiff * now.flow_x - thinner * now.p_x)) @ of.value
+            A = A + of.z.T @ sp.diags(w * (now.stiff * now.flow_z - thinner * now.p_z)) @ of.value
+        A, by_hats, by_way = A.tocsr(), by_gap @ of.value, by_gap @ self.towards
+        opening = of.opening[:, wet]
+
+        def lines(at: Array) -> Array:
+            """J of wet columns, then right-hand sides."""
+            J = A[at][:, wet].toarray() + by_hats[at] @ opening
+            return np.concatenate([J, -now.rest[at][:, None], -by_way[at]], axis=1)
+
+        whole, below, count = lines(wet), lines(dry), len(wet)
+        if len(dry):
+            M = -(self.T + sp.diags(self.keeps)).tocsr()
+            try:
+                below = splu(M[dry][:, dry].tocsc()).solve(below)
+            except RuntimeError:  # how SciPy tells that it is singular
+                return None
+            whole = whole - M[wet][:, dry] @ below
+        try:
+            x = la.solve(whole[:, :count], whole[:, count:], check_finite=False)
+            move = np.zeros(self.ways.shape[1])
+            if len(move) and force is not None:
+                lever = (of.value.T @ (w[:, None] * (self.normal @ self.ways)))[wet]  # force of pressures
+                move = la.solve(lever.T @ x[:, 1:], (force - now.force) @ self.ways - lever.T @ x[:, 0])
+        except la.LinAlgError:
+            return None
+        dp, dD = np.zeros(n), np.zeros(n)
+        dp[wet] = x[:, 0] + x[:, 1:] @ move
+        dD[dry] = below[:, count] + below[:, count + 1 :] @ move - below[:, :count] @ dp[wet]
+        return dp, dD, move
+
+
+def _along(vectors: Array, ways: Array) -> Array:
+    return np.einsum("ij,ij->i", vectors, ways)
+
+
+def _center(port: Any) -> Array:
+    return np.asarray(getattr(port.body, "center_of_mass", np.zeros(3)))
+
+
+def _tangents(film: Film, theta: Array, z: Array) -> tuple[Array, Array]:
+    """Unit vectors (n, 3) of A along theta, whatever the side, and along z."""
+    shape = film.a.surface.shape
+    side = 1.0 if shape.profile().planar else shape.side
+    around = side * np.broadcast_to(np.asarray(shape.around(theta)), (len(theta), 3))
+    return around, np.broadcast_to(np.asarray(shape.along(theta, z)), (len(theta), 3))

@@ -16,12 +16,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from warpffrf.model.checks.signal_cover import refuse_short_signals
+from warpffrf.model.checks.scene import refuse_short_signals
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
 from warpffrf.model.integrators import EnergyMomentum, RungeKutta4
 from warpffrf.model.messages.checkpoints import Keeper, Plan, Rows, Source, Unfinished
-from warpffrf.model.messages.interruption import deferred_interrupts
-from warpffrf.model.messages.progress import Progress
+from warpffrf.model.messages.progress import Progress, deferred_interrupts
 from warpffrf.model.scene import Scene
 from warpffrf.model.step_count import step_count
 from warpffrf.online.arrays.declaration import host_structs
@@ -29,18 +28,18 @@ from warpffrf.online.arrays.ring import joined
 from warpffrf.online.checkpoint import is_dynamic, time_of
 from warpffrf.online.compile.forces import ForceTable
 from warpffrf.online.compile.inertia_plan import InertiaPlan
-from warpffrf.online.diagnosis.deflections import deflection_lines, deflections
-from warpffrf.online.free_flight import energy_momentum, runge_kutta
+from warpffrf.online.diagnosis.indicator import deflection_lines, deflections
+from warpffrf.online.free_flight import free_bodies
 from warpffrf.online.free_flight.free_bodies import FreeBody, Motion, check_free, free_body, initial_motion
 from warpffrf.online.history.history import ENERGY_LINES, History
+from warpffrf.online.history.record import user_frame
 from warpffrf.online.history.sensors import force_histories, sensor_histories
-from warpffrf.online.history.user_frame import user_frame
 from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core.control import Clock
 
 KIND = "check"
 COUNTS = "check_counts"  # in the checkpoint of a run under way
-ADVANCE = {EnergyMomentum: energy_momentum.advance, RungeKutta4: runge_kutta.advance}
+ADVANCE = {EnergyMomentum: free_bodies.advance_energy_momentum, RungeKutta4: free_bodies.advance}
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
 
 
@@ -163,7 +162,7 @@ def run_check(
     bodies = [free_body(scene, body, own) for body, own in zip(scene.bodies, plan.bodies, strict=True)]
     if kind is RungeKutta4:
         for body in bodies:
-            runge_kutta.check_step(body, step)
+            free_bodies.check_step(body, step)
     states, before = [initial_motion(b) for b in scene.bodies], None
     if isinstance(start, History | Unfinished):
         states, before = _restored(scene, start.checkpoint)
@@ -204,7 +203,7 @@ def run_check(
                     keep(keeper)
                 if asked:
                     raise KeyboardInterrupt
-    except energy_momentum.NotConverged as error:
+    except free_bodies.NotConverged as error:
         status, message = "not_converged", str(error)
     except np.linalg.LinAlgError:
         status, message = "singular", "the inertia of a deformed body is singular; reduce step, or its inertia level"

@@ -2,6 +2,8 @@
 
 `T` is the number of saved steps. World axes and SI units unless a field says otherwise.
 Everything that can be derived from these arrays (half-width, peak pressure, fields) is derived in `warpffrf.output`.
+
+Budget line. One line of the error budget of a run, `warpffrf.output.budget`.
 """
 
 from __future__ import annotations
@@ -14,7 +16,6 @@ import numpy as np
 from warpffrf.model.bodies import Port
 from warpffrf.model.errors import unknown_name
 from warpffrf.model.messages import reprs
-from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.interface_motion import point_motion, turned
 
 ENERGY_LINES = (
@@ -31,7 +32,7 @@ ENERGY_LINES = (
 )
 
 
-_NOT_RECORDED = np.zeros(0)  # stands for the arrays that an older file does not hold
+_NOT_RECORDED = np.zeros(0)  # stands for arrays that are not given
 
 
 @dataclass(repr=False)
@@ -309,3 +310,23 @@ class History(reprs.Shown):
         return {"status": self.status, **message, "rows": len(self.time), **found}
 
     _facts = shown
+
+
+@dataclass(frozen=True)
+class BudgetLine:
+    """What one source of error does to one quantity of a run.
+
+    size: a fraction of the quantity (`of` says which), NaN where it could not be found; `basis` says how it was found,
+    or why not, `cure` what makes it smaller.
+    """
+
+    source: str
+    of: str
+    size: float
+    basis: str
+    cure: str = ""
+
+    @property
+    def found(self) -> bool:
+        """Whether there is a size."""
+        return bool(np.isfinite(self.size))

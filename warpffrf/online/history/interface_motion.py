@@ -1,6 +1,6 @@
 r"""How an interface and a port moved in a run, from the recorded motion of the body.
 
-With d = Phi^T q - q.K q/2 of `warpffrf.model.reduced.interface_motion` the rates are
+With d = Phi^T q - q.K q/2 of `warpffrf.model.reduced.inertia` the rates are
 
     d' = Phi^T qd - q.K qd,      d'' = Phi^T qdd - q.K qdd - qd.K qd.
 
@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from warpffrf.model.bodies import Port
-from warpffrf.model.reduced import interface_motion as at_rest
+from warpffrf.model.reduced import inertia as at_rest
 
 if TYPE_CHECKING:
     from warpffrf.online.history.history import BodyHistory

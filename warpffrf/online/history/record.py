@@ -1,12 +1,48 @@
-"""From the rows that a run has saved (`warpffrf.online.arrays.ring`) to a History in user frames."""
+"""From the rows that a run has saved (`warpffrf.online.arrays.ring`) to a History in user frames.
+
+Joint friction. Friction in joints from the rows that a run has saved.
+
+Joint coordinates and the defects of rows left out, from the recorded motion of the bodies.
+
+A coordinate is a function of the markers' poses (`warpffrf.model.joints.base`), so it is evaluated from what is saved
+instead of being carried through the step. Angles come out in (-pi, pi]; turns are counted by prediction: of a driven
+coordinate its signal, else the last value and the trapezoidal rule of its rate t.(omega_b - omega_a). The turn nearest
+to the prediction is taken, which is right while that is off by less than half a turn, also when saved steps lie several
+turns apart.
+
+Laps. Histories of laps, from the saved rows of their cells.
+
+Lumped. Histories of lumped contacts, from the saved rows of their places.
+
+Pretensions, and preloads of springs in time, from the rows that a run has saved.
+
+User frame. Motion of the centre of mass -> motion of the user frame.
+
+With c the centre of mass in the user frame, A the orientation and s = A c: the user origin is r - s, its velocity
+v - w x s, its acceleration vdot - wdot x s - w x (w x s).
+"""
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
+from warpffrf.model import rotation as rot
+from warpffrf.model.bodies import Port
+from warpffrf.model.checks.redundancy import ConstraintRow, scene_length
+from warpffrf.model.forces import SpringLaw
 from warpffrf.model.forces.notes import characteristic_notes
+from warpffrf.model.joints import Drive, Joint, Marker, Row
+from warpffrf.model.joints.base import gradient, value
+from warpffrf.model.laps import Lap
+from warpffrf.model.laps.lap import LapCellsOf
+from warpffrf.model.scene import Scene
 from warpffrf.online.arrays.ring import SavedRows
+from warpffrf.online.compile.joint_friction import SlipTable
+from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.compile.patches.plan import PatchPlan
+from warpffrf.online.compile.pretension import TensionTable
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.history.films import film_histories
 from warpffrf.online.history.history import (
@@ -14,21 +50,20 @@ from warpffrf.online.history.history import (
     BodyHistory,
     CellHistory,
     ContactHistory,
+    ForceHistory,
     FrictionHistory,
     History,
+    JointFrictionHistory,
     JointHistory,
+    LapHistory,
+    LumpedHistory,
 )
-from warpffrf.online.history.interface_motion import turned
-from warpffrf.online.history.joint_friction import friction_histories
-from warpffrf.online.history.joint_motion import coordinates, half_turn_notes, left_out_notes
-from warpffrf.online.history.laps import lap_histories
-from warpffrf.online.history.lumped import lumped_histories
-from warpffrf.online.history.pretension import tension_histories, with_pulls
+from warpffrf.online.history.interface_motion import interface_motion, turned
 from warpffrf.online.history.sensors import force_histories, sensor_histories
-from warpffrf.online.history.user_frame import user_frame
 from warpffrf_kernels.core.declaration import declared_in
 from warpffrf_kernels.core.model import LINE_OF_CENTRES
 from warpffrf_kernels.core.ring import SavedContact
+from warpffrf_kernels.laps import keeping
 
 
 def history_from_rows(compiled: CompiledScene, rows: SavedRows) -> History:
@@ -144,4 +179,238 @@ def _friction(compiled: CompiledScene, i: int, rows: SavedRows) -> FrictionHisto
         traction=field("saved_traction"), slip_velocity=field("saved_slip_velocity"), state=state.astype(np.int8),
         power=numbers[:, 0].copy(), creep_velocity=numbers[:, 1:3].copy(), rolling_velocity=numbers[:, 3].copy(),
         cells_per_step=rows["saved_advanced"][:, i].copy(),
+    )  # fmt: skip
+
+
+ALONG, AROUND = 0, 1
+
+
+def friction_histories(table: SlipTable, rows: SavedRows) -> dict[str, ForceHistory]:
+    """Force and torque of the friction in every joint, and stick and slip."""
+    found: dict[str, ForceHistory] = {}
+    T = len(rows["saved_time"])
+    for e, (name, law) in enumerate(table.laws.items()):
+        own = table.rows[name]
+        wrench = rows["saved_row_wrench"][:, own]
+        velocity, traction = np.zeros((T, 2)), np.zeros((T, 2))
+        for r, coordinate in enumerate(law.coordinates):
+            direction = ALONG if coordinate.kind == "translation" else AROUND
+            velocity[:, direction] = rows["saved_surface_velocity"][:, e, r]
+            traction[:, direction] = rows["saved_surface_traction"][:, e, r]
+        found[name] = ForceHistory(
+            wrench[:, :, :3].sum(axis=1), wrench[:, :, 3:].sum(axis=1), rows["saved_coordinate"][:, own].copy(),
+            JointFrictionHistory(
+                state=(rows["saved_slipping"][:, e] + 1).astype(np.int8), slip_velocity=velocity, traction=traction,
+                bound=rows["saved_slip_bound"][:, e].copy(), power=rows["saved_slip_power"][:, e].copy(),
+            ),
+        )  # fmt: skip
+    return found
+
+
+LEFT_OUT = 1e-6  # of the scene's length, or rad: a redundant row is kept to round-off; more means that it was needed
+NEAR_HALF_TURN = 0.75  # of half a turn: a bushing that comes so far is no bushing; leaves room for what is not saved
+
+
+def _matrices(q: np.ndarray) -> np.ndarray:
+    """Rotation matrices (T, 3, 3) of unit quaternions (T, 4)."""
+    v, w = q[:, :3], q[:, 3]
+    V = np.zeros((len(q), 3, 3))
+    V[:, 0, 1], V[:, 0, 2], V[:, 1, 2] = -v[:, 2], v[:, 1], -v[:, 0]
+    V -= V.transpose(0, 2, 1)
+    return np.eye(3) + 2.0 * w[:, None, None] * V + 2.0 * V @ V
+
+
+def _turns(theta: np.ndarray) -> np.ndarray:
+    """Rotation matrices (T, 3, 3) of rotation vectors (T, 3)."""
+    angle = np.linalg.norm(theta, axis=1)
+    s = 0.5 * np.sinc(0.5 * angle / np.pi)
+    return _matrices(np.concatenate([s[:, None] * theta, np.cos(0.5 * angle)[:, None]], axis=1))
+
+
+def marker_motion(
+    port: Port, marker: Marker, bodies: dict[str, BodyHistory], count: int
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Positions (T, 3) [m], axes (T, 3, 3) of a marker, and the angular velocity (T, 3) of its body, world axes."""
+    X = np.broadcast_to(marker.point, (count, 3))
+    axes = np.broadcast_to(rot.matrix(marker.rotation), (count, 3, 3))
+    if port.body.index < 0:
+        return X, axes, np.zeros((count, 3))
+    body = bodies[port.body.name]
+    if port.interface_name is not None and body.modal.shape[1]:
+        motion = interface_motion(port, body)[0]
+        arm = marker.point - port.body.reduced.interfaces[port.interface_name].point
+        X = X + motion[:, :3] + np.cross(motion[:, 3:], arm)
+        axes = _turns(motion[:, 3:]) @ axes
+    A = _matrices(body.rotation)
+    return body.position + np.einsum("tij,tj->ti", A, X), A @ axes, body.angular_velocity
+
+
+def coordinates(
+    joint: Joint, drives: dict[str, Drive], time: np.ndarray, bodies: dict[str, BodyHistory]
+) -> dict[str, np.ndarray]:
+    """Coordinates (T,) [m or rad] of a joint by name; `drives`: those of this joint by coordinate."""
+    (x_a, A_a, w_a), (x_b, A_b, w_b) = (
+        marker_motion(p, m, bodies, len(time)) for p, m in zip(joint.ports, joint.frames(), strict=True)
+    )
+    found = {}
+    for name, row in joint.coordinates.items():
+        c = value(row, x_a, A_a, x_b, A_b)
+        if not row.is_length and len(time):
+            _, t = gradient(row, x_a, A_a, x_b, A_b)
+            c = _count_turns(c, np.einsum("ti,ti->t", t, w_b - w_a), time, drives.get(name))
+        found[name] = c
+    return found
+
+
+def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, drive: Drive | None) -> np.ndarray:
+    if drive is not None:
+        expected = drive.position()(time)
+        return expected + np.angle(np.exp(1j * (angle - expected)))
+    travel = 0.5 * (rate[1:] + rate[:-1]) * np.diff(time)
+    steps = np.diff(angle)
+    steps += 2.0 * np.pi * np.round((travel - steps) / (2.0 * np.pi))
+    return np.concatenate([angle[:1], angle[0] + np.cumsum(steps)])
+
+
+def left_out_notes(scene: Scene, dropped: list[ConstraintRow], bodies: dict[str, BodyHistory], count: int) -> list[str]:
+    """A note for every row that was left out as redundant and did not stay satisfied at the `count` saved steps."""
+    notes = []
+    length = scene_length(scene) if dropped else 1.0
+    for item in dropped:
+        (x_a, A_a, _), (x_b, A_b, _) = (
+            marker_motion(p, m, bodies, count) for p, m in zip(item.joint.ports, item.markers, strict=True)
+        )
+        row: Row = item.row
+        off = float(np.abs(value(row, x_a, A_a, x_b, A_b) - item.initial).max(initial=0.0))
+        if off > LEFT_OUT * (length if row.is_length else 1.0):
+            notes.append(
+                f"joint {item.label} was left out as redundant at the initial pose, but the motion broke it by "
+                f"{off:.3g} {'m' if row.is_length else 'rad'}: the results are wrong there; start from another pose"
+            )
+    return notes
+
+
+def half_turn_notes(laws: dict[str, SpringLaw], bodies: dict[str, BodyHistory], count: int) -> list[str]:
+    """A note for every bushing that came near half a turn at the `count` saved steps, where its rotation vector jumps
+    to the other side."""
+    notes = []
+    for name, law in laws.items():
+        if count == 0 or not any(c.kind == "bushing" and np.any(c.vector[3:]) for c in law.coordinates):
+            continue
+        A_a, A_b = (
+            marker_motion(port, Marker(point, rot.quaternion(axes)), bodies, count)[1]
+            for port, point, axes in zip(law.ports, law.points or (), law.axes or (), strict=True)
+        )
+        cosine = 0.5 * (np.einsum("tij,tij->t", A_a, A_b) - 1.0)
+        angle = float(np.arccos(np.clip(cosine, -1.0, 1.0)).max())
+        if angle > NEAR_HALF_TURN * np.pi:
+            notes.append(
+                f"bushing {name!r}: its ports turned by {np.degrees(angle):.3g} degrees against each other; at half a "
+                "turn its law jumps, the results beyond are wrong; use a joint with springs, or a Bearing for a shaft "
+                "that spins"
+            )
+    return notes
+
+
+def lap_histories(compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]) -> dict[str, LapHistory]:
+    """By name, in the order of the scene."""
+    laps = compiled.scene.laps
+    found, start = {}, 0
+    for number in lap_order(laps):
+        lap = laps[number]
+        cells = lap.cells()
+        count = len(cells.cell)
+        found[lap.name] = _history(lap, cells, rows["saved_lap"][:, start : start + count], bodies)
+        start += count
+    return {lap.name: found[lap.name] for lap in laps}
+
+
+def _history(lap: Lap, cells: LapCellsOf, saved: np.ndarray, bodies: dict[str, BodyHistory]) -> LapHistory:
+    """Of the numbers (T, c, `keeping.NUMBERS`) of its cells."""
+    force = np.einsum("tck,cki->tci", saved[:, :, :3], cells.frames)
+    arm = cells.points - lap.a.surface.points.mean(axis=0)
+    rotation = bodies[lap.a.body.name].rotation
+    area = cells.area[None, :]
+    slipped = slice(int(keeping.SLIPPED), int(keeping.SLIPPED) + 2)
+    return LapHistory(
+        force=turned(rotation, force.sum(axis=1)), torque=turned(rotation, np.cross(arm, force).sum(axis=1)),
+        normal_force=saved[:, :, 0].sum(axis=1), pressure=saved[:, :, 0] / area,
+        traction=saved[:, :, 1:3] / area[:, :, None], gap=saved[:, :, int(keeping.GAP)].copy(),
+        slip=saved[:, :, slipped].copy(), state=saved[:, :, int(keeping.STATE)].astype(np.int8),
+        loss=saved[:, :, int(keeping.LOST)].copy(),
+    )  # fmt: skip
+
+
+def lumped_histories(
+    compiled: CompiledScene, rows: SavedRows, bodies: dict[str, BodyHistory]
+) -> dict[str, LumpedHistory]:
+    """By name."""
+    owner = compiled.elements.lumped.contact.numpy()[: compiled.elements.lumped.places]
+    resisting = owner[compiled.elements.moments.place.numpy()[: compiled.elements.moments.count]]
+    found = {}
+    for i, contact in enumerate(compiled.scene.lumped_contacts):
+        body = contact.a.body.name
+        origin = bodies[body].position if body in bodies else np.zeros(3)  # of the ground the world's origin
+        moment = rows["saved_lumped_moment"][:, np.flatnonzero(resisting == i)].sum(axis=1)
+        found[contact.name] = _lumped_history(rows["saved_lumped"][:, np.flatnonzero(owner == i)], moment, origin)
+    return found
+
+
+def _lumped_history(saved: np.ndarray, moment: np.ndarray, origin: np.ndarray) -> LumpedHistory:
+    """Of places (T, places, numbers) and the moment (T, 3) of all of them, torque about `origin`."""
+    x, force, friction, slip = (saved[:, :, 3 * n : 3 * n + 3] for n in range(4))
+    approach, normal = saved[:, :, 12], saved[:, :, 13]
+    pressed = np.sum(normal, axis=1)
+    nearest = np.eye(saved.shape[1])[np.argmax(approach, axis=1)]
+    weight = np.where(pressed[:, None] > 0.0, normal / np.maximum(pressed[:, None], np.finfo(float).tiny), nearest)
+    return LumpedHistory(
+        force=force.sum(axis=1),
+        torque=np.cross(x - np.asarray(origin)[..., None, :], force).sum(axis=1) + moment, moment=moment,
+        place=np.einsum("tp,tpi->ti", weight, x), approach=approach.max(axis=1), normal_force=pressed,
+        friction_force=friction.sum(axis=1), slip_velocity=np.einsum("tp,tpi->ti", weight, slip),
+        lamina_force=normal.copy(),
+    )  # fmt: skip
+
+
+def with_pulls(forces: dict[str, ForceHistory], pulls: dict[str, ForceHistory]) -> dict[str, ForceHistory]:
+    """`forces` with the `pulls`; that of a spring, by the same name, is part of its force."""
+    found = dict(forces)
+    for name, pull in pulls.items():
+        own = forces.get(name)
+        found[name] = (
+            pull if own is None else replace(own, force=own.force + pull.force, torque=own.torque + pull.torque)
+        )
+    return found
+
+
+def tension_histories(table: TensionTable, rows: SavedRows) -> dict[str, ForceHistory]:
+    """Force on the second body, and the coordinate, of every pretension."""
+    found: dict[str, ForceHistory] = {}
+    for name, row in table.rows.items():
+        wrench = rows["saved_row_wrench"][:, row]
+        found[name] = ForceHistory(
+            wrench[:, :3].copy(), wrench[:, 3:].copy(), rows["saved_coordinate"][:, row, None].copy()
+        )
+    return found
+
+
+def user_frame(
+    center: np.ndarray,
+    r: np.ndarray,
+    p: np.ndarray,
+    v: np.ndarray,
+    w: np.ndarray,
+    vdot: np.ndarray,
+    wdot: np.ndarray,
+    q: np.ndarray,
+    qd: np.ndarray,
+    qdd: np.ndarray,
+) -> BodyHistory:
+    """Motion (T, ...) of the centre of mass, angular velocity and acceleration in body axes, as that of the user frame,
+    in whose coordinates the centre of mass is at `center` (3,) [m]."""
+    arm, omega, alpha = turned(p, center), turned(p, w), turned(p, wdot)
+    swing = np.cross(omega, arm)
+    return BodyHistory(
+        r - arm, p.copy(), v - swing, omega, q.copy(),
+        vdot - np.cross(alpha, arm) - np.cross(omega, swing), alpha, qd.copy(), qdd.copy(),
     )  # fmt: skip

@@ -57,9 +57,7 @@ from warpffrf.model.placement.gap import facing_gap
 from warpffrf.model.scene import Scene
 from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.bent_gaps import without_stiff
-from warpffrf.online.start.floating import lines_of, told_of
-from warpffrf.online.start.lap_motions import held_by_laps
+from warpffrf.online.start.motions import held_by_laps, lines_of, told_of, without_stiff
 from warpffrf_kernels.core.model import AT_POINTS
 
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius

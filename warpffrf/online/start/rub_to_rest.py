@@ -39,8 +39,7 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ENERGY_LINES
 from warpffrf.online.start.free_motions import LEANS, FreeMotions
 from warpffrf.online.start.loading import begin_loading, restless, slides
-from warpffrf.online.start.pressed import PressedMotions, press
-from warpffrf.online.start.settle import LEAST
+from warpffrf.online.start.settle import LEAST, PressedMotions, press
 from warpffrf_kernels.core import control as k
 
 TAKES = 1.0  # s, for what asks for a rate

@@ -1,4 +1,4 @@
-"""The static state of a scene, found by proximal steps on the device.
+r"""The static state of a scene, found by proximal steps on the device.
 
 A proximal step of size tau [s] balances `M d/tau^2 = F` at its end, d the displacement: a step of implicit motion
 without velocity. A short one goes down the slope of the energy, a long one is Newton's step. So tau grows while steps
@@ -14,16 +14,58 @@ pressures come to rest that falls, and the energy alone may rise by as much. Whe
 end higher, it is not asked any more.
 
 Films are squeezed over the time tau while their walls slide with the velocities that the scene begins with, so that
-what comes to rest is a steady state; it has no energy to go down."""
+what comes to rest is a steady state; it has no energy to go down.
+
+Rest. What is left of the forces after a proximal step of an equilibrium: whether a scene that still moves is at rest.
+
+A proximal step of size tau balances `m d/tau^2 = F` and `J psi/tau^2 = M` for every body, `d` and `psi` its
+displacement and rotation in the step: these inertia forces are what the static forces leave over. A body that nothing
+holds in one direction, a roller free to turn on its axle, goes on moving under what the grids leave of a torque that is
+zero, some 1e-12 of the load, and never comes to rest. Its forces balance all the same.
+
+Pressed. The state in which a scene is pressed together, before friction of its surfaces acts.
+
+Tractions need pressures that are there before anything slips. So where contact of surfaces rubs, an equilibrium with
+friction (`warpffrf.online.start.rub_to_rest`) has two parts: first the scene comes to rest without friction, with all
+that friction will resist held where it is; then friction takes over what was held.
+
+Held are the rigid motions that joints and drives leave and that neither open nor close a gap under pressure, but for
+which surfaces under pressure that rub have to slip: with N the motions of
+
+    C z = 0,   L z = 0        (`warpffrf.online.start.free_motions`; springs resist nothing here)
+
+and T the slips of cells, of closed lumped contacts and of joints that rub, the combinations N y whose slips T N y are
+more than STICKS. So
+a force along a plane, a spring or a weight down an incline moves nothing, and slip is counted from where the surfaces
+began. What they are is known where the scene is pressed: so it is pressed twice, first to find them, then from the
+initial state again with these held from the beginning, found anew as soon as something is under pressure.
+
+A ball that lies a little off the top of another one is pushed off by what presses it, and friction holds it there, too:
+where nothing is under pressure in the end, or no equilibrium with friction is found from there, motions on which gaps
+lean by less than LEANS are held as well. Not at once, as such a motion may be what presses, a wedge or a roller.
+
+What is free altogether, a wheel that rolls down an incline, is held here, too, and told by the step with friction.
+
+What holds here bears the loads of the scene, and is stiffer than what holds free motions: a force F moves a mass m by
+F/m 1e-16 s2 a step in a scene of 0.1 m.
+
+Joint friction. Friction of joints at the start of a run: which of them slip, and with which force.
+
+A joint whose sides move against each other slips, against their velocity. One at rest sticks, unless it would need more
+than the bound (`warpffrf.model.forces.laws.SlipLaw`); it then begins to slip the way that it was pulled, and of several
+those go that are asked for too much, until no other is. The bound follows from reactions that friction changes, so it
+is looked at anew whenever they are.
+"""
 
 from __future__ import annotations
 
 import numpy as np
 
+from warpffrf.model.forces import SlipLaw
+from warpffrf.online.diagnosis.failure_report import largest_force
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.free_motions import FreeMotions
-from warpffrf.online.start.rest import creeping_notes, left_over
-from warpffrf.online.start.slow_films import stretch
+from warpffrf.online.start.free_motions import HOLD, LEANS, FreeMotions
+from warpffrf.online.start.motions import stretch
 from warpffrf_kernels.core import control as k
 
 MOST_STEPS = 150  # a snap-through takes about a hundred
@@ -178,3 +220,145 @@ def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:
         engine.start_notes.extend(creeping_notes(engine))
     engine.commit()
     return True
+
+
+REST_ROUND_OFF = 1e-14  # of the largest force
+
+
+def left_over(engine: Engine, world: int) -> tuple[float, str]:
+    """The largest force left over by the last proximal step, as a fraction of the largest force in play, a torque over
+    the radius of gyration; and a clause that says what creeps under it."""
+    m, scratch, bodies = engine.compiled.model, engine.scratch, engine.scene.bodies
+    if not bodies:
+        return 0.0, ""
+    mass, inertia = m.bodies.mass.numpy()[: len(bodies)], m.bodies.inertia.numpy()[: len(bodies)]
+    rate, turn = (np.asarray(a.numpy()[world][: len(bodies)]) for a in (scratch.v1_rate, scratch.omega1_rate))
+    force = mass * np.linalg.norm(rate, axis=1)
+    torque = np.linalg.norm(np.einsum("bij,bj->bi", inertia, turn), axis=1)
+    gyration = np.sqrt(np.trace(inertia, axis1=1, axis2=2) / (3.0 * mass))
+    both = np.maximum(force, torque / gyration)
+    b = int(np.argmax(both))
+    what = f"{force[b]:.2g} N" if force[b] * gyration[b] >= torque[b] else f"{torque[b]:.2g} N m"
+    share = float(both[b]) / largest_force(engine, world)
+    creeps = (
+        f"body {bodies[b].name!r} is free in some direction and creeps under {what}, {share:.1g} of the largest force"
+    )
+    return share, creeps
+
+
+def creeping_notes(engine: Engine) -> list[str]:
+    """What to say of an equilibrium in which a body goes on moving, in the world that is the worst; nothing where
+    round-off moves it."""
+    share, clause = max(left_over(engine, world) for world in range(engine.worlds))
+    if share <= REST_ROUND_OFF:
+        return []
+    return [f"equilibrium: {clause}; taken as at rest there, a weak spring on what is free would hold it"]
+
+
+def press(engine: Engine, motions: PressedMotions) -> bool:
+    """Bring every world of `engine` from its present state to the one in which it is pressed together; True on success,
+    else why not is in its status and in `engine.not_at_rest`."""
+    begin, notes = engine.checkpoint(), list(engine.start_notes)
+    found = settle(engine, motions)
+    if not any(len(m) for m in motions.resisted):
+        return found
+    engine.resume(begin)
+    engine.start_notes[:] = notes
+    motions.hold()
+    return settle(engine, motions)
+
+
+class PressedMotions(FreeMotions):
+    """Those that nothing resists, and those that friction will resist, held alike."""
+
+    holds = yields = 1e-2 * HOLD
+    weakens, bears = False, True
+    first = np.inf
+    leans = False  # whether gaps lean on some by less than LEANS
+
+    def __init__(self, engine: Engine, lean: float = 0.0) -> None:
+        super().__init__(engine, rubs=True)
+        self.lean = lean
+
+    def look(self) -> None:
+        """As of `FreeMotions`, and whether gaps lean on motions that friction will resist."""
+        super().look()
+        for world, resisted in enumerate(self.resisted):
+            if not self.leans and self._presses(world):
+                self.leans = len(self._resisted(world, LEANS)) > len(resisted)
+
+    @property
+    def presses(self) -> bool:
+        """Whether surfaces that rub are under pressure in every world."""
+        return all(self._presses(world) for world in range(self.engine.worlds))
+
+    def notes(self) -> list[str]:
+        """None: the state is on the way to another one."""
+        return []
+
+
+AT_REST = 1e-9  # of the fastest surface that rubs and 1 m/s: what round-off leaves of velocities that are zero
+
+
+class Friction:
+    """Of the joints of one world, with velocities of the `rate` (rows,) of its rows."""
+
+    def __init__(self, engine: Engine, world: int, rate: np.ndarray) -> None:
+        self.engine, self.world = engine, world
+        table = engine.compiled.slips
+        self.rows, self.held = list(table.rows.values()), list(table.held.values())
+        self.laws = list(table.laws.values())
+        slip = [np.array(law.weights) * rate[rows] for law, rows in zip(self.laws, self.rows, strict=True)]
+        fastest = max([1.0, *(float(np.linalg.norm(v)) for v in slip)])
+        self.ways = [self._way(law, v, fastest) for law, v in zip(self.laws, slip, strict=True)]
+
+    @property
+    def sticking(self) -> list[int]:
+        """Rows that stick."""
+        return [row for rows, way in zip(self.rows, self.ways, strict=True) if way is None for row in rows]
+
+    def forces(self, lam: np.ndarray) -> tuple[list[int], np.ndarray]:
+        """Rows that slip, and their friction as multipliers, for reactions by the multipliers `lam`."""
+        rows, found = [], []
+        for e, way in enumerate(self.ways):
+            if way is not None:
+                rows += self.rows[e]
+                found += list(np.array(self.laws[e].weights) * self._bound(e, lam) * way)
+        return rows, np.array(found)
+
+    def lets_go(self, lam: np.ndarray) -> bool:
+        """Let those slip that stick by more than their bound; True if there are any."""
+        gone = False
+        for e, (law, rows, way) in enumerate(zip(self.laws, self.rows, self.ways, strict=True)):
+            force = lam[rows] / np.array(law.weights)
+            size = float(np.linalg.norm(force))
+            if way is None and size > self._bound(e, lam):
+                self.ways[e], gone = force / size, True
+        return gone
+
+    def store(self, lam: np.ndarray) -> None:
+        """Tell the engine which joints slip, where the others stick, and the bounds by the multipliers `lam`."""
+        value = self.engine.scratch.coordinate.numpy()[self.world]
+        arrays = [self.engine.state.slipping, self.engine.state.stuck_at, self.engine.scratch.slip_bound]
+        slipping, stuck_at, bound = (array.numpy().copy() for array in arrays)
+        for e, (rows, way) in enumerate(zip(self.rows, self.ways, strict=True)):
+            slipping[self.world, e] = int(way is not None)
+            stuck_at[self.world, e, : len(rows)] = value[rows]
+            bound[self.world, e] = self._bound(e, lam)
+        for array, values in zip(arrays, (slipping, stuck_at, bound), strict=True):
+            array.assign(values)
+
+    @staticmethod
+    def _way(law: SlipLaw, v: np.ndarray, fastest: float) -> np.ndarray | None:
+        """Friction over its bound, None of one that sticks."""
+        speed, slow = float(np.linalg.norm(v)), law.friction.creep_limit
+        if slow > 0.0:
+            return v / max(speed, slow)
+        return v / speed if speed > AT_REST * fastest else None
+
+    def _bound(self, e: int, lam: np.ndarray) -> float:
+        law, wrench = self.laws[e], self.engine.scratch.row_wrench.numpy()[self.world]
+        row = wrench[self.rows[e][0]]
+        axis = row[:3] if law.coordinates[0].kind == "translation" else row[3:]
+        on_second = -lam[self.held[e]] @ wrench[self.held[e]]
+        return law.bound(on_second[:3], on_second[3:], axis)

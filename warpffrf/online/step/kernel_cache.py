@@ -26,7 +26,7 @@ from typing import Any
 import warp as wp
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.processes import lives
+from warpffrf.model.files.paths import lives
 
 try:
     import fcntl

@@ -52,7 +52,7 @@ from warpffrf.online.arrays.scratch import Scratch
 from warpffrf.online.compile.inertia import mode_reach
 from warpffrf.online.compile.scene import CompiledScene
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.lap_motions import gradients
+from warpffrf.online.start.motions import gradients
 from warpffrf.online.vibrations import stuck_laps
 from warpffrf.online.vibrations.film_modes import GAP_STEP, FilmSystem, film_systems, smallest_gap
 from warpffrf_kernels.core import control as k

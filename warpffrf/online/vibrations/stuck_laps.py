@@ -16,7 +16,7 @@ import numpy as np
 
 from warpffrf.online.compile.laps import lap_order
 from warpffrf.online.engine import Engine
-from warpffrf.online.start.lap_motions import gradients, lap_groups
+from warpffrf.online.start.motions import gradients, lap_groups
 from warpffrf_kernels.laps.forms import OPEN
 from warpffrf_kernels.laps.words import HELD
 

@@ -13,26 +13,33 @@ was put on hats then gets its cells back; if there is none, the run ends there, 
 all else that is above the wanted accuracy, with what would lower it: mostly another reduction.
 
 Choices follow from results alone, never from the clock: the same call chooses the same again.
+
+First. What a run to a wanted accuracy begins with: few steps, which still see what the scene says of its time.
 """
 
 from __future__ import annotations
 
 import logging
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+
+from warpffrf.model.checks.scene import quickest_rise
+from warpffrf.model.contact import CELL_ERROR as USUAL_CELL_ERROR
+from warpffrf.model.contact import CELL_ERRORS
 from warpffrf.model.errors import InputError
 from warpffrf.model.scene import Scene
 from warpffrf.online.checkpoint import time_of
-from warpffrf.online.history.budget_line import BudgetLine
-from warpffrf.online.history.history import History
+from warpffrf.online.compile.inertia_plan import InertiaPlan, fastest_turning
+from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.online.run import INTERRUPTED
 from warpffrf.output.accuracy.demands import next_setting, of_the_step
-from warpffrf.output.accuracy.first import first_setting, steps_to_see
 from warpffrf.output.accuracy.limits import PRESSURES, Limits
-from warpffrf.output.accuracy.setting import AUTO, GRID, HATS, Setting
+from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, Setting
 from warpffrf.output.budget import contacts
 from warpffrf.output.budget.figures import is_main
 from warpffrf.output.result import Result
@@ -182,3 +189,35 @@ def refuse_other_options(*, stages: Any, step_error: Any, fixed: bool, resume: b
             "simulate: a run with accuracy= is not kept on the way; leave resume out, or run with the step and options "
             "that were chosen (they are in the notes and the log)"
         )
+
+
+FEWEST = 64  # steps: below, twice the step says little
+A_RISE = 4  # steps in the quickest rise of a signal: a load that begins and ends between two steps is not seen
+TURN = 0.5  # rad in a step, of what is driven or turns at the start
+MOST = 4000  # steps of the first run, whatever signals say: the error of the step is measured then
+
+
+def first_setting(
+    scene: Scene, begin: float, duration: float, longest: float | None, local: Any, limits: Limits
+) -> Setting:
+    """Of a run from `begin` [s] on, with what the scene itself would take. longest: step [s] that the user allows, None
+    for any."""
+    steps = math.ceil(min(max(FEWEST, steps_to_see(scene, begin, duration)), MOST))
+    if longest is not None:
+        steps = max(steps, math.ceil(duration / longest * (1.0 - 1e-9)))
+    options: dict[tuple[str, str], Any] = {}
+    for body, plan in zip(scene.bodies, InertiaPlan.of(scene).bodies, strict=True):
+        if body.level == AUTO and body.reduced is not None:
+            options[INERTIA, body.name] = plan.level
+    for contact in scene.contacts:
+        if contact.grid == AUTO:
+            options[GRID, contact.name] = AUTO
+        if contact.cells is None and contact.cell_error == USUAL_CELL_ERROR and contact.without_patch() is None:
+            options[CELL_ERROR, contact.name] = float(np.clip(limits.force, *CELL_ERRORS))
+    return Setting(steps + steps % 2, local, options)
+
+
+def steps_to_see(scene: Scene, begin: float, duration: float) -> float:
+    """Steps of a run from `begin` [s] on that see what signals do, and what the scene states of its turning."""
+    rise = quickest_rise(scene, begin, begin + duration)
+    return duration * max(A_RISE / rise, fastest_turning(scene) / TURN)

@@ -31,11 +31,11 @@ from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES
 from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import InertiaPlan, least_level
 from warpffrf.online.diagnosis.indicator import TermSize, term_sizes
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.online.settings import Settings
 from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.accuracy.setting import AUTO, CELL_ERROR, GRID, HATS, INERTIA, KINEMATICS, STIFFENING, Setting
-from warpffrf.output.budget import contacts, energy, time_step
+from warpffrf.output.budget import contacts, time_step
 from warpffrf.output.budget.budget import percent
 from warpffrf.output.budget.figures import is_main
 
@@ -146,7 +146,7 @@ def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:
 
 def of_the_step(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
     """Errors that a smaller step lowers."""
-    sources = time_step.SOURCE, energy.SOURCE, contacts.ADVANCE
+    sources = time_step.SOURCE, contacts.SOURCE, contacts.ADVANCE
     return [line for line in lines if line.source in sources and is_main(line)]
 
 
@@ -184,7 +184,7 @@ def next_setting(
     tighter = tolerance != now.energy_tolerance
     if tighter:
         why.append(f"energy_tolerance={tolerance:.2g} (steps of impacts were halved, and the energy ledger is off)")
-        lines = [line for line in lines if line.source != energy.SOURCE]
+        lines = [line for line in lines if line.source != contacts.SOURCE]
     steps, told = steps_wanted(now.steps, lines, limits)
     if steps == now.steps and not finer and not tighter:
         return now, [told, *why]
@@ -195,7 +195,7 @@ def energy_tolerance_wanted(
     now: float | None, result: Any, lines: Sequence[BudgetLine], limits: Limits
 ) -> float | None:
     """That of the next run. Steps of impacts are halved to it, so that it rules their energy, not the step."""
-    off = [line for line in lines if line.source == energy.SOURCE and line.found and line.size > limits.force]
+    off = [line for line in lines if line.source == contacts.SOURCE and line.found and line.size > limits.force]
     tighter = TIGHTER * (Settings.energy_tolerance if now is None else now)
     halved = result.history.counters.get("rejected_steps", 0) > 0
     return tighter if off and halved and tighter >= LEAST_TOLERANCE else now

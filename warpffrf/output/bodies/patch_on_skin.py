@@ -21,9 +21,15 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.reduced.contact_grid import meridian_gram
-from warpffrf.output.geometry.cell_places import CellPlaces
-from warpffrf.output.geometry.grid_places import GridPlaces, SkinSurface, grid_theta_offset, spread
-from warpffrf.output.geometry.poses import Pose, tangents
+from warpffrf.output.geometry.places import (
+    CellPlaces,
+    GridPlaces,
+    Pose,
+    SkinSurface,
+    grid_theta_offset,
+    spread,
+    tangents,
+)
 from warpffrf.output.geometry.scene_view import PairView
 
 NEAR = 0.25  # of the window's length: nodes of the second surface farther from the first do not take part

@@ -9,27 +9,35 @@ load their first body by their pressure; their shear is left out. `laps` is what
 beside the global modes (`lap_loads`); where a body's file lacks it as too large, results say so (`lap_loads.left_out`).
 Pressure, traction and state of laps are those of `lap_faces`. Slip speed and wear are those of contacts: laps slip by
 distances, which `result.lap(name)` has. Stress is that of `skin_stress`, where the body was reduced with it.
+
+Skin stress. Stress at the nodes of a skin, of bodies that were reduced with stress points there.
+
+`reduce(..., stress={"skin": "skin"})` names all of the skin's nodes, a facet set or a list of points those that it has.
+A node takes its stress from the points at its own place. Nodes of faces that lie on each other share a place: there the
+nodes and the points are taken in their order, and a place where their numbers differ has no stress, because nobody
+knows which belongs to which. Nodes without points are NaN, which viewers leave out.
+
+Shown skin. The skin of a body as pictures and recordings draw it: thinned, coloured by one field.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
-from warpffrf.model.errors import unknown_name
-from warpffrf.model.reduced.second_order_motion import skin_displacement
-from warpffrf.output.bodies.lap_faces import lap_faces
-from warpffrf.output.bodies.lap_loads import LapLoads
-from warpffrf.output.bodies.normal_loads import film_loads, normal_loads
-from warpffrf.output.bodies.normal_loads import hat_areas as hat_areas  # where they used to be
-from warpffrf.output.bodies.normal_loads import hat_forces as hat_forces
+from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.model.reduced.inertia import skin_displacement
+from warpffrf.model.reduced.stress_field import von_mises
+from warpffrf.output.bodies.normal_loads import LapLoads, film_loads, lap_faces, normal_loads
 from warpffrf.output.bodies.patch_on_skin import PatchOnSkin, patch_on_skin, tangential_forces
-from warpffrf.output.bodies.skin_stress import SkinStress
-from warpffrf.output.geometry.grid_places import SkinSurface
-from warpffrf.output.geometry.grid_places import rotate as rotate  # where it used to be
+from warpffrf.output.bodies.stress import BodyStress
+from warpffrf.output.geometry.places import SkinSurface
 from warpffrf.output.geometry.scene_view import BodyView, PairView, SceneView
+from warpffrf.output.geometry.skin_nodes import thinned
 
 CONTACT_FIELDS = ("pressure", "traction", "slip", "state", "wear")  # what a skin can show of its contacts
 LAP_FIELDS = ("pressure", "traction", "state")  # and of its laps
@@ -157,3 +165,114 @@ class Skin:
         for patch in self._rubbing.values():
             found = np.maximum(found, patch.scalar(i, window(patch)))
         return found
+
+
+SAME = 1e-9  # of the extent of a skin: places of one node
+CURE = "reduce(..., stress={'skin': 'skin'}) gives it"
+
+
+class SkinStress:
+    """Stress at the nodes `points` (n, 3) [m, user frame] of the skin of the body called `body`."""
+
+    def __init__(self, history: Any, view: SceneView, body: str, points: np.ndarray) -> None:
+        self.history, self.view, self.body, self.points = history, view, body, points
+
+    @cached_property
+    def _parts(self) -> list[tuple[str, np.ndarray, np.ndarray]]:
+        """Of each name of stress points that is needed: the nodes that have theirs from it, and which points."""
+        free, found = np.ones(len(self.points), dtype=bool), []
+        fields = self.view.bodies[self.body].reduced.stress
+        matches = {name: same_places(self.points, field.points) for name, field in fields.items()}
+        for name, match in sorted(matches.items(), key=lambda item: -np.count_nonzero(item[1] >= 0)):
+            nodes = np.flatnonzero(free & (match >= 0))
+            if len(nodes):
+                found.append((name, nodes, match[nodes]))
+                free[nodes] = False
+        return found
+
+    @cached_property
+    def _sources(self) -> list[BodyStress]:
+        return [BodyStress(self.history, self.view, self.body, name) for name, _, _ in self._parts]
+
+    @property
+    def count(self) -> int:
+        """Nodes of the skin that have a stress."""
+        return sum(len(nodes) for _, nodes, _ in self._parts)
+
+    @property
+    def note(self) -> str:
+        """What is missing and how to get it; empty where every node has its stress."""
+        whole = len(self.points)
+        if self.count == whole:
+            return ""
+        part = f"stress at {self.count} of {whole} nodes of its skin" if self.count else "no stress on its skin"
+        return f"body '{self.body}' has {part}; {CURE}"
+
+    def tensor(self, i: int) -> np.ndarray:
+        """Stress (n, 6) [Pa] in the order xx, yy, zz, xy, yz, zx, user axes, at saved step `i`; NaN where there is
+        none."""
+        found = np.full((len(self.points), 6), np.nan)
+        for source, (_, nodes, points) in zip(self._sources, self._parts, strict=True):
+            found[nodes] = source.tensor(i)[points]
+        return found
+
+    def von_mises(self, i: int) -> np.ndarray:
+        """Equivalent stress (n,) [Pa] at saved step `i`; NaN where there is none."""
+        return von_mises(self.tensor(i))
+
+
+def same_places(nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Which of `points` (p, 3) [m] lies at each of `nodes` (n, 3) [m]: numbers (n,), -1 for none."""
+    found = np.full(len(nodes), -1)
+    if nodes.shape == points.shape and np.array_equal(nodes, points):
+        return np.arange(len(nodes))
+    if not len(nodes) or not len(points):
+        return found
+    reach = SAME * float(np.ptp(nodes, axis=0).max())
+    here = KDTree(points).query_ball_point(nodes, reach, return_sorted=True)
+    beside = KDTree(nodes).query_ball_point(nodes, reach, return_sorted=True)
+    for n, (at, among) in enumerate(zip(here, beside, strict=True)):
+        if len(at) == len(among):
+            found[n] = at[among.index(n)]
+    return found
+
+
+DISPLACEMENT = "displacement"  # the field that every flexible body has
+
+
+def known_fields(skins: dict[str, Skin]) -> list[str]:
+    """What the skins of a run can be coloured by: the displacement, and what at least one of them has."""
+    return [DISPLACEMENT, *dict.fromkeys(field for skin in skins.values() for field in skin.fields)]
+
+
+def require_field(skins: dict[str, Skin], field: str, what: str) -> None:
+    """Raises `InputError` naming `what` for a field that no skin has."""
+    known = known_fields(skins)
+    if field == VON_MISES and field not in known:
+        notes = "; ".join(skin.stress.note for skin in skins.values())
+        raise InputError(f"{what} '{VON_MISES}': {notes or 'no body is flexible'}")
+    if field not in known:
+        raise unknown_name(what, field, known)
+
+
+class ShownSkin:
+    """A skin of at most `max_points` points: `points` (n, 3) [m, user frame], `triangles` (t, 3), `size` [m], the
+    largest extent of the whole skin."""
+
+    def __init__(self, skin: Skin, max_points: int) -> None:
+        sectors = max((s.recovery.sectors for s in skin.body.reduced.contact_surfaces.values()), default=1)
+        self.skin = skin
+        self.kept, self.triangles = thinned(skin.points, skin.triangles, max_points, sectors)
+        self.points = skin.points[self.kept]
+        self.size = float(np.ptp(skin.points, axis=0).max())
+
+    def displacement(self, i: int) -> np.ndarray:
+        """Elastic displacement (n, 3) [m], user axes, at saved step `i`."""
+        return self.skin.displacement(i)[self.kept]
+
+    def values(self, field: str, i: int) -> np.ndarray:
+        """One of `Skin.fields` (n,) in SI units at saved step `i`; of a body without it zero, as nothing touches it,
+        and NaN for its stress, which is not known."""
+        if field not in self.skin.fields:
+            return np.full(len(self.kept), np.nan if field == VON_MISES else 0.0)
+        return self.skin.field(field, i)[self.kept]

@@ -23,7 +23,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.model.reduced.stress_field import max_shear, von_mises
 from warpffrf.output.bodies.half_space_stress import under_cells, under_hats
-from warpffrf.output.bodies.patch_stress import ENDS, SHEARED, meridian_arc
+from warpffrf.output.bodies.stress import ENDS, SHEARED, meridian_arc
 
 DEEP, PLACES = 3.0, 181  # half-widths of the patch, the smaller one, and depths within them
 
@@ -61,7 +61,7 @@ def poisson_ratios(view: Any) -> dict[float, list[str]]:
         if not material:
             raise InputError(
                 f"contact '{view.name}': body '{body.name}' does not say its material, so the stress below is not "
-                "known; reduce the body again with this version"
+                "known; reduce the body again"
             )
         found.setdefault(float(material["poisson_ratio"]), []).append(body.name)
     return found

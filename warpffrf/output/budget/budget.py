@@ -13,19 +13,20 @@ from typing import Any
 import numpy as np
 
 from warpffrf.online.engine import Engine
-from warpffrf.online.history.budget_line import BudgetLine
-from warpffrf.output.budget.bodies import inertia_lines, local_lines
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget.contacts import (
+    energy_lines,
+    film_lines,
     friction_lines,
     gap_lines,
     grid_lines,
+    inertia_lines,
+    local_lines,
     mesh_lines,
     point_lines,
     tolerance_lines,
 )
-from warpffrf.output.budget.energy import energy_lines
 from warpffrf.output.budget.figures import UNKNOWN, is_main, with_all_figures
-from warpffrf.output.budget.films import film_lines
 from warpffrf.output.budget.stresses import stress_by_pressure, stress_lines
 from warpffrf.output.budget.time_step import SOURCE as TIME_STEP
 from warpffrf.output.budget.time_step import time_step_lines

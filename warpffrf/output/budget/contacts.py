@@ -1,4 +1,4 @@
-"""Errors of contacts: the grid or the cells of the pressure, few sampling points, the mesh, and the iteration.
+r"""Errors of contacts: the grid or the cells of the pressure, few sampling points, the mesh, and the iteration.
 
 *Hats of the material grid*: what the grid leaves of the force at a given approach, and of the pressures in the L2
 norm, for a patch of the size found at the largest load: half of the rule of `offline.contact.grid_rule`, which is for
@@ -16,6 +16,32 @@ leave (`model.mesh_error.own_mesh_error`), exactly by a second mesh, `ReducedBod
 Forces are beside those of the contact, of one that carries less than `quantities.LIGHT` of the largest force of the
 machine beside so much. With the force F of a line the pressures go as its root, so that these are then beside the
 pressures that so much force would have.
+
+Bodies. Errors of bodies: inertia terms that were left out, and local modes without inertia.
+
+*Inertia*: sizes of the terms on the motion found (`online.diagnosis.indicator`). *Stiffening* by turning is of the size
+of the deformed inertia. *Local modes* follow the contact force at once, although modes above the highest global one,
+omega_c, would follow it with their inertia: of a force F(t) they miss F''/omega_c^2 at most, so that the root mean
+square of F'' over that of omega_c^2 F is the part of the local deformation, and so of the approach, that is wrong.
+
+Energy that came from nowhere, by the ledger of the run itself.
+
+With L = numerical + contact_grid, what the steps make of energy and what the grid of a contact does, a run has gained
+max(L - running min L), over the energy at hand. Nothing real does that: it is an error of the step, of second order in
+it where motion is smooth, also where coordinates are still right. What a run loses is another matter, numerical damping
+of what its steps do not resolve, which the report states beside it; with lumped contacts, where all that yields in an
+impact is the law of the contact, a loss is an error, too, and the larger of the two counts.
+
+The lines have cures of their own: `numerical` is of the step, `contact_grid` of the grid under a patch that moves over
+it, at any step. Between the rows of the largest rise or fall the one that changed more is named, with the other where
+that made more than `SHARE` of it.
+
+Films. Errors of oil films: of evaluation "hyper" a few profiles along beside all hats, in states of the run; of hats
+their grid beside finer ones, in the last state.
+
+The smallest gap and the largest pressure are those under the same force, the force that at the same places
+(`online.diagnosis.film_check`); force, flow and torque of finer grids are those at the same gap
+(`online.diagnosis.film_grid`).
 """
 
 from __future__ import annotations
@@ -26,11 +52,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.reduced.mesh_error import own_mesh_error
-from warpffrf.offline.contact.grid_rule import grid_error
-from warpffrf.online.diagnosis.contact_notes import Leaning
-from warpffrf.online.diagnosis.sampling_check import check_sampling
+from warpffrf.offline.contact.contact_grid import grid_error
+from warpffrf.online.diagnosis.contact_notes import Leaning, check_sampling
+from warpffrf.online.diagnosis.film_notes import cure_of
+from warpffrf.online.diagnosis.indicator import term_sizes
 from warpffrf.online.engine import Engine
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.output.budget.figures import WORK
 from warpffrf.output.budget.quantities import LIGHT, shares
 from warpffrf.output.contact.friction import FRICTION_ERROR, MOST_CELLS
@@ -235,3 +262,127 @@ def tolerance_lines(result: Any, engine: Engine) -> list[BudgetLine]:
 
 def _force(name: str) -> str:
     return f"force of contact {name!r}"
+
+
+INERTIA, STIFFENING, LOCAL = "inertia terms", "geometric stiffening", "local modes without inertia"
+STATIC = "quasi_static"
+LEAST_ROWS = 5  # for second differences of a force
+UNEVEN = 1e-6  # of the distance of saved steps
+
+
+def inertia_lines(result: Any, engine: Engine) -> list[BudgetLine]:
+    """For each flexible body, of its deformation."""
+    scene, bodies = result.history.scene, result.history.bodies
+    levels = {body.name: plan.level for body, plan in zip(scene.bodies, engine.compiled.inertia.bodies, strict=True)}
+    sizes = term_sizes(scene, bodies, levels)
+    lines = []
+    for body in scene.bodies:
+        own = [s for s in sizes if s.body == body.name]
+        if not own:
+            continue
+        of = f"deformation of body {body.name!r}"
+        left_out = [s for s in own if not s.kept]
+        if left_out:
+            names = ", ".join(s.term for s in left_out)
+            size = float(min(np.linalg.norm([s.size for s in left_out]), 1.0))
+            lines.append(BudgetLine(INERTIA, of, size, f"{names}, on the motion found", "inertia='full'"))
+        softened = next((s.on_modes for s in own if s.term == "deformed inertia"), 0.0)
+        if not body.stiffening:
+            cure = "stiffening=True in reduce and add_body"
+            lines.append(BudgetLine(STIFFENING, of, float(min(softened, 1.0)), "as the deformed inertia", cure))
+    return lines
+
+
+def local_lines(result: Any, engine: Engine) -> list[BudgetLine]:
+    """For each contact that was loaded, of its approach."""
+    if engine.compiled.local.options.treatment != STATIC:
+        return []
+    lines = []
+    for contact in result.history.scene.contacts:
+        found = result.contact(contact.name)
+        if not np.any(found.touching):
+            continue
+        of = f"approach of contact {contact.name!r}"
+        cure = "modes of the bodies to a higher max_frequency, or local='hht'"
+        highest = [highest_frequency(port.body) for port in (contact.a, contact.b) if not port.rigid]
+        size, basis = _missed(result.time, found.force, min(highest))
+        lines.append(BudgetLine(LOCAL, of, size, basis, cure))
+    return lines
+
+
+def highest_frequency(body: Any) -> float:
+    """Up to where [Hz] the global modes of a body hold its vibrations; 0 without any."""
+    known = body.reduced.report.get("quality", {}).get("frequencies", {}).get("covered")
+    frequencies = body.reduced.frequencies
+    return float(known or (frequencies[-1] if len(frequencies) else 0.0))
+
+
+def _missed(time: np.ndarray, force: np.ndarray, highest: float) -> tuple[float, str]:
+    if highest == 0.0:
+        return np.nan, "a body has no vibration modes, which would say what their inertia does"
+    step = np.diff(time)
+    if len(time) < LEAST_ROWS or np.ptp(step) > UNEVEN * step.max():
+        return np.nan, "needs a force saved at even times"
+    bend = np.diff(force, 2, axis=0) / step[0] ** 2
+    size = np.sqrt(np.mean(np.sum(bend**2, axis=1)) / np.mean(np.sum(force**2, axis=1)))
+    return float(size / (2.0 * np.pi * highest) ** 2), f"how fast the force changes, beside {highest:.4g} Hz"
+
+
+SOURCE, OF = "energy ledger", "energy at hand"
+SHARE = 0.2  # of what was gained or lost: a line with less needs no cure
+FINER_GRID = (
+    "a finer contact grid (expected_half_width= or traction_spacing= of reduce), or more cells of a patch (cells=)"
+)
+
+
+def energy_lines(result: Any) -> list[BudgetLine]:
+    """One line, where there is energy, and the ledger has booked what it takes."""
+    hand = result.energy_scale
+    ledger = {name: np.asarray(result.energy[name]) for name in ("numerical", "contact_grid")}
+    L = ledger["numerical"] + ledger["contact_grid"]
+    if not hand > 0.0 or not np.all(np.isfinite(L)):
+        return []
+    rises = L - np.minimum.accumulate(L)
+    falls = np.maximum.accumulate(L) - L
+    lost = bool(result.history.scene.lumped_contacts and falls.max() > rises.max())
+    sign, basis = (-1.0, "lost") if lost else (1.0, "gained")
+    end = int(np.argmax(falls if lost else rises))
+    begin = int(np.argmin(sign * L[: end + 1]))
+    made = {name: sign * (values[end] - values[begin]) for name, values in ledger.items()}
+    size = float(sum(made.values()))
+    own = [name for name in sorted(made, key=lambda name: -made[name]) if made[name] >= SHARE * size]
+    or_else = ", or energy_tolerance=" if result.history.counters.get("rejected_steps") else ""
+    cures = {"numerical": f"a smaller step{or_else}", "contact_grid": FINER_GRID}
+    named = f"{basis} by line{'s' * (len(own) > 1)} {' and '.join(own)}"
+    return [BudgetLine(SOURCE, OF, size / hand, named, "; ".join(cures[name] for name in own))]
+
+
+PROFILES, FILM_GRID = "film profiles", "film grid"
+
+
+def film_lines(history: History) -> list[BudgetLine]:
+    """Three lines for each film."""
+    lines = []
+    for film in history.scene.films:
+        grid = history.film_grids.get(str(film.name))
+        if grid is not None:
+            told = f"twice {film.grid.columns} columns and {film.grid.rows} rows at the gap of the last state"
+            cure = f"reduce with a finer mesh {grid.finer}"
+            for of, size in (("force", grid.load), ("end flow", grid.flow), ("torque", grid.torque)):
+                lines.append(BudgetLine(FILM_GRID, f"{of} of film {film.name!r}", float(size), told, cure))
+        check = history.film_checks.get(str(film.name))
+        if check is None:
+            continue
+        basis = f"all hats in {len(check.time)} states of the run"
+        if not len(check.time):
+            basis = "the film of all hats was found in no state of the run"
+        for of, size, where in (
+            ("force", check.force, "where the bodies are"),
+            ("smallest gap", check.gap, "under the same force"),
+            ("largest pressure", check.pressure, "under the same force"),
+        ):
+            told = basis
+            if np.isfinite(size):
+                told += f", {where}; hats of {film.grid.rows} rows err by {check.own:.1%} themselves"
+            lines.append(BudgetLine(PROFILES, f"{of} of film {film.name!r}", float(size), told, cure_of(film)))
+    return lines

@@ -18,8 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.online.history.budget_line import BudgetLine
-from warpffrf.online.history.history import History
+from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.output.budget.balance import given_by_loads
 from warpffrf.output.budget.quantities import LIGHT, Quantity, machine_size, quantities
 from warpffrf.output.contact.cell_result import CellContactResult

@@ -14,7 +14,7 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.online.history.budget_line import BudgetLine
+from warpffrf.online.history.history import BudgetLine
 from warpffrf.output.budget.contacts import GRID
 from warpffrf.output.budget.figures import UNKNOWN
 from warpffrf.output.contact.hertz import flexible_sides

@@ -45,8 +45,7 @@ import numpy as np
 
 from warpffrf.model.messages.progress import Progress
 from warpffrf.online.engine import Engine
-from warpffrf.online.history.budget_line import BudgetLine
-from warpffrf.online.history.history import History
+from warpffrf.online.history.history import BudgetLine, History
 from warpffrf.online.marks import COARSER, FINER, Again, Marks
 from warpffrf.output.budget.figures import figures
 from warpffrf.output.budget.quantities import Quantity, quantities

@@ -23,7 +23,7 @@ from warpffrf.output.contact.hertz import flexible_sides
 from warpffrf.output.contact.pair_result import LineMoments, PairResult, section_moments
 from warpffrf.output.contact.patch_moments import CellMoments, PatchMeasure
 from warpffrf.output.contact.stress_error import StressError, unknown
-from warpffrf.output.geometry.cell_places import CellPlaces
+from warpffrf.output.geometry.places import CellPlaces
 
 LEAST = 0.5  # strips: half of the one that a patch is at least wide
 

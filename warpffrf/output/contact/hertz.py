@@ -3,18 +3,50 @@ r"""Which kind of contact a pair is, and Hertz's solution for it, from the true 
 At relative curvatures `K_x`, `K_z` across and along the width w of the surfaces, a patch of half-width a that is as
 deep across as along ends at `z = a sqrt(K_x/K_z)`. Beyond w/2 the surfaces touch to their ends: "line". A patch that
 reaches both ends of an arc is a "line_around", and one that ends inside a "point". Neither curved: "flat".
+
+Hertz's contact of two bodies that touch in a line or in a point, from relative curvatures and E*.
+
+K. L. Johnson, Contact Mechanics, 1985, sections 4.1 and 4.2. Line, 1/R the relative curvature:
+
+    a^2 = 4 P' R / (pi E*),      p0 = 2 P' / (pi a).
+
+Point, with the relative principal curvatures `2A <= 2B`, semi-axes a >= b, m = e^2 = 1 - b^2/a^2, complete elliptic
+integrals K(m), E(m), p = p0 sqrt(1 - x^2/a^2 - y^2/b^2), p0 = 3 P / (2 pi a b) (eq. 4.25 and 4.26):
+
+    B/A = [E/(1 - m) - K] / [K - E],      a^3 = 3 P (K - E) / (2 pi E* m A),      delta = p0 b K / E*.
+
+As m -> 0 (K - E)/m -> pi/4, which gives the sphere, a^3 = 3 P R/(4 E*). Hertz's theory asks for a patch much smaller
+than the radii of both bodies; `conforms` says where it is not.
+
+Hertz stress. Stress below the middle of Hertz's patch in closed form, and where it is largest.
+
+A line of half-width a, t = z/a, in plane strain (K. L. Johnson, Contact Mechanics, 1985, eq. 4.46):
+
+    sigma_x = p0 [2 t - (1 + 2 t^2)/w],      sigma_z = -p0/w,      sigma_y = nu (sigma_x + sigma_z),     w^2 = 1 + t^2.
+
+The largest shear (sigma_x - sigma_z)/2 = p0 (t - t^2/w) is 0.300 p0 at 0.786 a, von Mises' stress at nu = 0.3 0.558 p0
+at 0.704 a. An ellipse of semi-axes a > b, x along a, m = 1 - b^2/a^2, t = z/a = cot phi,
+T^2 = (b^2 + z^2)/(a^2 + z^2), F and E the incomplete elliptic integrals of (phi, m) (H. R. Thomas and V. A. Hoersch,
+Univ. of Illinois Bull. 212, 1930; Johnson eq. 4.28; tests/output holds them beside the half-space under Hertz's
+pressure):
+
+    sigma_x = c [-(1 - T)/2 + t (F - E)  + nu (1 - T a^2/b^2 + t (E a^2/b^2 - F))],             c = 2 p0 b/(m a),
+    sigma_y = c [1/2 + 1/(2 T) - T a^2/b^2 + t (E a^2/b^2 - F)  + nu (T - 1 + t (F - E))],
+    sigma_z = -c/2 (1 - T^2)/T.
+
+A circle: sigma_x = sigma_y = p0 [1/2/(1 + t^2) - (1 + nu)(1 - t acot t)], sigma_z = -p0/(1 + t^2); there the largest
+shear is half of von Mises' stress, 0.310 p0 and 0.620 p0 at 0.481 a with nu = 0.3.
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint, conforms, hertz_line, hertz_point
-from warpffrf.output.geometry.grid_places import grid_theta_offset
-from warpffrf.output.geometry.poses import Pose, relative_curvature
+from warpffrf.model.reduced.stress_field import max_shear, von_mises
+from warpffrf.output.geometry.places import Pose, grid_theta_offset, relative_curvature
 from warpffrf.output.geometry.scene_view import PairView
 
 THIN = 0.25  # half-width over the depth of the material: up to there the peak on a bonded cover is Hertz's to 3 %
@@ -73,7 +105,7 @@ def effective_modulus(view: PairView) -> float:
         if not material:
             raise InputError(
                 f"contact '{view.name}': body '{body.name}' does not say its material, so Hertz cannot be computed; "
-                "reduce the body again with this version"
+                "reduce the body again"
             )
         compliance += (1.0 - material["poisson_ratio"] ** 2) / material["youngs_modulus"]
     return 1.0 / compliance
@@ -133,3 +165,174 @@ def flexible_sides(view: PairView) -> list[tuple[Any, Any]]:
     """Bodies and surfaces of the pair that are not rigid."""
     sides = ((view.first_body, view.first), (view.second_body, view.second))
     return [(body, surface) for body, surface in sides if body.reduced is not None]
+
+
+CONFORMAL = 0.25  # half-width over the smallest radius from which on Hertz's half-space no longer holds
+ROUND = 1e-6  # B/A - 1 below which the patch is a circle (error of a 2e-7); the formulas lose 1e-16/m of their digits
+LONGEST = 1e-12  # 1 - m of the longest ellipse looked for: b/a = 1e-6, far beyond any patch that ends on a surface
+
+
+class HertzLine(NamedTuple):
+    """Hertz's line contact at the line load found at mid-width."""
+
+    half_width: float  # m
+    peak_pressure: float  # Pa
+    line_load: float  # N/m
+    radius: float  # m, 1/(1/R1 + 1/R2) at mid-width
+    modulus: float  # Pa, E*
+    reason: str = ""  # why Hertz does not apply; the numbers are NaN then
+
+
+class HertzPoint(NamedTuple):
+    """Hertz's elliptical contact at the load found."""
+
+    semi_axes: tuple[float, float]  # m, the larger one first
+    angle: float  # rad, of the larger axis from e_theta of the first surface towards t_z
+    peak_pressure: float  # Pa
+    load: float  # N
+    approach: float  # m, of distant points
+    radii: tuple[float, float]  # m, 1/(2A) >= 1/(2B)
+    modulus: float  # Pa, E*
+    reason: str = ""  # why Hertz does not apply; the numbers are NaN then
+
+    @property
+    def half_width(self) -> float:
+        """Half the side of the ellipse's bounding rectangle along e_theta [m]."""
+        (a, b), c, s = self.semi_axes, np.cos(self.angle), np.sin(self.angle)
+        return float(np.hypot(a * c, b * s))
+
+    @property
+    def half_width_along(self) -> float:
+        """Half the side of the bounding rectangle along t_z [m]."""
+        (a, b), c, s = self.semi_axes, np.cos(self.angle), np.sin(self.angle)
+        return float(np.hypot(a * s, b * c))
+
+    @property
+    def section(self) -> float:
+        """Half the length of the section through the centre along e_theta [m]; 0 without a load."""
+        (a, b), c, s = self.semi_axes, np.cos(self.angle), np.sin(self.angle)
+        return float(1.0 / np.hypot(c / a, s / b)) if a > 0.0 else 0.0
+
+    @property
+    def section_along(self) -> float:
+        """Half the length of the section through the centre along t_z [m]; 0 without a load."""
+        (a, b), c, s = self.semi_axes, np.cos(self.angle), np.sin(self.angle)
+        return float(1.0 / np.hypot(s / a, c / b)) if a > 0.0 else 0.0
+
+
+def hertz_line(line_load: float, curvature: float, modulus: float) -> HertzLine:
+    """Line contact at `line_load` [N/m], relative `curvature` [1/m] and `modulus` E* [Pa]."""
+    radius = 1.0 / curvature
+    a = float(np.sqrt(4.0 * line_load * radius / (np.pi * modulus)))
+    return HertzLine(a, 2.0 * line_load / (np.pi * a) if a > 0.0 else 0.0, line_load, radius, modulus)
+
+
+def hertz_point(load: float, curvature: np.ndarray, modulus: float) -> HertzPoint:
+    """Point contact at `load` [N], the relative curvature tensor (2, 2) [1/m] along (e_theta, t_z), `modulus` E* [Pa].
+
+    Both principal curvatures must be positive.
+    """
+    from scipy.special import ellipe, ellipkm1
+
+    values, axes = np.linalg.eigh(curvature)  # ascending: the larger semi-axis lies along the first
+    A, B = 0.5 * float(values[0]), 0.5 * float(values[1])
+    angle = float(np.arctan2(axes[1, 0], axes[0, 0]))
+    angle -= float(np.pi * np.round(angle / np.pi))  # an axis has no sense
+    m = eccentricity_squared(B / A)
+    first, second = float(ellipkm1(1.0 - m)), float(ellipe(m))
+    moment = 0.25 * np.pi if m == 0.0 else (first - second) / m
+    a = float(np.cbrt(3.0 * load * moment / (2.0 * np.pi * modulus * A)))
+    b = a * float(np.sqrt(1.0 - m))
+    peak = 3.0 * load / (2.0 * np.pi * a * b) if load > 0.0 else 0.0
+    return HertzPoint((a, b), angle, peak, load, peak * b * first / modulus, (0.5 / A, 0.5 / B), modulus)
+
+
+def eccentricity_squared(ratio: float) -> float:
+    """m = 1 - b^2/a^2 of the ellipse at the ratio B/A >= 1 of the relative curvatures."""
+    from scipy.optimize import brentq
+    from scipy.special import ellipe, ellipkm1
+
+    if ratio - 1.0 < ROUND:
+        return 0.0
+
+    def excess(log_rest: float) -> float:
+        rest = np.exp(log_rest)  # 1 - m
+        first, second = ellipkm1(rest), ellipe(1.0 - rest)
+        return float(np.log((second / rest - first) / (first - second)) - np.log(ratio))
+
+    # 1 - m falls from 1 as the ratio grows; for a nearly round patch m = 4/3 (ratio - 1) to first order
+    high = np.log1p(-min(0.5, 0.1 * (ratio - 1.0)))
+    root: Any = brentq(excess, np.log(LONGEST), high, xtol=1e-15, rtol=np.float64(1e-14))
+    return float(-np.expm1(root))
+
+
+def conforms(half_width: float, curvature: float) -> bool:
+    """True where a patch of this half-width [m] is not small beside the radius 1/|curvature| of a body."""
+    return half_width * abs(curvature) > CONFORMAL
+
+
+Array = np.ndarray
+STRESS_ROUND = (
+    1e-7  # of m: below it a circle, with an error of m; the terms of the ellipse lose 1e-16/m of their digits
+)
+DEEPEST = 2.0  # of the smaller half-width: the maxima lie within
+PLACES = 2001  # looked at, before a parabola through the largest: 1e-6 of the depth
+
+
+class Largest(NamedTuple):
+    """The largest of a stress below the middle, and the depth where it is."""
+
+    stress: float  # Pa
+    depth: float  # m
+
+
+def stress_on_axis(hertz: HertzLine | HertzPoint, depth: Array, poisson_ratio: float) -> Array:
+    """Stress (n, 6) [Pa] at depths (n,) [m] below the middle of Hertz's patch: xx across a line or along the larger
+    semi-axis, yy beside it, zz into the depth; tension is positive."""
+    z, p0, nu = np.asarray(depth, dtype=float), hertz.peak_pressure, poisson_ratio
+    if isinstance(hertz, HertzLine):
+        t = z / hertz.half_width
+        w = np.hypot(1.0, t)
+        x, down = 2.0 * t - (1.0 + 2.0 * t * t) / w, -1.0 / w
+        y = nu * (x + down)
+    else:
+        x, y, down = _under_ellipse(*hertz.semi_axes, z, nu)
+    zero = np.zeros_like(z)
+    return p0 * np.stack([x, y, down, zero, zero, zero], axis=-1)
+
+
+def _under_ellipse(a: float, b: float, z: Array, nu: float) -> tuple[Array, Array, Array]:
+    """sigma_x, sigma_y, sigma_z over p0."""
+    from scipy.special import ellipeinc, ellipkinc
+
+    m, t = 1.0 - (b / a) ** 2, z / a
+    if m < STRESS_ROUND:
+        down = -1.0 / (1.0 + t * t)
+        around = -0.5 * down - (1.0 + nu) * (1.0 - t * np.arctan2(1.0, t))
+        return around, around, down
+    phi, T, k = np.arctan2(1.0, t), np.sqrt((b * b + z * z) / (a * a + z * z)), (a / b) ** 2
+    F, E = ellipkinc(phi, m), ellipeinc(phi, m)
+    c, one, two = 2.0 * b / (m * a), t * (F - E), t * (k * E - F)
+    x = c * (-0.5 * (1.0 - T) + one + nu * (1.0 - k * T + two))
+    y = c * (0.5 + 0.5 / T - k * T + two + nu * (T - 1.0 + one))
+    return x, y, -0.5 * c * (1.0 - T * T) / T
+
+
+def largest_below(hertz: HertzLine | HertzPoint, poisson_ratio: float) -> tuple[Largest, Largest]:
+    """The largest von Mises stress below the middle of Hertz's patch, and the largest shear stress."""
+    small = hertz.half_width if isinstance(hertz, HertzLine) else hertz.semi_axes[1]
+    depth = small * np.linspace(0.0, DEEPEST, PLACES)
+    stress = stress_on_axis(hertz, depth, poisson_ratio)
+    return largest_of(depth, von_mises(stress)), largest_of(depth, max_shear(stress))
+
+
+def largest_of(depth: Array, values: Array) -> Largest:
+    """The top of the parabola through the largest of `values` (n,) [Pa] at even depths (n,) [m] and its neighbours; at
+    an end the value there."""
+    n = int(np.argmax(values))
+    if n in (0, len(values) - 1):
+        return Largest(float(values[n]), float(depth[n]))
+    before, top, after = (float(v) for v in values[n - 1 : n + 2])
+    bend: Any = before - 2.0 * top + after
+    shift = 0.5 * (before - after) / bend if bend != 0.0 else 0.0
+    return Largest(top - 0.25 * (before - after) * shift, float(depth[n] + shift * (depth[1] - depth[0])))

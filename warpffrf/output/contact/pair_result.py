@@ -19,6 +19,8 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
 from warpffrf.output.contact.friction import FrictionResult
 from warpffrf.output.contact.hertz import (
+    HertzLine,
+    HertzPoint,
     effective_modulus,
     effective_radius,
     hertz,
@@ -26,7 +28,6 @@ from warpffrf.output.contact.hertz import (
     pair_curvature,
     patch_kind,
 )
-from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
 from warpffrf.output.contact.patch_moments import Moments
 from warpffrf.output.contact.stress_error import StressError
 from warpffrf.output.geometry.scene_view import PairView

@@ -12,8 +12,8 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Field:
-    """One stored quantity: public name, attribute of the history record, unit, frame, dimensions after `time`, owner,
-    and the name in older files."""
+    """One stored quantity: public name, attribute of the history record, unit, frame, dimensions after `time`,
+    and whether its owners are stacked."""
 
     name: str
     attribute: str
@@ -21,7 +21,6 @@ class Field:
     frame: str
     dims: tuple[str, ...] = ()
     stacked: bool = True
-    before: str = ""
 
 
 WORLD = "world"
@@ -89,7 +88,7 @@ CONTACT_FIELDS = (
     Field("contact_force_second", "force_second", "N", "world, on the second body", AXIS),
     Field("contact_torque_second", "torque_second", "N m", f"{USER_ORIGIN}, on the second body", AXIS),
     Field("contact_approach", "approach", "m", "along the line of centres"),
-    Field("contact_active_hats", "active_hats", "1", "none", before="contact_active_modes"),
+    Field("contact_active_hats", "active_hats", "1", "none"),
     Field("contact_first_column", "first_column", "1", "contact grid of the first surface"),
     Field("contact_center_column", "center_column", "1", "contact grid of the first surface"),
     Field("contact_first_column_second", "first_column_second", "1", "contact grid of the second surface"),

@@ -22,9 +22,14 @@ Names, energy lines, counters and notes are JSON in the file's attributes. Every
 `frame` and `dims`; `fields.py` is the table. Derived quantities (half-width, positions of the pressure) are written for
 other readers and not read back. Names of owners are percent-encoded where HDF5 needs it ("/", ".").
 
-The schema version counts up with every quantity or name that is new; files of all older ones are read (`older.py`).
+The schema version goes up with every quantity or name that is new; files of other versions are refused.
 
 Behind the last byte stands a checksum of the whole file (`model/files/sealed_file.py`), which other readers pass over.
+
+History check. Whether the arrays of a run fit together: a row for each saved time, axes of the right length, finite
+motion.
+
+A seal tells damage to a file; a faulty writer seals wrong arrays, and they would be read as results.
 """
 
 from __future__ import annotations
@@ -32,7 +37,6 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote, unquote
@@ -43,14 +47,14 @@ import numpy as np
 from warpffrf.model.errors import InputError
 from warpffrf.model.files import hdf5_parts
 from warpffrf.model.files.hdf5_parts import member, read
-from warpffrf.model.files.output_paths import check_ending, checked_output_path
-from warpffrf.model.files.sealed_file import require_seal, verify, written_sealed
+from warpffrf.model.files.paths import check_ending, checked_output_path
+from warpffrf.model.files.sealed_file import check_schema, verify, written_sealed
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.file import read_reduced_body
 from warpffrf.model.surfaces import from_description
-from warpffrf.online.history.budget_line import BudgetLine
 from warpffrf.online.history.history import (
     BodyHistory,
+    BudgetLine,
     CellHistory,
     ContactHistory,
     FilmHistory,
@@ -63,7 +67,6 @@ from warpffrf.online.history.history import (
     LumpedHistory,
     SensorHistory,
 )
-from warpffrf.output.files.dataset import stacked
 from warpffrf.output.files.fields import (
     BODY_FIELDS,
     CELL_FIELDS,
@@ -84,14 +87,14 @@ from warpffrf.output.files.fields import (
     LAP_FIELDS,
     LUMPED_FIELDS,
     RUN_FIELDS,
+    SIZES,
     Field,
     of_owner,
 )
-from warpffrf.output.files.history_check import check_history
-from warpffrf.output.files.older import Older
-from warpffrf.output.geometry.anchors import Anchor
+from warpffrf.output.files.table import stacked
 from warpffrf.output.geometry.scene_view import (
     GROUND,
+    Anchor,
     BodyView,
     FilmView,
     LapView,
@@ -101,8 +104,7 @@ from warpffrf.output.geometry.scene_view import (
 )
 
 FORMAT = "warpffrf-results"
-SCHEMA_VERSION = 4  # 4: lumped moments; 3: asperities of films, partners of laps; 2: sealed; older ones are read
-SEALED_SINCE = 2
+SCHEMA_VERSION = 4
 SUFFIXES = (".h5", ".hdf5")
 COMPRESSION = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 _GROUPS = (
@@ -183,7 +185,7 @@ def put_result(file: Any, result: Any, *, bodies: bool = True, packing: dict[str
 def read_history(path: str | os.PathLike[str]) -> History:
     """The `History` in a results file; its `scene` is a `SceneView`.
 
-    Raises InputError when the file is missing, is not a results file, is damaged, or was written by a newer version.
+    Raises InputError when the file is missing, is not a results file, is damaged, or is of another schema.
     """
     source = Path(path).expanduser()
     if not source.is_file():
@@ -191,19 +193,13 @@ def read_history(path: str | os.PathLike[str]) -> History:
         what_is = f"; '{beside}' holds what its run had done when it was stopped" if beside.is_dir() else ""
         raise InputError(f"results file '{source}' does not exist{what_is}")
     subject, cure = f"results file '{source}'", "write it again"
-    has_seal = verify(source, subject, cure)
+    verify(source, subject, cure)
     try:
         with h5py.File(source, "r") as file:
             attributes: Any = file.attrs
             if attributes.get("format") != FORMAT:
                 raise InputError(f"'{source}' is not a results file of warpffrf")
-            version = int(attributes["schema_version"])
-            if version > SCHEMA_VERSION:
-                raise InputError(
-                    f"results file '{source}' has schema version {version}, this program reads up to {SCHEMA_VERSION}; "
-                    "install a newer warpffrf"
-                )
-            require_seal(has_seal, version, SEALED_SINCE, subject, cure)
+            check_schema(int(attributes["schema_version"]), SCHEMA_VERSION, subject, cure)
             history = get_history(file)
         check_history(history)
         return history
@@ -218,35 +214,29 @@ def get_history(file: Any, scene: SceneView | None = None) -> History:
     """The `History` in an open results file; `scene`: of a file that holds the bodies, for one that does not."""
     groups = {}
     run = {f.attribute: read(file, f.name) for f in RUN_FIELDS}
-    older = Older(int(file.attrs["schema_version"]), len(run["time"]))
-
-    def fields_of(fields: tuple[Field, ...], name: str, n: int = 0) -> dict[str, Any]:
-        return older.complete(fields, _fields_of(file, fields, name, n))
-
     for attribute, dim, fields, record in _GROUPS:
-        names = json.loads(file.attrs.get(f"{dim}_names", "[]"))
-        groups[attribute] = {name: record(**fields_of(fields, name, n)) for n, name in enumerate(names)}
-    for name, named in json.loads(file.attrs.get("joint_coordinates", "{}")).items():
+        names = json.loads(file.attrs[f"{dim}_names"])
+        groups[attribute] = {name: record(**_fields_of(file, fields, name, n)) for n, name in enumerate(names)}
+    for name, named in json.loads(file.attrs["joint_coordinates"]).items():
         groups["joints"][name].names = tuple(named)
-    for n, name in enumerate(json.loads(file.attrs.get("cell_names", "[]"))):  # older files have none
-        groups["contacts"][name].cells = CellHistory(**fields_of(CELL_FIELDS, name, n))
-    for n, name in enumerate(json.loads(file.attrs.get("friction_names", "[]"))):
-        groups["contacts"][name].friction = FrictionHistory(**fields_of(FRICTION_FIELDS, name, n))
-    for name in json.loads(file.attrs.get("film_second_names", "[]")):  # older files have none
-        vars(groups["films"][name]).update(fields_of(FILM_SECOND_FIELDS, name))
-    for n, name in enumerate(json.loads(file.attrs.get("joint_friction_names", "[]"))):
-        groups["forces"][name].friction = JointFrictionHistory(**fields_of(JOINT_FRICTION_FIELDS, name, n))
+    for n, name in enumerate(json.loads(file.attrs["cell_names"])):
+        groups["contacts"][name].cells = CellHistory(**_fields_of(file, CELL_FIELDS, name, n))
+    for n, name in enumerate(json.loads(file.attrs["friction_names"])):
+        groups["contacts"][name].friction = FrictionHistory(**_fields_of(file, FRICTION_FIELDS, name, n))
+    for name in json.loads(file.attrs["film_second_names"]):
+        vars(groups["films"][name]).update(_fields_of(file, FILM_SECOND_FIELDS, name))
+    for n, name in enumerate(json.loads(file.attrs["joint_friction_names"])):
+        groups["forces"][name].friction = JointFrictionHistory(**_fields_of(file, JOINT_FRICTION_FIELDS, name, n))
     energy = read(file, "energy")
-    view = _get_scene(file, older) if scene is None else scene
     return History(
-        scene=view,
+        scene=_get_scene(file) if scene is None else scene,
         energy={line: energy[:, n] for n, line in enumerate(json.loads(file.attrs["energy_lines"]))},
         status=str(file.attrs["status"]),
         message=str(file.attrs["message"]),
         counters={str(k): float(v) for k, v in json.loads(file.attrs["counters"]).items()},
-        notes=[*(str(note) for note in json.loads(file.attrs["notes"])), *older.notes()],
-        options={str(k): str(v) for k, v in json.loads(file.attrs.get("options", "{}")).items()},  # older: none
-        budget=[_budget_line(line) for line in json.loads(file.attrs.get("budget", "[]"))],  # older: none
+        notes=[str(note) for note in json.loads(file.attrs["notes"])],
+        options={str(k): str(v) for k, v in json.loads(file.attrs["options"]).items()},
+        budget=[_budget_line(line) for line in json.loads(file.attrs["budget"])],
         sensors=_get_sensors(file),
         checkpoint={unquote(k): read(file, f"checkpoint/{k}") for k in hdf5_parts.names(file, "checkpoint")},
         **run,
@@ -260,14 +250,9 @@ def _budget_line(line: dict[str, Any]) -> BudgetLine:
     return BudgetLine(size=np.nan if size is None else float(size), **words)
 
 
-def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int) -> dict[str, Any]:
-    """What the file holds of one owner; older files call some quantities by another name."""
-    found = {}
-    for field in fields:
-        stored = field if field.name in file else replace(field, name=field.before)
-        if stored.name in file:
-            found[field.attribute] = _get(file, stored, name, n)
-    return found
+def _fields_of(file: Any, fields: tuple[Field, ...], name: str, n: int = 0) -> dict[str, Any]:
+    """What the file holds of one owner."""
+    return {field.attribute: _get(file, field, name, n) for field in fields}
 
 
 # --- datasets ---
@@ -328,8 +313,7 @@ def _get_sensors(file: Any) -> dict[str, SensorHistory]:
         values, said = read(file, f"sensor/{key}"), file[f"sensor/{key}"].attrs
         what = str(said["kind"]), str(said["units"]), str(said["frame"]), tuple(json.loads(said["components"]))
         found[unquote(key)] = SensorHistory(*what, values)
-    order = json.loads(file.attrs.get("sensor_names", "[]"))  # older files do not say
-    return {name: found[name] for name in order or found}
+    return {name: found[name] for name in json.loads(file.attrs["sensor_names"])}
 
 
 # --- the scene, as far as results need it ---
@@ -354,7 +338,7 @@ def _put_scene(file: Any, view: SceneView, reduced: bool) -> None:
                     {"units": "bytes", "frame": "a reduced-body file", "dims": "byte"}
                 )
         center = [float(v) for v in body.center_of_mass]
-        inertia = None if body.inertia is None else np.asarray(body.inertia).tolist()
+        inertia = np.asarray(body.inertia).tolist()
         bodies.append(
             {"name": body.name, "mass": body.mass, "center_of_mass": center, "inertia": inertia, "reduced": digest,
              "shapes": _described(body), "stiffening": body.stiffening}
@@ -395,7 +379,7 @@ def _shapes(described: dict[str, Any]) -> dict[str, Any]:
     return {name: from_description(data) for name, data in described.items()}
 
 
-def _get_scene(file: Any, older: Older) -> SceneView:
+def _get_scene(file: Any) -> SceneView:
     group = member(file, "scene")
     reduced: dict[str | None, Any] = {None: None}
     for digest in hdf5_parts.names(file, "reduced"):
@@ -403,34 +387,33 @@ def _get_scene(file: Any, older: Older) -> SceneView:
     bodies = {
         b["name"]: BodyView(
             b["name"], reduced[b["reduced"]], b["mass"], np.array(b["center_of_mass"]),
-            np.array(b["inertia"]) if b.get("inertia") is not None else None,  # older files do not say
-            _shapes(b.get("shapes", {})), b.get("stiffening", False),
+            np.array(b["inertia"]), _shapes(b["shapes"]), b["stiffening"],
         )
         for b in json.loads(group.attrs["bodies"])
     }  # fmt: skip
-    known = {GROUND: ground_view(_shapes(json.loads(group.attrs.get("ground", "{}")))), **bodies}
+    known = {GROUND: ground_view(_shapes(json.loads(group.attrs["ground"]))), **bodies}
     pairs, lumped = (
         {
             name: PairView(name, known[first], first_surface, known[second], second_surface, *friction)
-            for name, first, first_surface, second, second_surface, *friction in json.loads(group.attrs.get(kind, "[]"))
+            for name, first, first_surface, second, second_surface, *friction in json.loads(group.attrs[kind])
         }
         for kind in ("pairs", "lumped")
     )
     films = {
         name: FilmView(name, known[first], first_surface, known[second], second_surface, clearance=clearance)
-        for name, first, first_surface, second, second_surface, clearance in json.loads(group.attrs.get("films", "[]"))
+        for name, first, first_surface, second, second_surface, clearance in json.loads(group.attrs["films"])
     }
     laps = {
         name: LapView(
             name, known[first], first_surface, known[second], second_surface, friction,
-            **older.complete(LAP_CELLS, _fields_of(file, LAP_CELLS, name, 0), fixed=True),
+            **{field.attribute: read(file, f"{field.name}/{_key(name)}") for field in LAP_CELLS},
         )
-        for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs.get("laps", "[]"))
+        for name, first, first_surface, second, second_surface, friction in json.loads(group.attrs["laps"])
     }  # fmt: skip
-    anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs.get("anchors", "[]")))
+    anchors = tuple(Anchor.of(data) for data in json.loads(group.attrs["anchors"]))
     joints = tuple(json.loads(group.attrs["joints"]))
-    bearings = json.loads(group.attrs.get("bearings", "{}"))
-    told = read(file, "scene/description").tobytes() if "description" in group else b"{}"  # older files have none
+    bearings = json.loads(group.attrs["bearings"])
+    told = read(file, "scene/description").tobytes()
     return SceneView(
         str(group.attrs["content_hash"]), bodies, pairs, joints, anchors, lumped, films, laps, bearings,
         dict(json.loads(told)),
@@ -447,3 +430,110 @@ def _from_bytes(data: np.ndarray, digest: str | None, source: str) -> ReducedBod
         file = Path(folder) / "body.h5"
         file.write_bytes(data.tobytes())
         return read_reduced_body(ReducedBody, file, f"the reduced body in results file '{source}'", digest)
+
+
+# other numbers may be NaN, where they are not known
+FINITE = {
+    "bodies": ("position", "rotation", "velocity", "angular_velocity", "modal"),
+    "joints": ("force", "torque"),
+    "contacts": ("force", "torque", "force_second", "torque_second", "pressure", "load_second"),
+    "films": (
+        "force",
+        "torque",
+        "torque_second",
+        "smallest_gap",
+        "largest_pressure",
+        "pressure",
+        "gap",
+        "void",
+        "asperity",
+    ),
+    "laps": ("force", "torque", "normal_force", "pressure", "traction", "gap", "slip", "loss"),
+}
+
+
+def check_history(history: History) -> None:
+    """Raise `InputError` that names the first array that cannot be the run's, and why."""
+    steps = np.shape(history.time)[0] if np.ndim(history.time) == 1 else -1
+    for field in RUN_FIELDS:
+        _check(history, field, field.name, steps, {})
+    time = np.asarray(history.time)
+    if not np.all(np.isfinite(time)) or np.any(np.diff(time) < 0.0):
+        raise InputError("time holds numbers that are not finite or do not ascend")
+    for line, values in history.energy.items():
+        if np.shape(values) != (steps,):
+            raise InputError(f"energy line '{line}' has shape {np.shape(values)}, not ({steps},)")
+    for name, body in history.bodies.items():
+        _check_owner(body, BODY_FIELDS, name, steps)
+    for name, joint in history.joints.items():
+        _check_owner(joint, JOINT_FIELDS, name, steps)
+    for name, force in history.forces.items():
+        _check_owner(force, FORCE_FIELDS, name, steps)
+        _check_owner(force.friction, JOINT_FRICTION_FIELDS, name, steps)
+    for name, lumped in history.lumped_contacts.items():
+        _check_owner(lumped, LUMPED_FIELDS, name, steps)
+    for name, film in history.films.items():
+        _check_owner(film, FILM_FIELDS, name, steps)
+        _check_owner(film if film.load_second is not None else None, FILM_SECOND_FIELDS, name, steps)
+        _check_film_grid(film, name, history.scene)
+    for name, lap in history.laps.items():
+        _check_owner(lap, LAP_FIELDS, name, steps)
+        _check_lap_cells(lap, name, history.scene)
+    for name, contact in history.contacts.items():
+        _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute != "load_second"], name, steps)
+        _check_owner(contact, [f for f in CONTACT_FIELDS if f.attribute == "load_second"], name, steps)
+        _check_owner(contact.friction, FRICTION_FIELDS, name, steps)
+        _check_owner(contact.cells, CELL_FIELDS, name, steps)
+    for name, sensor in history.sensors.items():
+        if np.shape(sensor.values) != (steps, len(sensor.components)):
+            raise InputError(f"sensor '{name}' has shape {np.shape(sensor.values)} and {steps} rows are saved")
+
+    for group, attributes in FINITE.items():
+        for name, owner in getattr(history, group).items():
+            for attribute in attributes:
+                if not np.all(np.isfinite(getattr(owner, attribute))):
+                    raise InputError(f"{attribute} of '{name}' in {group} holds NaN or infinite numbers")
+
+
+def _check_film_grid(film: Any, name: str, scene: Any) -> None:
+    """The fields of a film against the grid of its first surface, as a file has it."""
+    if not isinstance(scene, SceneView):
+        return
+    if name not in scene.films:
+        raise InputError(f"film '{name}' has a history, but the scene has no film of this name")
+    grid, shape = scene.films[name].first.grid, np.shape(film.pressure)[1:]
+    if shape != (grid.columns, grid.rows):
+        raise InputError(
+            f"film_pressure of '{name}' has {shape[0]} columns and {shape[1]} rows, the grid of its first surface "
+            f"{grid.columns} and {grid.rows}"
+        )
+
+
+def _check_lap_cells(lap: Any, name: str, scene: Any) -> None:
+    """The fields of a lap against its cells, as a file has them."""
+    if not isinstance(scene, SceneView):
+        return
+    if name not in scene.laps:
+        raise InputError(f"lap '{name}' has a history, but the scene has no lap of this name")
+    cells, count = len(scene.laps[name].area), np.shape(lap.pressure)[1]
+    if count != cells:
+        raise InputError(f"lap_pressure of '{name}' has {count} cells, the lap has {cells}")
+
+
+def _check_owner(owner: Any, fields: Any, name: str, steps: int) -> None:
+    """The quantities of one owner; dimensions of one name are of one length. An owner that is None has none."""
+    if owner is None:
+        return
+    sizes: dict[str, int] = {}
+    for field in fields:
+        _check(owner, field, f"{field.name} of '{name}'", steps, sizes)
+
+
+def _check(owner: Any, field: Field, label: str, steps: int, sizes: dict[str, int]) -> None:
+    shape = np.shape(getattr(owner, field.attribute))
+    wanted = [SIZES.get(dim) or sizes.get(dim) for dim in field.dims]
+    fits = len(shape) == 1 + len(wanted) and shape[0] == steps
+    if not fits or any(b is not None and a != b for a, b in zip(shape[1:], wanted, strict=True)):
+        should = ", ".join([str(steps), *("any" if b is None else str(b) for b in wanted)])
+        raise InputError(f"{label} must have shape ({should}), got {shape}")
+    sizes.update(zip(field.dims, shape[1:], strict=True))

@@ -5,7 +5,7 @@
     part-000001.arrays, ...      the rows saved since the part before, as the run collects them
     checkpoint.arrays            the state after the last part that counts, what the run is to reach, and its options
 
-All are plain sealed files (`model/files/sealed_arrays.py`), which a thread writes beside the run: it copies no row, and
+All are plain sealed files (`model/files/sealed_file.py`), which a thread writes beside the run: it copies no row, and
 writing and checksums leave Python's lock to the run. A part is written whole, then the checkpoint that counts it, so
 that at any time the two belong together; a part behind the last that counts was cut and is ignored. The history is made
 when the folder is read. The folder is removed when the results are written. As long as another process holds the lock,
@@ -32,9 +32,8 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.files.object_arrays import from_arrays, to_arrays
-from warpffrf.model.files.output_paths import remove_left_over_in
-from warpffrf.model.files.processes import locked
-from warpffrf.model.files.sealed_arrays import read_arrays, write_arrays
+from warpffrf.model.files.paths import locked, remove_left_over_in
+from warpffrf.model.files.sealed_file import read_arrays, write_arrays
 from warpffrf.model.messages.checkpoints import UNFINISHED, Plan, Rows, Source, Unfinished
 from warpffrf.online import keeping
 from warpffrf.online.arrays.ring import joined

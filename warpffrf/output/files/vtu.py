@@ -27,13 +27,12 @@ import numpy as np
 
 from warpffrf.model import rotation as rot
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import checked_output_path
+from warpffrf.model.files.paths import checked_output_path
 from warpffrf.model.messages.progress import Progress
 from warpffrf.model.reduced.stress_field import rotated, von_mises
 from warpffrf.output.bodies.skin import Skin
-from warpffrf.output.geometry.grid_places import rotate
-from warpffrf.output.laps.lap_result import LapResult
-from warpffrf.output.laps.on_skin import LapOnSkin
+from warpffrf.output.geometry.places import rotate
+from warpffrf.output.laps import LapOnSkin, LapResult
 
 log = logging.getLogger("warpffrf")
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from warpffrf.model import rotation as rot
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.geometry.places import rotate
 from warpffrf.output.geometry.scene_view import BodyView
 
 THINNEST = 0.03  # half length of the thinnest side drawn, of the longest: a disc is no body without thickness
@@ -33,10 +33,8 @@ class InertiaBox:
         return points[SIDES.ravel()], (first + np.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3)
 
 
-def inertia_box(body: BodyView) -> InertiaBox | None:
-    """The box with the body's mass and inertia; None where the inertia is not known (an older results file)."""
-    if body.inertia is None:
-        return None
+def inertia_box(body: BodyView) -> InertiaBox:
+    """The box with the body's mass and inertia."""
     moments, axes = np.linalg.eigh(body.inertia)
     if np.linalg.det(axes) < 0.0:
         axes[:, 0] = -axes[:, 0]

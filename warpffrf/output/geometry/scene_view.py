@@ -2,6 +2,8 @@
 apart.
 
 A live run takes it from the `Scene`; a results file stores it, so that pictures and derived quantities need no scene.
+
+Anchors. Where joints and forces act: places on bodies that pictures need besides the motion of the bodies.
 """
 
 from __future__ import annotations
@@ -13,8 +15,8 @@ import numpy as np
 import scipy.sparse as sp
 
 from warpffrf.model import rotation as rot
+from warpffrf.model.reduced.inertia import interface_motion
 from warpffrf.model.rigid_surface import RigidSurface
-from warpffrf.output.geometry.anchors import Anchor, scene_anchors
 
 GROUND = "ground"
 
@@ -22,14 +24,14 @@ GROUND = "ground"
 @dataclass(frozen=True)
 class BodyView:
     """One body: its name, its reduced body (None when rigid), mass [kg], centre of mass [m, user frame] and inertia
-    about it [kg m2, user axes]; None in an older results file. `shapes`: what a rigid one touches with, by name;
+    about it [kg m2, user axes]; `shapes`: what a rigid one touches with, by name;
     `stiffening`: whether loads stiffen it, and its deflections shorten it."""
 
     name: str
     reduced: Any
     mass: float
     center_of_mass: np.ndarray
-    inertia: np.ndarray | None = None
+    inertia: np.ndarray = field(default_factory=lambda: np.zeros((3, 3)))
     shapes: dict[str, Any] = field(default_factory=dict)
     stiffening: bool = False
 
@@ -124,7 +126,7 @@ class LapView:
 @dataclass(frozen=True)
 class SceneView:
     """A scene as far as results and pictures need it; `content_hash` tells whether a run can be continued.
-    `description` is that of `Scene.describe`, empty in an older results file."""
+    `description` is that of `Scene.describe`."""
 
     content_hash: str
     bodies: dict[str, BodyView] = field(default_factory=dict)
@@ -203,4 +205,65 @@ def rigid_shapes(contacts: Any) -> dict[str, dict[str, Any]]:
 
 def ground_view(shapes: dict[str, Any]) -> BodyView:
     """The ground with its surfaces: it has no mass of its own and does not move."""
-    return BodyView(GROUND, None, 0.0, np.zeros(3), None, shapes)
+    return BodyView(GROUND, None, 0.0, np.zeros(3), shapes=shapes)
+
+
+@dataclass(frozen=True, eq=False)
+class Anchor:
+    """A place where a joint or a force element holds a body.
+
+    kind: "joint" or "force"; name: of the joint or element; body: its name, None for the ground; interface: the name of
+    the interface whose deformation it follows, or None; point (3,) [m, user frame, world for the ground]; loaded: the
+    recorded force acts here (on a joint's or spring's second side), its opposite on the other side.
+    """
+
+    kind: str
+    name: str
+    body: str | None
+    interface: str | None
+    point: np.ndarray
+    loaded: bool
+
+    def describe(self) -> list[Any]:
+        """Plain data for a results file; `Anchor.of` reads it."""
+        return [self.kind, self.name, self.body, self.interface, [float(x) for x in self.point], self.loaded]
+
+    @classmethod
+    def of(cls, data: list[Any]) -> Anchor:
+        """The anchor that `describe` gave."""
+        kind, name, body, interface, point, loaded = data
+        return cls(kind, name, body, interface, np.array(point, dtype=float), bool(loaded))
+
+    def local(self, body: Any, modal: np.ndarray, factor: float) -> np.ndarray:
+        """The place (3,) [m, user frame] on `body`, its `BodyView`, with the interface's motion times `factor` at modal
+        coordinates (m,)."""
+        if self.interface is None or body.reduced is None or not len(modal):
+            return self.point
+        motion = factor * interface_motion(body, self.interface, modal)
+        arm = self.point - body.reduced.interfaces[self.interface].point
+        return self.point + motion[:3] + np.cross(motion[3:], arm)
+
+
+def scene_anchors(scene: Any) -> tuple[Anchor, ...]:
+    """Anchors of the joints and forces of a live `Scene`, from its initial pose."""
+    found = [anchor for joint in scene.joints for anchor in _sides("joint", joint.name, joint.ports, joint.frames())]
+    for force in scene.forces:
+        joint = getattr(force, "joint", None)
+        if joint is not None:
+            found += _sides("force", force.name, joint.ports, joint.frames())
+            continue
+        ports = [port for port in force.ports if getattr(port, "point", None) is not None]
+        at = force.world_point() if hasattr(force, "world_point") else None  # elements whose two sides meet in a point
+        for n, port in enumerate(ports):
+            point = port.point if at is None else port.body.to_user(at)
+            found.append(_anchor("force", force.name, port, point, n == len(ports) - 1))
+    return tuple(found)
+
+
+def _sides(kind: str, name: str, ports: Any, frames: Any) -> list[Anchor]:
+    return [_anchor(kind, name, p, f.point, n == 1) for n, (p, f) in enumerate(zip(ports, frames, strict=True))]
+
+
+def _anchor(kind: str, name: str, port: Any, point: np.ndarray, loaded: bool) -> Anchor:
+    body = None if port.body.index < 0 else port.body.name
+    return Anchor(kind, name, body, port.interface_name, np.array(point, dtype=float), loaded)

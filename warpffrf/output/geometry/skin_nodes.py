@@ -5,6 +5,15 @@ each other, node on node. The face across is known by where it lies alone: its n
 over one of them, and at the gap that cells have there, to about what bent facets stand off their arc: layers of a body
 that are thinner than this are not told apart. A node has the mean of the cells that meet in it, weighed by the angles
 that their triangles have there, which do not depend on how facets are cut into triangles.
+
+Thinning. A coarser copy of a display surface, so that a recording stays small.
+
+Every kept point is a point of the full surface, so the coarse one moves with real nodes and its values need no
+averaging. On a surface of equal sectors every k-th sector is kept, which keeps a round body round; otherwise nodes
+are clustered on a cubic grid and each cluster keeps its node nearest to the centroid; the cell size is the smallest
+(by bisection) that gives the wanted count.
+
+Shown. What of a run is shown: which of its saved rows, and how often its elastic displacement is magnified.
 """
 
 from __future__ import annotations
@@ -14,8 +23,6 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from scipy.spatial import KDTree
-
-from warpffrf.output.geometry.thinning import vertex_normals
 
 Array = np.ndarray
 SAME = 1e-9  # of the extent of a skin: places of one node
@@ -117,3 +124,100 @@ def _barycentric(corners: Array, normal: Array, away: Array) -> Array:
     u = np.einsum("ki,ki->k", np.cross(away, b), normal) / whole
     v = np.einsum("ki,ki->k", np.cross(a, away), normal) / whole
     return np.stack([1.0 - u - v, u, v], axis=1)
+
+
+MIN_SECTORS = 24  # fewer would no longer look round
+BISECTIONS = 24  # halvings of the cell size: far below the spacing of any mesh
+
+
+def _clusters(points: np.ndarray, cell: float) -> np.ndarray:
+    keys = np.floor((points - points.min(axis=0)) / cell + 0.5).astype(np.int64)
+    return np.unique(keys, axis=0, return_inverse=True)[1].reshape(-1)
+
+
+def thinned(
+    points: np.ndarray, triangles: np.ndarray, max_points: int, sectors: int = 1
+) -> tuple[np.ndarray, np.ndarray]:
+    """Indices (k,) of the kept points, at most `max_points`, and triangles (t, 3) among them; everything when it
+    is small enough."""
+    if len(points) <= max_points:
+        return np.arange(len(points)), np.asarray(triangles)
+    if sectors > 1 and len(points) % sectors == 0 and sectors // MIN_SECTORS * max_points >= len(points):
+        label, kept = _every_kth_sector(len(points), sectors, max_points)
+    else:
+        label, kept = _clustered(points, max_points)
+    coarse = label[triangles]
+    different = (coarse[:, 0] != coarse[:, 1]) & (coarse[:, 1] != coarse[:, 2]) & (coarse[:, 2] != coarse[:, 0])
+    coarse = coarse[different]
+    _, first = np.unique(np.sort(coarse, axis=1), axis=0, return_index=True)
+    return kept, coarse[np.sort(first)]
+
+
+def _every_kth_sector(count: int, sectors: int, max_points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Group of each point and the point kept of each group; points are numbered sector by sector."""
+    per_sector = count // sectors
+    k = -(-sectors // max(max_points // per_sector, 1))
+    sector, node = np.divmod(np.arange(count), per_sector)
+    return (sector // k) * per_sector + node, np.flatnonzero(sector % k == 0)
+
+
+def _clustered(points: np.ndarray, max_points: int) -> tuple[np.ndarray, np.ndarray]:
+    """Group of each point and the point kept of each group, by clustering on a cubic grid."""
+    low, high = 0.0, float(np.ptp(points, axis=0).max())
+    for _ in range(BISECTIONS):
+        middle = 0.5 * (low + high)
+        if _clusters(points, middle).max() + 1 > max_points:
+            low = middle
+        else:
+            high = middle
+    label = _clusters(points, high)
+    count = np.bincount(label)
+    centroid = np.stack([np.bincount(label, points[:, c]) for c in range(3)], axis=1) / count[:, None]
+    distance = np.linalg.norm(points - centroid[label], axis=1)
+    order = np.lexsort((distance, label))
+    return label, order[np.searchsorted(label[order], np.arange(len(count)))]
+
+
+def vertex_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Area-weighted unit normals (n, 3) of the vertices."""
+    corners = points[triangles]
+    area = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = np.zeros_like(points)
+    for c in range(3):
+        np.add.at(normals, triangles[:, c], area)
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    return normals / np.where(length > 0.0, length, 1.0)
+
+
+SHOWN_DISPLACEMENT = (
+    0.015  # automatic magnification: the largest displacement is drawn at most this part of the smallest body's size
+)
+
+
+def frame_rows(steps: int, max_frames: int) -> tuple[np.ndarray, int]:
+    """Rows to show, first and last among them, at most `max_frames`, and the stride between them."""
+    if steps == 0:
+        return np.zeros(0, dtype=int), 1
+    if steps == 1 or max_frames == 1:
+        return np.array([steps - 1]), max(steps, 1)
+    stride = -(-(steps - 1) // (max_frames - 1))
+    return rows_every(steps, stride), stride
+
+
+def rows_every(steps: int, stride: int) -> np.ndarray:
+    """Every `stride`th row from the first on, and the last."""
+    rows = np.arange(0, steps, stride)
+    return rows if rows[-1] == steps - 1 else np.append(rows, steps - 1)
+
+
+def automatic_factor(largest: float, size: float) -> float:
+    """Magnification of elastic displacements up to `largest` [m] on bodies whose smallest has the extent `size` [m]."""
+    return round_factor(SHOWN_DISPLACEMENT * size / largest) if largest > 0.0 else 1.0
+
+
+def round_factor(factor: float) -> float:
+    """The largest of 1, 2, 5 times a power of ten not above `factor`; at least 1."""
+    if not np.isfinite(factor) or factor <= 1.0:
+        return 1.0
+    decade = 10.0 ** np.floor(np.log10(factor))
+    return float(max(m * decade for m in (1.0, 2.0, 5.0) if m * decade <= factor * (1.0 + 1e-12)))

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count, require_number
-from warpffrf.model.files.output_paths import check_ending, checked_output_path, written_whole
+from warpffrf.model.files.paths import check_ending, checked_output_path, written_whole
 from warpffrf.model.messages.progress import Progress
-from warpffrf.output.geometry.shown import frame_rows, rows_every
+from warpffrf.output.geometry.skin_nodes import frame_rows, rows_every
 from warpffrf.output.plots.picture import write_picture
 from warpffrf.output.plots.scene_picture import ScenePicture, row_at
 

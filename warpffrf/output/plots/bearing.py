@@ -9,7 +9,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.bearings.bearing_result import BearingResult
-from warpffrf.output.plots.scales import HEADROOM, from_zero
+from warpffrf.output.plots.colors import HEADROOM, from_zero
 
 INNER, OUTER = "#d1495b", "#1b6ca8"
 MOST_NAMED = 12  # curves in a legend

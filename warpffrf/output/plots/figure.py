@@ -11,17 +11,14 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.cell_result import CellContactResult
-from warpffrf.output.contact.hertz import hertz
-from warpffrf.output.contact.hertz_patch import HertzLine, HertzPoint
+from warpffrf.output.contact.hertz import HertzLine, HertzPoint, hertz
 from warpffrf.output.plots.bearing import BEARING_PLOTS, POLAR, the_bearing
-from warpffrf.output.plots.depth import draw_depth, has_material
+from warpffrf.output.plots.colors import LEAST, ROUND_OFF, about_zero, from_zero
 from warpffrf.output.plots.films import FILM_PLOTS, has_orbit
-from warpffrf.output.plots.friction import FRICTION_PLOTS, rubbing
-from warpffrf.output.plots.histories import HISTORY_PLOTS, the_channel
+from warpffrf.output.plots.friction import FRICTION_PLOTS, draw_depth, has_material, rubbing
 from warpffrf.output.plots.laps import LAP_PLOTS, the_lap
-from warpffrf.output.plots.one_row import draw_bars, draw_numbers, numbers_of
+from warpffrf.output.plots.panels import HISTORY_PLOTS, draw_bars, draw_numbers, numbers_of, the_channel
 from warpffrf.output.plots.picture import write_drawing, write_picture
-from warpffrf.output.plots.scales import LEAST, ROUND_OFF, about_zero, from_zero
 
 FINE = 400  # points of a smooth curve
 SHOWN_WIDTHS = 2.5  # half-widths to either side of the line of centres in patch plots

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.contact.film_result import FilmResult
-from warpffrf.output.plots.colors import largest
-from warpffrf.output.plots.scales import LEAST, from_zero
+from warpffrf.output.contact.result import FilmResult
+from warpffrf.output.plots.colors import LEAST, from_zero, largest
 
 FULL = 1.0 - 1e-3  # fill of the gap below which there is a cavity
 GAP, PEAK, CIRCLE = "#1b6ca8", "#d1495b", "0.55"

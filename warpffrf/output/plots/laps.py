@@ -9,11 +9,9 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.output.contact.friction import STATES
-from warpffrf.output.laps.chart import lap_chart
-from warpffrf.output.laps.lap_result import LapResult
-from warpffrf.output.loops.cycles import value_at
-from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, largest
-from warpffrf.output.plots.scales import from_zero
+from warpffrf.output.laps import LapResult, lap_chart
+from warpffrf.output.loops import value_at
+from warpffrf.output.plots.colors import PRESSURE_STOPS, STATE_COLORS, WEAR_STOPS, from_zero, largest
 
 SHRINK = 0.8  # of colour bars
 ROOM = 0.03  # of a map's extent, beside it

@@ -1,9 +1,17 @@
-"""A picture of several plots side by side, each of curves over one pair of axes; matplotlib is imported when drawn."""
+"""A picture of several plots side by side, each of curves over one pair of axes; matplotlib is imported when drawn.
+
+Overlay. Curves of two runs, one over the other, a panel for each quantity.
+
+One row. Plots of a run of one saved row, as an equilibrium: bars and numbers in the place of histories that are a dot.
+
+Histories. Plots of one history of a run, which has to be named: its spectrum, and spectra of windows, over frequency or
+with the rotation of a body.
+"""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,9 +19,9 @@ from typing import Any, Protocol
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.output.plots.colors import largest
+from warpffrf.output.contact.hertz import hertz
+from warpffrf.output.plots.colors import LEAST, largest, no_finer
 from warpffrf.output.plots.picture import write_picture
-from warpffrf.output.plots.scales import LEAST, no_finer
 
 PANEL_SIZE = (5.2, 3.9)  # inches
 COLUMNS = 3  # side by side at most
@@ -110,3 +118,150 @@ def panels_figure(panels: Sequence[Drawn], title: str = "") -> Any:
     for n, panel in enumerate(panels):
         panel.draw(figure.add_subplot(rows, columns, n + 1, projection=getattr(panel, "projection", None)))
     return figure
+
+
+OVERLAY_COLUMNS = 2
+PANEL = (5.6, 3.2)  # inches
+FIRST, SECOND = "#1b6ca8", "#d1495b"
+
+
+@dataclass(frozen=True, eq=False)
+class Overlaid:
+    """One quantity of both runs, each at its own times [s]: `first` and `second` are (times (T,), values (T,)); its
+    axis shows a range of at least `least`."""
+
+    label: str
+    units: str
+    title: str
+    first: tuple[np.ndarray, np.ndarray]
+    second: tuple[np.ndarray, np.ndarray]
+    least: float
+
+    def draw(self, ax: Any, names: tuple[str, str]) -> None:
+        """Draw on matplotlib axes, the runs called `names`."""
+        if len(self.first[0]) == len(self.second[0]) == 1:
+            self._bars(ax, names)
+            return
+        mark = "o" if min(len(self.first[0]), len(self.second[0])) == 1 else ""
+        ax.plot(self.first[0] * 1e3, self.first[1], lw=2.2, color=FIRST, marker=mark, label=names[0])
+        ax.plot(
+            self.second[0] * 1e3, self.second[1], "--", lw=0.9, alpha=0.8, color=SECOND, marker=mark, label=names[1]
+        )
+        ax.set_xlabel("time [ms]")
+        no_finer(ax, self.least)
+        self._dress(ax)
+
+    def _bars(self, ax: Any, names: tuple[str, str]) -> None:
+        """The numbers of two runs of one row, as equilibria."""
+        values = [float(self.first[1][0]), float(self.second[1][0])]
+        bars = ax.bar(range(2), values, width=0.5, color=(FIRST, SECOND), label=names)
+        ax.bar_label(bars, fmt="%.6g", padding=2, fontsize=9)
+        ax.axhline(0.0, color="0.7", lw=0.6)
+        ax.set_xticks([])
+        ax.margins(x=0.5, y=0.15)
+        self._dress(ax)
+
+    def _dress(self, ax: Any) -> None:
+        ax.set_ylabel(f"{self.label.partition('[')[0].replace('_', ' ')} [{self.units}]")
+        ax.set_title(self.title, fontsize=9, loc="right")  # a power of ten stands on the left
+        ax.grid(alpha=0.3)
+
+
+def overlay_figure(panels: Sequence[Overlaid], names: tuple[str, str]) -> Any:
+    """A matplotlib Figure with a panel for each quantity and one legend below."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    columns = min(OVERLAY_COLUMNS, len(panels))
+    rows = -(-len(panels) // columns)
+    figure = Figure(figsize=(PANEL[0] * columns, PANEL[1] * rows + 0.4), layout="constrained")
+    FigureCanvasAgg(figure)
+    for n, panel in enumerate(panels):
+        panel.draw(figure.add_subplot(rows, columns, n + 1), names)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)
+    return figure
+
+
+BAR, TALL, FONT = "#1b6ca8", 12, 8  # more bars than so many have smaller names
+FEW = 4  # bars are no thicker than those of so many
+ROOM = 1.3  # of the longest bar, for its number
+
+
+def draw_bars(ax: Any, values: Mapping[str, np.ndarray], label: str) -> None:
+    """A bar for each of `values` {name: (1,)}, from the top, with its number; `label` has the unit."""
+    sizes = np.array([float(value[0]) for value in values.values()])
+    sizes[sizes < LEAST * np.max(sizes, initial=0.0)] = 0.0
+    bars = ax.barh(range(len(sizes)), sizes, color=BAR)
+    small = FONT - 2 if len(sizes) > TALL else FONT
+    ax.bar_label(bars, labels=[f"{size:.4g}" for size in sizes], padding=3, fontsize=small)
+    ax.set_yticks(range(len(sizes)), list(values), fontsize=small)
+    ax.set_ylim(max(len(sizes), FEW) - 0.5, -0.5)
+    ax.set_xlim(0.0, ROOM * float(np.max(sizes, initial=0.0)) or 1.0)
+    ax.set_xlabel(label)
+
+
+def draw_numbers(ax: Any, numbers: Mapping[str, str], title: str) -> None:
+    """A table of `numbers`, name -> number with its unit."""
+    ax.axis("off")
+    table = ax.table(
+        [[name, text] for name, text in numbers.items()], loc="upper center", cellLoc="left", colWidths=[0.62, 0.38],
+        edges="horizontal",
+    )  # fmt: skip
+    table.auto_set_font_size(False)
+    table.set_fontsize(FONT)
+    ax.set_title(title, fontsize=10)
+
+
+def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) -> dict[str, str]:
+    """What histories of the run have in its row; contact, friction, film, lap: those whose figures are drawn, or None
+    (friction: the pair that rubs)."""
+    found: dict[str, str] = {}
+    if contact is not None and contact.touching[0]:
+        found["half-width"] = f"{contact.half_width[0] * 1e3:.4g} mm"
+        found["peak pressure"] = f"{contact.mid_peak_pressure[0] * 1e-6:.4g} MPa"
+        try:
+            line = hertz(contact, 0)
+        except InputError:
+            pass  # Hertz does not apply
+        else:
+            found["Hertz at this load"] = f"{line.half_width * 1e3:.4g} mm, {line.peak_pressure * 1e-6:.4g} MPa"
+    if friction is not None:
+        found["tangential over normal load"] = load_ratio(friction.friction, 0)
+    if film is not None:
+        found["smallest film"] = f"{film.smallest_gap[0] * 1e6:.4g} µm"
+        found["largest pressure of the film"] = f"{film.largest_pressure[0] * 1e-6:.4g} MPa"
+    if lap is not None:
+        found["normal force of the lap"] = f"{lap.normal_force[0] * 1e-3:.4g} kN"
+        found["slipping area of the lap"] = f"{lap.slip_area[0] * 1e6:.4g} mm²"
+    found["energy at hand"] = f"{result.energy_scale:.4g} J"
+    return found
+
+
+def load_ratio(friction: Any, row: int) -> str:
+    """Tangential over normal load in a row; what is round-off is 0."""
+    ratio = float(np.nan_to_num(friction.traction_coefficient[row]))
+    return f"{ratio:.4g}" if abs(ratio) > LEAST else "0"
+
+
+def spectrum(result: Any, ax: Any, channel: str, speed: str | None) -> None:
+    """Amplitudes of a history by frequency, or by orders of the rotation of a body; needs a channel."""
+    (result.spectrum(channel) if speed is None else result.orders(channel, speed)).draw(ax)
+
+
+def waterfall(result: Any, ax: Any, channel: str, speed: str | None) -> None:
+    """Spectra of consecutive windows of a history over time, or over the speed of a body with lines of orders; needs a
+    channel."""
+    result.waterfall(channel, speed).draw(ax)
+
+
+HISTORY_PLOTS: dict[str, Callable[[Any, Any, str, str | None], None]] = {"spectrum": spectrum, "waterfall": waterfall}
+
+
+def the_channel(kind: str, channel: str | None) -> str:
+    """The history that a plot needs. Raises InputError where none is named."""
+    if channel is None:
+        raise InputError(
+            f"plot: '{kind}' needs the history to draw, channel='contact_force_z[NAME]'; columns of to_csv have the "
+            "names"
+        )
+    return channel

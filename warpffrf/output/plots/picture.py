@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 
 SIGNATURE = {".png": "Software", ".pdf": "Creator", ".svg": "Creator"}
 

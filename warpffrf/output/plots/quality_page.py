@@ -13,8 +13,7 @@ from warpffrf.model.errors import InputError, require_count
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.output.plots.figure import PROFILE, REFERENCE
-from warpffrf.output.plots.mode_picture import mode_skin
-from warpffrf.output.plots.mode_shapes import MovedSkin, draw_shape, shapes_figure
+from warpffrf.output.plots.modes import MovedSkin, draw_shape, mode_skin, shapes_figure
 from warpffrf.output.plots.picture import write_picture
 
 GALLERY = (2, 4)  # rows and columns of mode pictures

@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
-from warpffrf.output.bodies.shown_skin import DISPLACEMENT, ShownSkin, require_field
-from warpffrf.output.geometry.grid_places import rotate
+from warpffrf.output.bodies.skin import DISPLACEMENT, ShownSkin, require_field
 from warpffrf.output.geometry.inertia_box import inertia_box
-from warpffrf.output.geometry.shown import automatic_factor
+from warpffrf.output.geometry.places import rotate
+from warpffrf.output.geometry.skin_nodes import automatic_factor
 from warpffrf.output.plots.colors import draw_bar, field_scale, largest
-from warpffrf.output.plots.mode_picture import MAX_TRIANGLES, eye_axes, paint, shaded
+from warpffrf.output.plots.modes import MAX_TRIANGLES, eye_axes, paint, shaded
 
 SIZE, DPI = (9.6, 7.2), 100  # inches, and dots an inch: 960 by 720 pixels, even as films need them
 SCENE, BAR = (0.02, 0.13, 0.96, 0.80), (0.2, 0.055, 0.6, 0.025)  # axes, of the figure
@@ -85,8 +85,7 @@ class ScenePicture:
         self.scale = field_scale(field, max(tops))
 
     def _boxes(self) -> dict[str, tuple[np.ndarray, np.ndarray]]:
-        found = {name: inertia_box(body) for name, body in self.result.view.bodies.items()}
-        return {name: box.mesh() for name, box in found.items() if box is not None}
+        return {name: inertia_box(body).mesh() for name, body in self.result.view.bodies.items()}
 
     def _undeformed(self) -> dict[str, np.ndarray]:
         shown = {name: skin.points for name, skin in self.skins.items()}

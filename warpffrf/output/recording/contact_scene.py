@@ -3,6 +3,11 @@
 Below `/world/contacts/<pair>`, a frame that stays with the patch, `relief` shows the pressure as height and colour, and
 with friction `relief_traction`, `relief_slip`, `relief_state`, `relief_wear` the same height in other colours. Below
 `/patch_map/<pair>` lie the labelled axes, once, and a picture for each field; the map of the traction has its arrows.
+
+Contact series. Curves of one contact pair for a recording.
+
+Machine series. Curves of a whole machine for a recording: lumped contacts, oil films, laps, reactions, applied forces,
+joint coordinates, sensors, energies.
 """
 
 from __future__ import annotations
@@ -11,13 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.plots.colors import (
-    ColorClasses,
-    ColorScale,
-    field_scale,
-    largest,
-    map_axes_picture,
-)
+from warpffrf.model.sensors import Position, Stress
+from warpffrf.output.plots.colors import ColorClasses, ColorScale, field_scale, largest, map_axes_picture
 from warpffrf.output.recording import frames as fr
 from warpffrf.output.recording.glyphs import LEAST_SHOWN, MOST_LABELS
 from warpffrf.output.recording.patch_map import cell_map, map_window, pixels, pressure_map
@@ -180,3 +180,142 @@ class ContactScene:
             show_labels=labelled,
         )
         recorder.stream.log(path, arrows)
+
+
+CONTACT_PLOTS = {
+    "force": "Contact force [kN]",
+    "peak_pressure": "Largest pressure [MPa]",
+    "half_width": "Half-widths of the patch [µm]",
+}
+FRICTION_PLOTS = {
+    "traction_coefficient": "Tangential over normal load [-]",
+    "creepage": "Longitudinal and lateral creepage [-]",
+    "spin_creepage": "Spin creepage [rad/m]",
+    "creep_force": "Creep forces Fx, Fy on the first body [N]",
+    "spin_moment": "Spin moment Mz on the first body [N m]",
+    "t_gamma": "T-gamma, energy per metre rolled [N]",
+    "friction_power": "Friction power [W]",
+    "contact_area": "Contact, stick and slip area [mm²]",
+    "wear": "Largest wear index, pressure times slip [W/mm²]",
+    "cells_per_step": "Columns that the patch advances a step [-]",
+}
+
+
+def contact_series(contact: Any) -> list[Series]:
+    """Entities `plots/<kind>/<pair>` and `solver/active_hats/<pair>`; NaN where a quantity has no meaning."""
+    name = contact.name
+    found: list[Series] = [
+        (("plots", "force", name), f"{name} [kN]", contact.force_magnitude * 1e-3),
+        (("plots", "peak_pressure", name), f"{name} [MPa]", contact.peak_pressure * 1e-6),
+        (("plots", "half_width", name), f"{name} along the arc [µm]", contact.half_width * 1e6),
+        (("solver", "active_hats", name), f"{name} active {contact.loaded}", contact.active_hats),
+    ]
+    if contact.patch_kind == "point":
+        along = contact.half_widths[:, 1] * 1e6
+        found.append((("plots", "half_width", name, "axial"), f"{name} along the axis [µm]", along))
+    return found + (_friction_series(name, contact) if contact.has_friction else [])
+
+
+def _friction_series(name: str, contact: Any) -> list[Series]:
+    friction = contact.friction
+    curves = (
+        ("traction_coefficient", "", f"{name}", friction.traction_coefficient),
+        ("creepage", "around", f"{name} longitudinal, along e_theta", friction.creepage[:, 0]),
+        ("creepage", "axial", f"{name} lateral, along the axis", friction.creepage[:, 1]),
+        ("spin_creepage", "", f"{name} [rad/m]", friction.spin_creepage),
+        ("creep_force", "around", f"{name} Fx, along e_theta [N]", friction.tangential_force[:, 0]),
+        ("creep_force", "axial", f"{name} Fy, along the axis [N]", friction.tangential_force[:, 1]),
+        ("spin_moment", "", f"{name} [N m]", friction.spin_moment),
+        ("t_gamma", "", f"{name} [N]", friction.t_gamma),
+        ("friction_power", "", f"{name} [W]", friction.power),
+        ("contact_area", "patch", f"{name} touches [mm²]", contact.patch_area * 1e6),
+        ("contact_area", "stick", f"{name} sticks [mm²]", friction.stick_area * 1e6),
+        ("contact_area", "slip", f"{name} slips [mm²]", friction.slip_area * 1e6),
+        ("wear", "", f"{name} [W/mm²]", friction.wear_peak * 1e-6),
+        ("cells_per_step", "", f"{name}", friction.cells_per_step),
+    )
+    return [
+        (("plots", kind, name, *([part] if part else [])), label, np.asarray(values, dtype=float))
+        for kind, part, label, values in curves
+    ]
+
+
+Series = tuple[tuple[str, ...], str, np.ndarray]  # entity path below the root, label with the unit, values (T,)
+STORES = ("kinetic", "strain", "potential", "contact")  # lines of the ledger that are energies at hand
+FLOWS = ("force_work", "drive_work", "damping", "friction")
+MOST_SENSORS = 6  # further ones are in the results; a plot of more curves is not read
+EQUIVALENT = Stress.components[-1]  # of a stress only this one is drawn
+FROM_START = ", change from the start"
+MACHINE_PLOTS = {
+    "lumped_force": "Forces of lumped contacts [N]",
+    "film_force": "Forces of oil films [N]",
+    "film_gap": "Smallest films [µm]",
+    "film_pressure": "Largest pressures of films [MPa]",
+    "lap_force": "Normal forces of laps [N]",
+    "lap_slip": "Slipping areas of laps [mm²]",
+    "lap_loss": "Losses of laps by friction [J]",
+    "joint_force": "Reactions of the joints [N]",
+    "applied_force": "Applied and spring forces [N]",
+    "joint_friction": "Friction in joints, and its bounds [N]",
+    "coordinate": "Coordinates of the joints [m or rad]",
+    "energy": "Energies [J]",
+}
+
+
+def machine_series(result: Any) -> list[Series]:
+    """What there is to plot of lumped contacts, films, laps, joints, forces, sensors and energies; entities
+    `plots/<kind>/<name>`."""
+    history = result.history
+    found: list[Series] = []
+    for kind, owners in (
+        ("lumped_force", history.lumped_contacts),
+        ("film_force", history.films),
+        ("joint_force", history.joints),
+        ("applied_force", history.forces),
+    ):
+        for name, owner in owners.items():
+            size = np.linalg.norm(owner.force, axis=1)
+            if np.any(size > 0.0):
+                found.append((("plots", kind, name), f"{name} [N]", size))
+    for name, film in history.films.items():
+        found.append((("plots", "film_gap", name), f"{name} [µm]", film.smallest_gap * 1e6))
+        found.append((("plots", "film_pressure", name), f"{name} [MPa]", film.largest_pressure * 1e-6))
+    for name in result.lap_names:
+        lap = result.lap(name)
+        found.append((("plots", "lap_force", name), f"{name} [N]", lap.normal_force))
+        if lap.friction > 0.0:
+            found.append((("plots", "lap_slip", name), f"{name} [mm²]", lap.slip_area * 1e6))
+            found.append((("plots", "lap_loss", name), f"{name} [J]", lap.loss))
+    for name, force in history.forces.items():
+        if force.friction is not None:
+            size = np.linalg.norm(force.friction.traction, axis=1)
+            found.append((("plots", "joint_friction", name), f"{name} [N]", size))
+            found.append((("plots", "joint_friction", f"{name} bound"), f"{name} bound [N]", force.friction.bound))
+    for name, joint in history.joints.items():
+        for coordinate in joint.names:
+            unit = "m" if coordinate in ("translation", "distance") else "rad"
+            label = f"{name} {coordinate} [{unit}]"
+            found.append((("plots", "coordinate", name, coordinate), label, joint.named(coordinate)))
+    for name in result.sensor_names[:MOST_SENSORS]:
+        sensor = result.sensor(name)
+        moved = sensor.kind == Position.kind  # a path of millimetres is not seen beside a place of metres
+        shown = sensor.values - sensor.values[:1] if moved else sensor.values
+        for component, values in zip(sensor.components, shown.T, strict=True):
+            if sensor.kind != Stress.kind or component == EQUIVALENT:
+                label = f"{name} {component}{FROM_START * moved} [{sensor.unit}]"
+                found.append((("plots", sensor.kind, name, component), label, values))
+    for line in (*STORES, *FLOWS):
+        values = np.asarray(history.energy.get(line, np.zeros(0)))
+        moved = line == "potential"  # its zero is anywhere
+        values = values - values[:1] if moved else values
+        if np.any(values != 0.0):
+            found.append((("plots", "energy", line), f"{line.replace('_', ' ')}{FROM_START * moved} [J]", values))
+    return found
+
+
+def plot_kinds(result: Any) -> dict[str, str]:
+    """Kinds of plots that have curves, {kind: title}."""
+    there = dict.fromkeys(path[1] for path, _, _ in machine_series(result))
+    of_sensors = [kind for kind in there if kind not in MACHINE_PLOTS]
+    titles = MACHINE_PLOTS | {kind: f"Sensors: {kind.replace('_', ' ')}" for kind in of_sensors}
+    return {kind: titles[kind] for kind in titles if kind in there}

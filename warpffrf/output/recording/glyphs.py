@@ -2,6 +2,12 @@ r"""What a recording draws besides deforming skins: rigid bodies, and arrows of 
 
 A rigid body is drawn as its box of inertia (`geometry.inertia_box`), and a bar from its centre of mass to every place
 where a joint or a force holds it.
+
+Rigid shapes. True shapes of rigid contact surfaces in a recording: they have no mesh, and are drawn as far as a patch
+comes.
+
+A plane reaches `AROUND` of the largest body beyond the patches of the run, a surface of revolution as far along its
+axis, all the way around; a sphere is drawn whole. Of an oil film the patch is its grid.
 """
 
 from __future__ import annotations
@@ -10,11 +16,11 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.geometry.anchors import Anchor
-from warpffrf.output.geometry.grid_places import rotate
 from warpffrf.output.geometry.inertia_box import inertia_box
-from warpffrf.output.geometry.scene_view import BodyView
+from warpffrf.output.geometry.places import Pose, grid_theta_offset, rotate
+from warpffrf.output.geometry.scene_view import Anchor, BodyView, FilmView, PairView
 from warpffrf.output.plots.colors import largest
+from warpffrf.output.recording import frames as fr
 
 BODY_COLORS = ((150, 160, 175), (190, 160, 120), (130, 170, 150), (170, 145, 175))
 JOINT_COLOR, LOAD_COLOR, LUMPED_COLOR = (90, 200, 120), (235, 110, 60), (80, 130, 230)
@@ -49,9 +55,9 @@ class Glyphs:
         recorder = self.recorder
         rr = recorder.rr
         for n, body in enumerate(self.result.view.bodies.values()):
-            box = inertia_box(body) if body.reduced is None else None
-            if box is None:
+            if body.reduced is not None:
                 continue
+            box = inertia_box(body)
             color = BODY_COLORS[n % len(BODY_COLORS)]
             shape = rr.Boxes3D(
                 centers=[box.center], half_sizes=[box.half], quaternions=[rr.Quaternion(xyzw=box.rotation)],
@@ -106,10 +112,133 @@ def force_text(value: float) -> str:
 
 
 def rigid_size(body: BodyView, anchors: tuple[Anchor, ...]) -> float:
-    """Largest extent [m] of a rigid body as drawn; 0 where nothing is known of it."""
+    """Largest extent [m] of a rigid body as drawn."""
     box = inertia_box(body)
-    points = [a.point for a in anchors if a.body == body.name]
-    if box is not None:
-        corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T * box.half
-        points += list(box.center + rotate(box.rotation, corners))
-    return float(np.ptp(np.array(points), axis=0).max()) if points else 0.0
+    corners = np.array(np.meshgrid(*[[-1.0, 1.0]] * 3)).reshape(3, -1).T * box.half
+    points = [a.point for a in anchors if a.body == body.name] + list(box.center + rotate(box.rotation, corners))
+    return float(np.ptp(np.array(points), axis=0).max())
+
+
+AROUND = 0.6  # of the largest body
+POINTS = (97, 25)  # around and along
+POLE = 1.0 - 1e-6  # of the radius of an arc: the last ring before its end
+Reach = tuple[tuple[float, float], tuple[float, float]]  # ranges of theta and z
+GROOVE = 0.7  # of it, of a groove: farther up, that of a ring would close over the balls
+COLOR = (168, 176, 186, 255)
+
+
+class RigidShapes:
+    """Draws the rigid surfaces of the recording's pairs, lumped contacts and oil films, children of their bodies, so
+    that they move with them."""
+
+    def __init__(self, recorder: Any) -> None:
+        self.recorder = recorder
+        rigid = {self._path(c.view): c for c in recorder.contacts if c.view.second.grid is None}
+        self._contacts = rigid  # one pair a surface: it shows where the patches are
+        self._lumped: dict[str, tuple[Any, str, Any]] = {}  # path -> shape, body, one contact it is in
+        for name, view in recorder.result.view.lumped.items():
+            for body, surface in (
+                (view.first_body, view.first_surface_name),
+                (view.second_body, view.second_surface_name),
+            ):
+                path = recorder.path("world", body.name, surface)
+                if path not in rigid:
+                    contact = recorder.result.history.lumped_contacts[name]
+                    self._lumped.setdefault(path, (body.shapes[surface], body.name, contact))
+        films = {self._path(view): view for view in recorder.result.view.films.values() if view.second.grid is None}
+        self._films = {path: view for path, view in films.items() if path not in (*rigid, *self._lumped)}
+
+    def _path(self, view: PairView) -> str:
+        return self.recorder.path("world", view.second_body.name, view.second_surface_name)
+
+    def paths(self) -> list[str]:
+        """Entities of the surfaces."""
+        return [*self._contacts, *self._lumped, *self._films]
+
+    def static(self) -> None:
+        """Log every surface once."""
+        for path, contact in self._contacts.items():
+            self._log(path, contact.view.second.shape, self._reach(contact))
+        for path, (shape, body, contact) in self._lumped.items():
+            self._log(path, shape, self._lumped_reach(shape, body, contact))
+        for path, view in self._films.items():
+            self._log(path, view.second.shape, self._film_reach(view))
+
+    def _log(self, path: str, shape: Any, reach: Reach) -> None:
+        rr = self.recorder.rr
+        points, normals, triangles = shape_mesh(shape, *reach)
+        mesh = rr.Mesh3D(
+            vertex_positions=points.astype(np.float32), vertex_normals=normals.astype(np.float32),
+            triangle_indices=triangles.astype(np.uint32), albedo_factor=COLOR,
+        )  # fmt: skip
+        self.recorder.log_static(path, mesh)
+
+    def _lumped_reach(self, shape: Any, body: str, contact: Any) -> Reach:
+        """As `_reach`, about the places of a lumped contact."""
+        recorder = self.recorder
+        rows = [int(i) for i in recorder.rows[recorder.good]]
+        own = [Pose.of(recorder.result.history.bodies, body, i).to_user(contact.place[i][None])[0] for i in rows]
+        theta, z, _ = shape.chart(np.array(own).reshape(-1, 3))
+        return self._around([(float(t), float(s)) for t, s in zip(theta, z, strict=True)])
+
+    def _film_reach(self, view: FilmView) -> Reach:
+        """As `_reach`, about the corners of the film's grid in the first row that is drawn."""
+        recorder, first = self.recorder, view.first
+        i = int(recorder.rows[recorder.good][0]) if np.any(recorder.good) else 0
+        own, other = (
+            Pose.of(recorder.result.history.bodies, body.name, i) for body in (view.first_body, view.second_body)
+        )
+        theta = first.grid.theta[[0, -1]] + grid_theta_offset(first)
+        corners = first.shape.point(*np.meshgrid(theta, first.grid.z[[0, -1]])).reshape(-1, 3)
+        theta, z, _ = view.second.shape.chart(other.to_user(own.to_world(corners)))
+        return self._around(list(zip(theta.tolist(), z.tolist(), strict=True)))
+
+    def _reach(self, contact: Any) -> Reach:
+        """Ranges of theta [rad, m on a plane] and z [m] on the rigid surface that the patches of the run lie in, and
+        more."""
+        recorder, shape = self.recorder, contact.view.second.shape
+        places = []
+        for i in recorder.rows[recorder.good]:
+            own = Pose.of(contact.bodies, contact.view.second_body.name, int(i))
+            origin = fr.patch_frame(recorder.result, contact, int(i)).origin
+            theta, z, _ = shape.chart(own.to_user(origin[None]))
+            places.append((float(theta[0]), float(z[0])))
+        return self._around(places)
+
+    def _around(self, places: list[tuple[float, float]]) -> Reach:
+        found = np.asarray(places) if places else np.zeros((1, 2))
+        low, high = found.min(axis=0), found.max(axis=0)
+        more = AROUND * self.recorder.size
+        return (low[0] - more, high[0] + more), (low[1] - more, high[1] + more)
+
+
+def shape_mesh(
+    shape: Any, theta: tuple[float, float], z: tuple[float, float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Points (n, 3) [m], outward normals (n, 3) and triangles (t, 3) of a shape over ranges of theta and z; a surface
+    of revolution all around, and no farther along than its arc reaches, of a sphere all of it, of a groove
+    what raceways have of it."""
+    profile = shape.profile()
+    around, along = theta, z
+    if not profile.planar:
+        around = (0.0, 2.0 * np.pi)
+        if profile.crown:
+            whole = profile.crown == profile.radius
+            hollow = profile.side * profile.crown < 0.0 and not whole
+            end = (GROOVE if hollow else POLE) * abs(profile.crown)
+            along = (-end, end) if whole else (max(z[0], -end), min(z[1], end))
+    t, s = np.meshgrid(np.linspace(*around, POINTS[0]), _spread(along, profile, POINTS[1]), indexing="ij")
+    t, s = t.ravel(), s.ravel()
+    triangles = fr.grid_triangles(*POINTS)
+    points, normals = shape.point(t, s), shape.normal(t, s)
+    corners = points[triangles[len(triangles) // 4]]
+    outwards = np.cross(corners[1] - corners[0], corners[2] - corners[0]) @ normals[triangles[len(triangles) // 4, 0]]
+    return points, normals, triangles if outwards > 0.0 else triangles[:, ::-1]
+
+
+def _spread(along: tuple[float, float], profile: Any, count: int) -> np.ndarray:
+    """Places along the axis: equal steps, of an arc equal steps of its angle."""
+    if not profile.crown:
+        return np.linspace(*along, count)
+    radius = abs(profile.crown)
+    return radius * np.sin(np.linspace(np.arcsin(along[0] / radius), np.arcsin(along[1] / radius), count))

@@ -12,8 +12,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.output.contact.friction import STATES
-from warpffrf.output.laps.lap_result import LapResult
-from warpffrf.output.laps.on_skin import LapOnSkin
+from warpffrf.output.laps import LapOnSkin, LapResult
 from warpffrf.output.plots.colors import (
     PRESSURE_STOPS,
     STATE_COLORS,

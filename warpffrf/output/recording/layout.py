@@ -6,13 +6,19 @@ from typing import Any
 
 import numpy as np
 
-from warpffrf.output.geometry.grid_places import rotate
-from warpffrf.output.plots.colors import largest, legend_rows
+from warpffrf.output.geometry.places import rotate
+from warpffrf.output.plots.colors import LEAST, largest, legend_rows
 from warpffrf.output.plots.friction import full_slip
-from warpffrf.output.plots.scales import LEAST
-from warpffrf.output.recording.contact_scene import TITLES, relief_name
-from warpffrf.output.recording.contact_series import CONTACT_PLOTS, FRICTION_PLOTS, contact_series
-from warpffrf.output.recording.machine_series import Series, machine_series, plot_kinds
+from warpffrf.output.recording.contact_scene import (
+    CONTACT_PLOTS,
+    FRICTION_PLOTS,
+    TITLES,
+    Series,
+    contact_series,
+    machine_series,
+    plot_kinds,
+    relief_name,
+)
 
 HEADROOM = 1.1  # of the largest value of a plot
 CLOSE_UP_DISTANCE = 0.9  # eye to patch, in widths of the body

@@ -23,15 +23,13 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import MOST_COUNTED, InputError, require_count
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.progress import Progress
 from warpffrf.online.history.history import History
-from warpffrf.output.bodies.lap_loads import left_out
-from warpffrf.output.bodies.shown_skin import DISPLACEMENT, require_field
-from warpffrf.output.bodies.skin import VON_MISES, Skin
-from warpffrf.output.geometry.shown import automatic_factor, frame_rows, rows_every
-from warpffrf.output.geometry.thinning import vertex_normals
+from warpffrf.output.bodies.normal_loads import left_out
+from warpffrf.output.bodies.skin import DISPLACEMENT, VON_MISES, Skin, require_field
+from warpffrf.output.geometry.skin_nodes import automatic_factor, frame_rows, rows_every, vertex_normals
 from warpffrf.output.plots.colors import (
     ColorClasses,
     ColorScale,
@@ -41,14 +39,11 @@ from warpffrf.output.plots.colors import (
     legend_picture,
 )
 from warpffrf.output.recording import frames as fr
-from warpffrf.output.recording.contact_scene import ContactColors, ContactScene
-from warpffrf.output.recording.contact_series import contact_series
-from warpffrf.output.recording.glyphs import Glyphs, force_text, rigid_size
+from warpffrf.output.recording.contact_scene import ContactColors, ContactScene, contact_series, machine_series
+from warpffrf.output.recording.frames import close_stream, in_memory, new_stream
+from warpffrf.output.recording.glyphs import Glyphs, RigidShapes, force_text, rigid_size
 from warpffrf.output.recording.lap_scene import LAP_TEXT, LapColors, LapScene
 from warpffrf.output.recording.layout import blueprint
-from warpffrf.output.recording.machine_series import machine_series
-from warpffrf.output.recording.rigid_shapes import RigidShapes
-from warpffrf.output.recording.streams import close_stream, in_memory, new_stream
 from warpffrf.output.result import Result
 
 MAX_POINTS = 8000  # a body: 16 bytes a point and frame, so 300 frames of two bodies stay under 80 MB

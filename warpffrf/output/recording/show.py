@@ -21,12 +21,12 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 from warpffrf.model.reduced.body import ReducedBody
-from warpffrf.output.geometry.thinning import vertex_normals
+from warpffrf.output.geometry.skin_nodes import vertex_normals
 from warpffrf.output.plots.colors import ColorScale, legend_picture
-from warpffrf.output.plots.mode_picture import MODE_STOPS, ModeSkin, eye_axes, mode_skin
-from warpffrf.output.recording.streams import close_stream, in_memory, new_stream
+from warpffrf.output.plots.modes import MODE_STOPS, ModeSkin, eye_axes, mode_skin
+from warpffrf.output.recording.frames import close_stream, in_memory, new_stream
 from warpffrf.output.recording.viewer import has_screen
 
 RIGID_MODES = 6

@@ -18,7 +18,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 
 WINDOW = (1600, 1000)  # points, two pixels each
 SCREEN = (6600, 4200)  # pixels: the pointer stands in its middle, and must not stand on the window

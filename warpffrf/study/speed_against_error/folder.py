@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 from warpffrf.output.result import Result
 
 STUDY, REFERENCE, SERIES = "study.json", "reference.h5", "series"

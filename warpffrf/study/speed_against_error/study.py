@@ -23,14 +23,20 @@ from warpffrf.study.speed_against_error.choices import (
     given_choices,
     label_of,
 )
-from warpffrf.study.speed_against_error.errors import contact_forces, errors_of, measures_of
+from warpffrf.study.speed_against_error.errors import (
+    check_interval,
+    check_points,
+    common_interval,
+    common_rows,
+    contact_forces,
+    errors_of,
+    measures_of,
+    motion_of,
+)
 from warpffrf.study.speed_against_error.folder import Folder
-from warpffrf.study.speed_against_error.machine import load_before, sitting
-from warpffrf.study.speed_against_error.machines import Machines, source_of
+from warpffrf.study.speed_against_error.machines import Machines, load_before, sitting, source_of
 from warpffrf.study.speed_against_error.outcome import SpeedError
-from warpffrf.study.speed_against_error.places import check_points, motion_of
 from warpffrf.study.speed_against_error.runs import Row, refused, run_setting
-from warpffrf.study.speed_against_error.times import check_interval, common_interval, common_rows
 
 REFINED = 4
 

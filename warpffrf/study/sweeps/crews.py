@@ -26,7 +26,7 @@ from typing import Any, Protocol
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
-from warpffrf.model.messages.interruption import deaf_children
+from warpffrf.model.messages.progress import deaf_children
 from warpffrf.study.sweeps.errand import answers
 from warpffrf.study.sweeps.job import Answer, Job, Numbered
 from warpffrf.study.sweeps.parcel import Parcel

@@ -13,8 +13,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count
-from warpffrf.study.sweeps.parameters import Parameter, parameters_of
-from warpffrf.study.sweeps.samples import MOST_ROWS, sampled
+from warpffrf.study.sweeps.parameters import MOST_ROWS, Parameter, parameters_of, sampled
 
 GIVEN = "as given"
 

@@ -2,7 +2,7 @@
 
     sweep.json            what the sweep is: scene, parameters, outputs, versions; written first
     lock                  held by the process that runs it; says which
-    runs/000012.arrays    a run that has ended, a small sealed file (`model/files/sealed_arrays.py`), until it is in the
+    runs/000012.arrays    a run that has ended, a small sealed file (`model/files/sealed_file.py`), until it is in the
     table table.h5              all rows (`table.py`)
     bodies/HASH.h5        reduced bodies that workers read (`packing.py`)
 
@@ -25,12 +25,10 @@ from typing import IO, Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import ENDING, remove_left_over_in, written_whole
-from warpffrf.model.files.processes import locked
-from warpffrf.model.files.sealed_arrays import read_arrays, write_arrays
+from warpffrf.model.files.paths import ENDING, locked, remove_left_over_in, written_whole
+from warpffrf.model.files.sealed_file import read_arrays, write_arrays
 from warpffrf.study.sweeps.design import Design
-from warpffrf.study.sweeps.job import Answer
-from warpffrf.study.sweeps.outputs import Value
+from warpffrf.study.sweeps.job import Answer, Value
 from warpffrf.study.sweeps.table import Table
 
 KIND = "warpffrf sweep"

@@ -14,7 +14,7 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.study.sweeps.folder import Folder
-from warpffrf.study.sweeps.outputs import TIME
+from warpffrf.study.sweeps.job import TIME
 from warpffrf.study.sweeps.table import TIME_OF_RUN, axes_of, opened, values_of, variables_of
 
 if TYPE_CHECKING:

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import written_whole
+from warpffrf.model.files.paths import written_whole
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.reduced.file import read_reduced_body
 from warpffrf.study.sweeps.job import OTHER_VERSIONS, Answer, Job, Numbered, versions

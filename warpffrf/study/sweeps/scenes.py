@@ -1,10 +1,18 @@
-"""Where the scene of a row comes from: a scene file with the parameters set, or a function that builds it from them."""
+"""Where the scene of a row comes from: a scene file with the parameters set, or a function that builds it from them.
+
+Together. Rows that run as worlds of one graph: `simulate_worlds` of their scenes.
+
+Their numbers are those of single runs, bit for bit on a CPU. Rows run one by one where they cannot run so: where a
+scene is of another kind than the first or is wrong, where all of them fail, and with options that worlds do not have.
+The table says in how many worlds each row ran.
+"""
 
 from __future__ import annotations
 
 import hashlib
 import inspect
 import json
+import logging
 import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager, contextmanager
@@ -13,6 +21,8 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from warpffrf.model.errors import InputError, unknown_name
+from warpffrf.output.result import Result
+from warpffrf.output.worlds import simulate_worlds
 from warpffrf.scene_file.document import merged_document, resolved, with_settings
 from warpffrf.scene_file.kept import Kept
 from warpffrf.scene_file.load import scene_of_document
@@ -143,3 +153,21 @@ def scenes_of(scene: Any, settings: Sequence[str]) -> Scenes:
         f"sweep: give a scene file, or a function build(**parameters) that returns a Scene, got {scene!r}; a Scene "
         "that is built has no parameters"
     )
+
+
+OTHERS = {"scenes", "device", "progress", "results", "overwrite"}  # arguments that no row has a say in
+HAVE = frozenset(inspect.signature(simulate_worlds).parameters) - OTHERS  # options that worlds have
+
+
+def results_together(
+    scenes: Sequence[Any], options: Sequence[Mapping[str, Any]], device: str | None
+) -> list[Result] | None:
+    """The results of `simulate` of scenes with their options; None where they have to run one by one."""
+    first = options[0]
+    if not set(first) <= HAVE or "duration" not in first or any(other != first for other in options):
+        return None
+    try:
+        return simulate_worlds(scenes, **first, device=device, progress=False)
+    except Exception:  # which of them is at fault, and how, single runs say
+        logging.getLogger("warpffrf").debug("sweep: %d worlds failed", len(scenes), exc_info=True)
+        return None

@@ -17,17 +17,25 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from warpffrf.model.errors import InputError, require_count
-from warpffrf.model.messages.console import speaking
-from warpffrf.model.messages.interruption import deferred_interrupts, terminated_as_interrupted
 from warpffrf.model.messages.named_arguments import named_arguments
-from warpffrf.model.messages.progress import Progress
+from warpffrf.model.messages.progress import Progress, deferred_interrupts, speaking, terminated_as_interrupted
 from warpffrf.study.sweeps.cluster import Cluster, client_at
 from warpffrf.study.sweeps.crews import Answers, Crew, Elsewhere, Here, Processes, WorkerDied, refuse_in_workers
 from warpffrf.study.sweeps.design import Design, Row, design_of
 from warpffrf.study.sweeps.folder import Folder
-from warpffrf.study.sweeps.job import FILES, LOST, NO_QUANTITY, OTHER_VERSIONS, OWN, Answer, Job, NoCall, versions
+from warpffrf.study.sweeps.job import (
+    FILES,
+    LOST,
+    NO_QUANTITY,
+    OTHER_VERSIONS,
+    OWN,
+    Answer,
+    Job,
+    NoCall,
+    outputs_of,
+    versions,
+)
 from warpffrf.study.sweeps.outcome import Sweep
-from warpffrf.study.sweeps.outputs import outputs_of
 from warpffrf.study.sweeps.packing import packed
 from warpffrf.study.sweeps.scenes import scenes_of
 from warpffrf.study.sweeps.table import TAKEN
@@ -68,7 +76,7 @@ def sweep(
     "latin:64", "sobol:64", "random:64" or "saltelli:64" drawn with `seed`; or rows as they are, [{name: value}, ...] or
     a table of pandas. outputs: {name: what} or a list of texts; what is "max(contact_peak_pressure[a-b])", a history by
     its name in `Result.to_dataframe`, or a function of a Result that gives a number or an array
-    (`warpffrf.study.sweeps.outputs`). store: the folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`,
+    (`warpffrf.study.sweeps.job`). store: the folder of the sweep, NAME.sweep. settings: "name=value" as of `--set`,
     for all rows. simulate, equilibrium: options of these calls, beside those that come with the scene; equilibrium={}
     for equilibria only.
 

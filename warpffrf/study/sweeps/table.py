@@ -29,12 +29,11 @@ import numpy as np
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.files import hdf5_parts
-from warpffrf.model.files.hdf5_probe import probe
-from warpffrf.model.files.sealed_file import require_seal, verify, written_sealed
+from warpffrf.model.files.hdf5_parts import probe
+from warpffrf.model.files.sealed_file import check_schema, verify, written_sealed
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.study.sweeps.design import Row
-from warpffrf.study.sweeps.job import FAILED, Answer
-from warpffrf.study.sweeps.outputs import TIME, Value
+from warpffrf.study.sweeps.job import FAILED, TIME, Answer, Value
 
 MARK, SCHEMA = "warpffrf sweep table", 1
 RUN, TIME_OF_RUN, SAVED, BUDGET, SOURCE = "run", "time_of_run", "saved_steps", "error_budget", "error_source"
@@ -259,11 +258,9 @@ def opened(path: Path) -> Iterator[Any]:
     _whole(path.absolute(), _state(path))
     try:
         with h5py.File(path, "r") as file:
-            schema = int(file.attrs.get("schema", 0))
             if file.attrs.get("format") != MARK:
                 raise InputError(f"{subject} is no table of a sweep")
-            if schema > SCHEMA:
-                raise InputError(f"{subject} is of a newer version; update")
+            check_schema(int(np.asarray(file.attrs["schema"])), SCHEMA, subject, "run the sweep again")
             yield file
     except InputError as error:
         raise error if str(error).startswith("sweep: ") else InputError(f"{subject}: {error}; {CURE}") from None
@@ -283,7 +280,7 @@ def _whole(path: Path, state: tuple[int, int, int]) -> None:
     written, once for each `state` of the file: where it is, when it was written, its size. Raises `InputError`, each
     time anew."""
     subject = f"sweep: {path}"
-    require_seal(verify(path, subject, CURE), SCHEMA, 1, subject, CURE)
+    verify(path, subject, CURE)
     if (path, state) not in _written:
         probe(path, subject, CURE)
 

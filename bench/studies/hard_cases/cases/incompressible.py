@@ -16,7 +16,7 @@ from studies.hard_cases.case import Case, Finding
 from warpffrf.model.material import Material
 from warpffrf.model.reduced.body import ReducedBody
 from warpffrf.model.scene import Scene
-from warpffrf.output.contact.hertz_patch import HertzLine
+from warpffrf.output.contact.hertz import HertzLine
 from warpffrf.output.result import Result
 
 SOFT = Material(210e9, 0.4999, 7850.0, name="nearly incompressible steel")

@@ -2,18 +2,18 @@ r"""Local coordinates of the contact surfaces of a body: a diagonal system, and 
 
     quasi-static   D = V diag(l) V^T (hat compliance): u = Tr xi, Tr = V |l|^1/2, kappa = sign l, no mass, so that
                    Tr kappa^-1 Tr^T = D. Directions of D without compliance (|l| below `NO_COMPLIANCE` of the largest)
-                   are left out. Negative ones there are only where normals lean (`warpffrf.model.reduced.slopes`).
+                   are left out. Negative ones there are only where normals lean (`warpffrf.model.reduced.local_modes`).
     hht            the M-orthonormal modes of `warpffrf.model.reduced.local_modes`: Tr = trace, mu = 1, kappa = omega^2,
                    c = 2 zeta omega, and the compliance of what was cut as quasi-static coordinates beside them.
 
 Hat forces f load them with Tr^T f. One coordinate a hat, thousands a body: this is the conventional system on purpose.
 
 With friction D is the compliance of hats and of both tangential tractions together, [[D, D_nt], [D_nt^T, D_tt]]
-(`warpffrf.model.reduced.tangential`), so that pressures move the surface sideways and tractions lift it: three
+(`warpffrf.model.reduced.contact_surface`), so that pressures move the surface sideways and tractions lift it: three
 coordinates a hat, quasi-static, `trace` and `shear` the rows of Tr.
 
 Several surfaces of a body that are loaded have quasi-static coordinates in common: D is then the compliance of all
-their functions, [[D_11, D_12], [D_12^T, D_22]] of two (`warpffrf.model.reduced.cross_compliance`), and each surface has
+their functions, [[D_11, D_12], [D_12^T, D_22]] of two (`warpffrf.model.reduced.contact_surface`), and each surface has
 its rows of Tr. What loads on one surface do to another is in them.
 """
 
@@ -28,8 +28,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.reduced.local_modes import dynamic_modes
-from warpffrf.model.reduced.slopes import leant
+from warpffrf.model.reduced.local_modes import dynamic_modes, leant
 
 NO_COMPLIANCE = 1e-14  # of the largest eigenvalue of D: round-off of the decomposition
 MOST_COORDINATES = 6000  # a body: the dense Jacobian of two such bodies takes more than 1 GB
@@ -41,7 +40,7 @@ _KNOWN: WeakKeyDictionary[Any, dict[tuple[Loaded, ...], list[LocalCoordinates]]]
 @dataclass(frozen=True)
 class Loaded:
     """A contact surface of a reduced body as a scene loads it: its name, with friction or without, and how much its
-    normals lean (`warpffrf.model.reduced.slopes`)."""
+    normals lean (`warpffrf.model.reduced.local_modes`)."""
 
     name: str
     friction: bool

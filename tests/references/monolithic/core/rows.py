@@ -1,6 +1,6 @@
 r"""Rows of joints and springs: value, generalised force and the exact derivatives of both, in NumPy.
 
-A row is a scalar function c of two markers (kinds in `warpffrf.model.joints.rows` and `model.forces.laws`). A marker
+A row is a scalar function c of two markers (kinds in `warpffrf.model.joints.base` and `model.forces.laws`). A marker
 stands on a body, or on an interface that moves by (u, theta) = Phi^T q about its point X_f:
 
     x = r + A (X + u + theta x (X - X_f)),      R = A exp(theta^) L.

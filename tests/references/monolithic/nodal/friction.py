@@ -21,7 +21,7 @@ d = 1 - beta (1 - c sigma),
 
 ds, dp the changes of slip and pressure. A coefficient that depends on the slip speed gives m = mu' p/h and a = 1 +
 sigma m, as w is along -e. Where a is not clearly positive the node alone does not resist the fall of its bound
-(`warpffrf.model.friction.law`); there, and where the tangent leads to a bound that the law has at no speed, the bound
+(`warpffrf.model.friction`); there, and where the tangent leads to a bound that the law has at no speed, the bound
 is that of the iteration before, m = 0. The bound follows the pressure, so the tangent is not symmetric. With c = k_t
 and F = 0 it is the consistent tangent of return mapping.
 

@@ -1,6 +1,6 @@
 r"""Pressure and tangent of any layer law at a node, as a function of its gap and of how fast that closes.
 
-With the depth d = -g, the elastic curve P(d) of the law and chi its damping (`warpffrf.model.laws.law`)
+With the depth d = -g, the elastic curve P(d) of the law and chi its damping (`warpffrf.model.laws.layers`)
 
     p = max(P(d) (1 + chi d_dot), 0),        d_dot = (g_before - g)/h,
     dp/dg = -P'(d) (1 + chi d_dot) - P(d) chi/h    where p > 0,      W = int P dd.

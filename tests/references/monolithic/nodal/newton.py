@@ -22,7 +22,7 @@ from references.monolithic.nodal.tangent import LinearisedPair
 
 PATIENCE = 8  # iterations with whole steps, as a change of the active set may raise the imbalance
 MOST_HALVINGS = 4  # then on from a sixteenth: the imbalance has a kink there
-LONGEST = 1e-2  # of the smaller radius: how deep bodies may start in one another (`warpffrf.model.checks.overlap`)
+LONGEST = 1e-2  # of the smaller radius: how deep bodies may start in one another (`warpffrf.model.checks.contacts`)
 MAX_ITERATIONS = 80  # of Newton, halvings apart
 
 

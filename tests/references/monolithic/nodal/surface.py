@@ -1,8 +1,8 @@
 """The two surfaces of a pair with the law at nodes: FE nodes of the first, the true shape and the hats of the second.
 
 Places are about the centres of mass, in body axes. Displacements of both surfaces are given on their hats, along normal
-and tangents (`warpffrf.model.reduced.tangential`), by global modes and local coordinates: at a node, or at the place
-opposite it, they are what the hats interpolate.
+and tangents (`warpffrf.model.reduced.contact_surface`), by global modes and local coordinates: at a node, or at the
+place opposite it, they are what the hats interpolate.
 """
 
 from __future__ import annotations

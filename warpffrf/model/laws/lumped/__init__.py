@@ -1,5 +1,4 @@
-"""Laws of lumped contacts: force against the approach of two rigid surfaces. One file a law; `base` has what they
-share.
+"""Laws of lumped contacts: force against the approach of two rigid surfaces. `base` has what they share.
 
 With the approach a [m] of the undeformed surfaces, which is how deep they lie in one another, and the force F [N]
 
@@ -17,12 +16,8 @@ from __future__ import annotations
 from typing import Any
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.laws.lumped.base import Approach, LumpedLaw
-from warpffrf.model.laws.lumped.hertz_point import HertzPoint
-from warpffrf.model.laws.lumped.iso_lamina import IsoLamina
-from warpffrf.model.laws.lumped.palmgren_line import PalmgrenLine
-from warpffrf.model.laws.lumped.power_force import PowerForce
-from warpffrf.model.laws.lumped.tabulated_force import TabulatedForce
+from warpffrf.model.laws.lumped.base import Approach, LumpedLaw, PowerForce, TabulatedForce
+from warpffrf.model.laws.lumped.hertz_point import HertzPoint, IsoLamina, PalmgrenLine
 
 LUMPED_LAWS = {law.kind: law for law in (HertzPoint, PalmgrenLine, IsoLamina, PowerForce, TabulatedForce)}
 

@@ -10,19 +10,27 @@ half-spaces and a circular patch k_n = 2 b E*, k_t = 8 b G* (Mindlin 1949), b th
     kappa = 4 G*/E*,      1/G* = sum (2 - nu)/G,      1/E* = sum (1 - nu^2)/E,
 
 which is 2 (1 - nu)/(2 - nu) for like materials, 0.8235 at nu = 0.3. A longer patch has another one by a few per cent.
+
+Power force. A force that is a power of the approach, F = K a^n: a stop, a bumper, a contact whose law is known
+otherwise.
+
+Tabulated force. A force that is given by a table against the approach, straight between its points; the last piece goes
+on.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import asdict, dataclass, field
+from dataclasses import KW_ONLY, asdict, dataclass, field
 from typing import Any, ClassVar
 
 import numpy as np
 
-from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.laws.hunt_crossley import chi_times_speed
-from warpffrf.model.moments.patch import Patch
+from warpffrf.model.laws.layers import MOST_POINTS
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.model.moments import Patch
 
 STEEL_SHEAR = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # kappa of like materials with nu = 0.3
 
@@ -107,3 +115,78 @@ class LumpedLaw(ABC):
 
     def _keep(self, name: str, value: Any) -> None:
         object.__setattr__(self, name, value)
+
+
+@named_arguments
+@dataclass(frozen=True)
+class PowerForce(LumpedLaw):
+    """F = stiffness * approach^exponent where two surfaces touch in a point.
+
+    stiffness [N/m^exponent] positive, exponent at least 1. shear: tangential stiffness over the normal one, of friction
+    that sticks. damping, restitution and impact_speed as in `LumpedLaw`. Raises `InputError`.
+    """
+
+    stiffness: float
+    exponent: float = 1.5
+    _: KW_ONLY
+    shear: float = STEEL_SHEAR
+    kind: ClassVar[str] = "power_force"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, unit in (("stiffness", " [N/m^exponent]"), ("exponent", ""), ("shear", "")):
+            self._keep(name, require_number(getattr(self, name), f"PowerForce: {name}{unit}", positive=True))
+        if self.exponent < 1.0:
+            raise InputError(
+                f"PowerForce: exponent must be at least 1, got {self.exponent:g}: the stiffness would be infinite at "
+                "touch; use laws.TabulatedForce"
+            )
+
+    def approach(self, meeting: Meeting) -> Approach:
+        return Approach(self.stiffness, self.exponent, shear=self.shear)
+
+
+@named_arguments
+@dataclass(frozen=True)
+class TabulatedForce(LumpedLaw):
+    """`forces` (n,) [N] at the approaches (n,) [m], both rising strictly, the first force zero; below the first
+    approach, which may be negative, there is none. For surfaces that touch in a point.
+
+    shear [-]: tangential stiffness over the normal one, of friction that sticks. damping, restitution and impact_speed
+    as in `LumpedLaw`. Raises `InputError` for a table that folds over itself.
+    """
+
+    approaches: tuple[float, ...]
+    forces: tuple[float, ...]
+    _: KW_ONLY
+    shear: float = STEEL_SHEAR
+    kind: ClassVar[str] = "tabulated_force"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        a = require_array(self.approaches, "TabulatedForce: approaches [m]", (None,))
+        F = require_array(self.forces, "TabulatedForce: forces [N]", (None,))
+        if len(a) != len(F) or len(a) < 2:
+            raise InputError(
+                "TabulatedForce: as many forces as approaches are needed, two at least, got "
+                f"{len(a)} approaches and {len(F)} forces"
+            )
+        if len(a) > MOST_POINTS:
+            raise InputError(f"TabulatedForce: at most {MOST_POINTS} points, got {len(a)}; thin the table")
+        for name, values in (("approaches", a), ("forces", F)):
+            if np.any(falls := np.diff(values) <= 0.0):
+                i = int(np.argmax(falls))
+                raise InputError(
+                    f"TabulatedForce: the table folds over itself, {name} must rise strictly, got {values[i]:g} and "
+                    f"then {values[i + 1]:g} (points {i} and {i + 1})"
+                )
+        if F[0] != 0.0:
+            raise InputError(
+                f"TabulatedForce: the first force must be 0, got {F[0]:g} N; add the approach where contact begins"
+            )
+        self._keep("approaches", tuple(float(x) for x in a))
+        self._keep("forces", tuple(float(x) for x in F))
+        self._keep("shear", require_number(self.shear, "TabulatedForce: shear", positive=True))
+
+    def approach(self, meeting: Meeting) -> Approach:
+        return Approach(table=np.stack([self.approaches, self.forces], axis=1), shear=self.shear)

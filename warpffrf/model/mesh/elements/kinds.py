@@ -57,7 +57,7 @@ class FacetKind(Lagrange):
 class CellKind(Lagrange):
     """A kind of volume cell: its `faces` {facet kind: (f, kf) local node numbers, outward}, a quadrature rule exact for
     its volume, and the exponents of the polynomial in which the dilatation of a nearly incompressible material is
-    taken, None where there is none (`warpffrf.offline.fe.dilatation`)."""
+    taken, None where there is none (`warpffrf.offline.fe`)."""
 
     faces: dict[str, Array]
     quadrature_points: Array  # (q, 3)

@@ -1,17 +1,20 @@
-"""Gmsh's .msh files, versions 1, 2.x, 4.0 and 4.1, as text and (2.x, 4.1) binary, read here and strictly.
+"""Gmsh's .msh files, versions 2.x and 4.1, as text and binary, read here and strictly.
 
 meshio reads the numbers of a file as one long row, loses groups of entities that are turned round, refuses groups on
 some of the entities and stops at partitions. Here each line has as many numbers as its kind needs (Gmsh reference
 manual, "MSH file format"), and what a file counts is held against what it has.
 
-Elements get the names of the physical groups of their entity (in versions 1 and 2 those in their line; an element that
-is there once for each of its groups is one element): `surface_<tag>` and `volume_<tag>` where a group has no name. Of a
+Elements get the names of the physical groups of their entity (in version 2 those in their line; an element that is
+there once for each of its groups is one element): `surface_<tag>` and `volume_<tag>` where a group has no name. Of a
 partition without groups those of the entity that it was cut from count. A group's number is negative where an entity
 is turned round in it. Points, curves and what is stored with nodes and elements are left out and counted in notes.
+
+Gmsh scanner. The numbers of a .msh file, line by line of a text or one behind the other in a binary file.
 """
 
 from __future__ import annotations
 
+import struct
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -20,8 +23,7 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import MOST_DIGITS, read_named
-from warpffrf.model.mesh.files.gmsh_scanner import SHOWN, Scanner, are_numbers
+from warpffrf.model.files.paths import MOST_DIGITS, read_named
 from warpffrf.model.mesh.files.raw_mesh import RawMesh
 
 Array = np.ndarray
@@ -75,18 +77,17 @@ def read_gmsh(path: Path) -> RawMesh:
     for volume cells of a kind that is not supported, and where there are none."""
     scan, found = Scanner(path, read_named(path, "mesh file")), _Found()
     while (word := _section(scan)) is not None:
-        reader = _SECTIONS.get((scan.version[:1] if scan.version[:1] == b"2" else scan.version, word.decode("latin-1")))
+        reader = _SECTIONS.get((scan.version[:1], word.decode("latin-1")))
         if word == b"$MeshFormat":
             _format(scan)
-        elif word in (b"$NOD", b"$ELM"):
-            scan.version = b"1"
-            _SECTIONS[b"1", word.decode()](scan, found)
+        elif word == b"$NOD":
+            raise InputError(f"mesh file {path.name}: version 1 of the format is not read; {SAVE}")
+        elif word == b"$ParametricNodes":
+            raise InputError(f"mesh file {path.name}: nodes with parameters of version 2 are not read; {SAVE}")
         elif not scan.version and word != b"$Comments":
             raise scan.damaged("its first section is not $MeshFormat")
         elif reader is not None:
             reader(scan, found)
-        elif word == b"$PartitionedEntities":
-            raise InputError(f"mesh file {path.name}: partitions of version 4.0 are not read; {SAVE}")
         else:
             _skip(scan, word)
             if word.decode("latin-1") not in SKIPPED:
@@ -115,7 +116,7 @@ def _section(scan: Scanner) -> bytes | None:
 
 def _close(scan: Scanner, word: bytes) -> None:
     scan.end(f"the end of {word.decode()}")
-    wanted = b"$END" + word[1:] if word in (b"$NOD", b"$ELM") else b"$End" + word[1:]
+    wanted = b"$End" + word[1:]
     line = scan.text_line()
     while scan.at < len(scan.content) and not line.strip():
         line = scan.text_line()
@@ -140,14 +141,12 @@ def _format(scan: Scanner) -> None:
     if len(fields) != 3 or fields[1] not in (b"0", b"1"):
         raise scan.fault("version, 0 or 1 and 8", line)
     version, kind, size = fields
-    if version not in (b"2", b"2.0", b"2.1", b"2.2", b"4", b"4.0", b"4.1") or size != b"8":
+    if version not in (b"2", b"2.0", b"2.1", b"2.2", b"4.1") or size != b"8":
         raise InputError(
             f"mesh file {scan.path.name}: version {version[:9].decode('latin-1')} of the format is not read; {SAVE}"
         )
-    scan.version = b"4.0" if version == b"4" else version
+    scan.version = version
     if kind == b"1":
-        if scan.version == b"4.0":
-            raise InputError(f"mesh file {scan.path.name}: binary files of version 4.0 are not read; {SAVE}")
         one = scan.content[scan.at : scan.at + 4]
         if one not in (b"\1\0\0\0", b"\0\0\0\1"):
             raise scan.damaged("it does not say its order of bytes")
@@ -179,7 +178,7 @@ def _entities(scan: Scanner, found: _Found) -> None:
     for dim, count in enumerate(counts):
         for _ in range(count):
             (tag,) = scan.take("i", what)
-            scan.take("d" * (3 if dim == 0 and scan.version == b"4.1" else 6), what)
+            scan.take("d" * (3 if dim == 0 else 6), what)
             _entity(scan, found, dim, tag, what)
 
 
@@ -225,36 +224,28 @@ def _take_nodes(scan: Scanner, found: _Found, numbers: Array, points: Array, tot
 
 
 def _nodes_4(scan: Scanner, found: _Found) -> None:
-    new = scan.version == b"4.1"
-    blocks, total = scan.head("nnnn" if new else "nn", "the numbers of $Nodes")[:2]
+    blocks, total = scan.head("nnnn", "the numbers of $Nodes")[:2]
     numbers, points = [np.zeros((0, 1), dtype=np.int64)], [np.zeros((0, 3))]
     for _ in range(blocks):
-        a, b, parametric, count = scan.head("iiin", "'dimension entity parametric count' of nodes")
-        dim = a if new else b
+        dim, _, parametric, count = scan.head("iiin", "'dimension entity parametric count' of nodes")
         if not 0 <= dim <= 3 or parametric not in (0, 1):
             raise scan.damaged("a block of nodes has no dimension from 0 to 3")
-        reals = 3 + (dim if parametric else 0)
-        if new:
-            n, _ = scan.table(count, 1, 0, "the number of a node", "n")
-            _, x = scan.table(count, 0, reals, "the coordinates of a node")
-        else:
-            n, x = scan.table(count, 1, reals, "'number x y z' of a node")
+        n, _ = scan.table(count, 1, 0, "the number of a node", "n")
+        _, x = scan.table(count, 0, 3 + (dim if parametric else 0), "the coordinates of a node")
         numbers.append(n)
         points.append(x[:, :3])
     _take_nodes(scan, found, np.concatenate(numbers)[:, 0], np.concatenate(points), total)
 
 
 def _elements_4(scan: Scanner, found: _Found) -> None:
-    new = scan.version == b"4.1"
-    blocks, total = scan.head("nnnn" if new else "nn", "the numbers of $Elements")[:2]
+    blocks, total = scan.head("nnnn", "the numbers of $Elements")[:2]
     have = 0
     for _ in range(blocks):
-        a, b, kind, count = scan.head("iiin", "'dimension entity type count' of elements")
-        entity = (a, b) if new else (b, a)
+        dim, entity, kind, count = scan.head("iiin", "'dimension entity type count' of elements")
         _, nodes = _known(scan, kind)
         what = "'number nodes' of an element, with all of its nodes"
         rows, _ = scan.table(count, 1 + nodes, 0, what, "n")
-        found.elements.append((kind, entity, rows, None))
+        found.elements.append((kind, (dim, entity), rows, None))
         have += count
     if have != total:
         raise InputError(f"mesh file {scan.path.name}: has {have} elements and says {total}; export it again")
@@ -271,9 +262,6 @@ def _known(scan: Scanner, kind: int) -> tuple[int, int]:
 
 def _nodes_2(scan: Scanner, found: _Found) -> None:
     (total,) = _count(scan, "the number of nodes")
-    if scan.version == b"1" and len(scan.content[scan.at :].split(b"\n", 1)[0].split()) > 4:
-        _rows_with_parameters(scan, found, total)
-        return
     n, x = scan.table(total, 1, 3, "'number x y z' of a node")
     _take_nodes(scan, found, n[:, 0], x, total)
 
@@ -284,24 +272,6 @@ def _count(scan: Scanner, what: str) -> list[int]:
     found = scan.head("n", what)
     scan.binary = binary
     return found
-
-
-def _parametric_2(scan: Scanner, found: _Found) -> None:
-    """`number x y z dimension entity` and as many parameters as a curve or surface has."""
-    (total,) = _count(scan, "the number of nodes")
-    _rows_with_parameters(scan, found, total)
-
-
-def _rows_with_parameters(scan: Scanner, found: _Found, total: int) -> None:
-    what = "'number x y z dimension entity parameters' of a node"
-    rows = []
-    for _ in range(total):
-        rows.append(scan.take("iddd", what))
-        dim, _ = scan.take("ii", what)
-        scan.take("d" * (dim if dim in (1, 2) else 0), what)
-        scan.end(what)
-    table = np.array(rows).reshape(-1, 4)
-    _take_nodes(scan, found, table[:, 0].astype(np.int64), table[:, 1:], total)
 
 
 def _elements_2(scan: Scanner, found: _Found) -> None:
@@ -332,7 +302,10 @@ def _elements_2(scan: Scanner, found: _Found) -> None:
             if len(values) != 3 + tags + _known(scan, kind)[1]:
                 raise scan.fault(what, line, number)
             _sort_in(rows, kind, values[3 : 3 + tags], [values[0], *values[3 + tags :]])
-    _take_rows(scan, found, rows)
+    for (kind, entity, group), table in rows.items():
+        dim, nodes = _known(scan, kind)
+        found.elements.append((kind, (dim, entity), np.array(table, dtype=np.int64).reshape(-1, 1 + nodes),
+                               np.full(len(table), group)))  # fmt: skip
 
 
 def _sort_in(rows: dict, kind: int, tags: list[int], row: list[int]) -> None:
@@ -340,44 +313,15 @@ def _sort_in(rows: dict, kind: int, tags: list[int], row: list[int]) -> None:
     rows.setdefault((kind, abs(entity), abs(tags[0]) if tags else 0), []).append(row)
 
 
-def _take_rows(scan: Scanner, found: _Found, rows: dict) -> None:
-    for (kind, entity, group), table in rows.items():
-        dim, nodes = _known(scan, kind)
-        found.elements.append((kind, (dim, entity), np.array(table, dtype=np.int64).reshape(-1, 1 + nodes),
-                               np.full(len(table), group)))  # fmt: skip
-
-
-def _elements_1(scan: Scanner, found: _Found) -> None:
-    """`number type group entity count nodes`."""
-    (total,) = scan.head("n", "the number of elements")
-    what = "'number type group entity count nodes' of an element"
-    lines, begin = scan.lines(total, what)
-    rows: dict[tuple[int, int, int], list[Array | list[int]]] = {}
-    for number, line in enumerate(lines, start=begin):
-        words = line.split()
-        values = [int(w) for w in words] if are_numbers(words, len(words)) else []
-        if len(values) < 5 or len(values) != 5 + values[4] or values[4] != _known(scan, values[1])[1]:
-            raise scan.fault(what, line, number)
-        _sort_in(rows, values[1], values[2:4], [values[0], *values[5:]])
-    _take_rows(scan, found, rows)
-
-
 _SECTIONS: dict[tuple[bytes, str], Callable[[Scanner, _Found], None]] = {
-    (b"1", "$NOD"): _nodes_2,
-    (b"1", "$ELM"): _elements_1,
     (b"2", "$PhysicalNames"): _names,
     (b"2", "$Nodes"): _nodes_2,
-    (b"2", "$ParametricNodes"): _parametric_2,
     (b"2", "$Elements"): _elements_2,
-    (b"4.0", "$PhysicalNames"): _names,
-    (b"4.0", "$Entities"): _entities,
-    (b"4.0", "$Nodes"): _nodes_4,
-    (b"4.0", "$Elements"): _elements_4,
-    (b"4.1", "$PhysicalNames"): _names,
-    (b"4.1", "$Entities"): _entities,
-    (b"4.1", "$PartitionedEntities"): _partitions,
-    (b"4.1", "$Nodes"): _nodes_4,
-    (b"4.1", "$Elements"): _elements_4,
+    (b"4", "$PhysicalNames"): _names,
+    (b"4", "$Entities"): _entities,
+    (b"4", "$PartitionedEntities"): _partitions,
+    (b"4", "$Nodes"): _nodes_4,
+    (b"4", "$Elements"): _elements_4,
 }
 
 
@@ -438,7 +382,7 @@ TYPES_BY_KIND = {kind: dim for dim, _, kind, _ in TYPES.values()}
 
 
 def _once(rows: Array, tables: list[tuple[tuple[int, int], Array, Array | None]]) -> tuple[Array, Array]:
-    """Rows that count, and for each row which of those it is: versions 1 and 2 give an element once for each group."""
+    """Rows that count, and for each row which of those it is: version 2 gives an element once for each group."""
     if all(group is None for _, _, group in tables):
         return np.arange(len(rows)), np.arange(len(rows))
     marks = np.concatenate(
@@ -479,3 +423,127 @@ def _notes(found: _Found, others: Counter[str], groups: dict[str, list[Array]]) 
     if found.unused:
         notes.append(f"sections that are not used: {', '.join(f'{n} ({c})' for n, c in found.unused.items())}")
     return tuple(notes)
+
+
+SHOWN = 60  # characters of a bad line in a message
+
+
+class Scanner:
+    """The content of a file, as text or binary, from `at` on."""
+
+    def __init__(self, path: Path, content: bytes) -> None:
+        self.path, self.content = path, content
+        self.at, self.line = 0, 0
+        self.binary, self.order, self.version = False, "<", b""
+        self._words: list[bytes] = []
+
+    def fault(self, what: str, line: bytes | None = None, number: int | None = None) -> InputError:
+        if self.binary:
+            return self.damaged(what)
+        if self.at >= len(self.content) and line is None:
+            return InputError(f"mesh file {self.path.name}: cannot be read (it ends too early); export it again")
+        shown = (line or b"")[:SHOWN].decode("ascii", errors="replace").strip()
+        at = number or self.line
+        return InputError(f"mesh file {self.path.name}, line {at}: {shown!r} is not {what}; export it again")
+
+    def damaged(self, what: str) -> InputError:
+        return InputError(f"mesh file {self.path.name}: cannot be read ({what}); export it again")
+
+    def text_line(self) -> bytes:
+        """The next line without its end."""
+        end = self.content.find(b"\n", self.at)
+        end = len(self.content) if end < 0 else end
+        found = self.content[self.at : end]
+        self.at, self.line = end + 1, self.line + 1
+        return found
+
+    def take(self, form: str, what: str) -> list:
+        """Numbers: i an int, n a size, d a double; of a text the next words, from the next line where a line ends."""
+        if self.binary:
+            layout = self.order + form.replace("n", "Q")
+            size = struct.calcsize(layout)
+            if self.at + size > len(self.content):
+                raise self.damaged("it ends too early")
+            values = list(struct.unpack_from(layout, self.content, self.at))
+            self.at += size
+            return values
+        if form and not self._words:
+            line = self.text_line()
+            self._words = line.split()[::-1]
+            if not self._words:
+                raise self.fault(what, line)
+        values = []
+        for letter in form:
+            if not self._words:
+                raise self.fault(what, b"")
+            values.append(self._number(self._words.pop(), letter == "d", what))
+        return values
+
+    def end(self, what: str) -> None:
+        """The line has no more words."""
+        if self._words:
+            raise self.fault(what, b" ".join(self._words[::-1]))
+
+    def head(self, form: str, what: str) -> list:
+        """The numbers of a line of their own."""
+        values = self.take(form, what)
+        self.end(what)
+        return values
+
+    def _number(self, word: bytes, real: bool, what: str) -> float | int:
+        try:
+            if b"_" in word or (not real and len(word) > MOST_DIGITS):
+                raise ValueError
+            value = float(word) if real else int(word)
+        except ValueError:
+            raise self.fault(what, word) from None
+        if not np.isfinite(value):
+            raise self.fault(what, word)
+        return value
+
+    def table(self, count: int, ints: int, reals: int, what: str, size: str = "i") -> tuple[Array, Array]:
+        """`count` lines of `ints` whole numbers and `reals` finite ones: (count, ints) and (count, reals)."""
+        if self.binary:
+            layout = np.dtype([("n", self.order + {"i": "i4", "n": "u8"}[size], ints), ("x", self.order + "f8", reals)])
+            if not 0 <= count <= (len(self.content) - self.at) // layout.itemsize:
+                raise self.damaged("it ends too early")
+            rows = np.frombuffer(self.content, layout, count, self.at)
+            self.at += count * layout.itemsize
+            if not np.isfinite(rows["x"]).all() or (ints and np.any(rows["n"] > np.uint64(10**MOST_DIGITS))):
+                raise self.damaged(f"{what} holds no numbers")
+            return rows["n"].astype(np.int64).reshape(count, ints), rows["x"].astype(float).reshape(count, reals)
+        lines, begin = self.lines(count, what)
+        words = [line.split() for line in lines]
+        for number, row in enumerate(words):
+            if len(row) != ints + reals:
+                raise self.fault(what, lines[number], begin + number)
+        try:
+            if any(b"_" in line for line in lines):
+                raise ValueError
+            n = np.array([int(w) for row in words for w in row[:ints]], dtype=np.int64)
+            x = np.array([float(w) for row in words for w in row[ints:]], dtype=float)
+        except (ValueError, OverflowError):
+            n, x = np.zeros(0, dtype=np.int64), np.full(1, np.nan)
+        if not np.isfinite(x).all() or (len(n) and np.abs(n).max() >= 10**MOST_DIGITS):
+            bad = next(i for i, row in enumerate(words) if not are_numbers(row, ints))
+            raise self.fault(what, lines[bad], begin + bad)
+        return n.reshape(count, ints), x.reshape(count, reals)
+
+    def lines(self, count: int, what: str) -> tuple[list[bytes], int]:
+        """The next `count` lines, and the number of the first."""
+        if not 0 <= count <= len(self.content) - self.at:
+            raise self.damaged(f"it says {count} lines, more than it has")
+        begin = self.line + 1
+        found = [self.text_line() for _ in range(count) if self.at < len(self.content)]
+        if len(found) < count:
+            raise self.damaged("it ends too early")
+        return found, begin
+
+
+def are_numbers(words: list[bytes], ints: int) -> bool:
+    """Whether the first `ints` words are whole numbers and the others finite ones."""
+    try:
+        whole = all(len(w) <= MOST_DIGITS and b"_" not in w and int(w) is not None for w in words[:ints])
+        return whole and all(b"_" not in w and np.isfinite(float(w)) for w in words[ints:])
+    except ValueError:
+        return False

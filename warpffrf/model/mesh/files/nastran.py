@@ -31,10 +31,9 @@ from pathlib import Path
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import Budget, exists, reason
+from warpffrf.model.files.paths import Budget, exists, reason
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.files.raw_mesh import RawMesh
-from warpffrf.model.mesh.files.units import system_of
+from warpffrf.model.mesh.files.raw_mesh import RawMesh, system_of
 
 SUFFIXES = (".bdf", ".nas", ".fem", ".dat")
 MOST_LISTED = 20  # kinds of unused cards in the note; control decks have a handful

@@ -4,6 +4,22 @@ Facets are matched with the faces of the cells by their corners and take the fac
 outwards whatever the file's order was. A wedge whose triangles run the other way (VTK's documentation and meshio
 disagree with VTK and everyone else about its first triangle) is turned over, other cells where the format leaves their
 hand open. Cells with repeated nodes become what is left of them.
+
+Units of the files that say none: lengths, and the consistent system of stress and density that goes with them.
+
+With newton and second, a length unit fixes the rest:
+
+    m:  N, kg, s   stress Pa = N/m2,    density kg/m3
+    mm: N, t, s    stress MPa = N/mm2,  density t/mm3 = 1e12 kg/m3
+
+For other units of length there is no usual system, and the materials of a file are not taken over.
+
+Collapsed. Cells with repeated nodes: a hexahedron or wedge whose edges are collapsed is the wedge or tetrahedron that
+is left.
+
+Programs without wedges write them so: `1, 2, 3, 3, 4, 5, 6, 6` as eight nodes. The faces of the cell, without repeated
+corners, are those of what is left: two triangles and three quadrilaterals a wedge, four triangles a tetrahedron. Middle
+nodes go with their edges.
 """
 
 from __future__ import annotations
@@ -16,17 +32,10 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.material import Material
-from warpffrf.model.mesh.checks import (
-    check_connected,
-    check_distinct,
-    check_orientation,
-    corner_notes,
-    part_labels,
-)
+from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, corner_notes, part_labels
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.elements import CELL_KINDS, cell_kind, facet_kind
 from warpffrf.model.mesh.facets import FacetSet, row_numbers
-from warpffrf.model.mesh.files.collapsed import left_over, repeated
 
 logger = logging.getLogger(__name__)
 
@@ -248,3 +257,94 @@ def _key(kind: str, nodes: Array) -> Array:
     """Sorted corners (m, 4) of facets, filled up with -1."""
     corners = np.sort(nodes[:, : facet_kind(kind).corner_count], axis=1)
     return np.pad(corners, ((0, 0), (0, 4 - corners.shape[1])), constant_values=-1)
+
+
+LENGTH_UNITS = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "um": 1e-6, "in": 0.0254, "ft": 0.3048}  # in m
+SYSTEMS = {"m": (1.0, 1.0, "Pa and kg/m3"), "mm": (1e6, 1e12, "MPa and t/mm3")}  # stress in Pa, density in kg/m3
+
+
+def system_of(length_unit: str, notes: list[str]) -> tuple[float, float, str] | None:
+    """Units of stress [Pa] and density [kg/m3] and their names; None without a usual system, said in `notes`."""
+    if length_unit in SYSTEMS:
+        return SYSTEMS[length_unit]
+    notes.append(
+        f"materials are not taken over: with lengths in {length_unit} the units of stress and density are not "
+        f"known (they are with {' and '.join(SYSTEMS)}); give the materials yourself"
+    )
+    return None
+
+
+_QUADRATIC = {"wedge6": "wedge15", "tet4": "tet10"}
+
+
+def repeated(nodes: Array) -> Array:
+    """Which cells (m,) of nodes (m, k) have a node twice."""
+    ordered = np.sort(nodes, axis=1)
+    return np.any(ordered[:, 1:] == ordered[:, :-1], axis=1)
+
+
+def left_over(kind: str, nodes: Array) -> tuple[str, list[int]] | None:
+    """The kind and nodes of what is left of one cell (k,) with repeated corners; None where that is no cell of ours."""
+    cell = cell_kind(kind)
+    if kind == "hex27":
+        return None
+    faces = []
+    for name, table in cell.faces.items():
+        for local in table[:, : facet_kind(name).corner_count]:
+            loop = [int(nodes[a]) for a in local]
+            loop = [a for i, a in enumerate(loop) if a != loop[i - 1]]
+            if len(set(loop)) != len(loop):
+                return None  # folded onto itself
+            if len(loop) > 2:
+                faces.append(loop)
+    triangles = [face for face in faces if len(face) == 3]
+    corners = {a for face in faces for a in face}
+    if len(triangles) == 4 and len(faces) == 4 and len(corners) == 4:
+        a, b, c = triangles[0]
+        order = [a, c, b, *(corners - {a, b, c})]
+        found = "tet4"
+    elif len(triangles) == 2 and len(faces) == 5 and len(corners) == 6:
+        bottom = triangles[0][::-1]  # its normal points into the wedge
+        beside = {frozenset(pair) for face in faces for pair in zip(face, face[1:] + face[:1], strict=True)}
+        top = [[b for b in triangles[1] if frozenset((a, b)) in beside] for a in bottom]
+        if [len(t) for t in top] != [1, 1, 1]:
+            return None
+        order, found = [*bottom, *(t[0] for t in top)], "wedge6"
+    else:
+        return None
+    if len(nodes) == cell.corner_count:
+        return found, order
+    middle: dict[frozenset[int], int] = {}
+    at = {tuple(x): int(a) for x, a in zip(cell.nodes.tolist(), nodes, strict=True)}
+    for i in range(cell.corner_count):
+        for j in range(i):
+            edge = at.get(tuple(0.5 * (cell.nodes[i] + cell.nodes[j])))
+            if edge is not None and nodes[i] != nodes[j]:
+                if middle.setdefault(frozenset((int(nodes[i]), int(nodes[j]))), edge) != edge:
+                    return None  # one edge with two middles
+    full = cell_kind(_QUADRATIC[found])
+    pairs = [np.flatnonzero(np.isin(np.arange(full.corner_count), _ends(full, x))) for x in full.nodes[len(order) :]]
+    try:
+        return full.name, order + [middle[frozenset(order[i] for i in pair)] for pair in pairs]
+    except KeyError:
+        return None
+
+
+def _ends(cell, x: Array) -> list[int]:
+    """The two corners whose mean is the place `x` of a middle node."""
+    n = cell.corner_count
+    return next([i, j] for i in range(n) for j in range(i) if np.array_equal(0.5 * (cell.nodes[i] + cell.nodes[j]), x))
+
+
+def face_numbers(
+    faces: tuple[tuple[str, Array], ...], nodes: Array, new_faces: tuple[tuple[str, Array], ...], new_nodes: Array
+) -> Mapping[int, int]:
+    """Which face of what is left (from 1) each face (from 1) of the collapsed cell has become; none where it is gone.
+    `faces` as `inp.cells.faces_of` gives them."""
+
+    def corners(face: tuple[str, Array], at: Array) -> frozenset[int]:
+        return frozenset(int(at[a]) for a in face[1][: facet_kind(face[0]).corner_count])
+
+    left = {corners(face, new_nodes): number for number, face in enumerate(new_faces, start=1)}
+    became = {number: left.get(corners(face, nodes)) for number, face in enumerate(faces, start=1)}
+    return {number: new for number, new in became.items() if new is not None}

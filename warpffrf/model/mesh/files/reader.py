@@ -11,13 +11,12 @@ import logging
 from pathlib import Path
 
 from warpffrf.model.errors import InputError, unknown_name
-from warpffrf.model.files.regular_file import exists
+from warpffrf.model.files.paths import exists
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.files.gmsh import read_gmsh
 from warpffrf.model.mesh.files.nastran import SUFFIXES as NASTRAN
 from warpffrf.model.mesh.files.nastran import read_bulk
-from warpffrf.model.mesh.files.raw_mesh import built
-from warpffrf.model.mesh.files.units import LENGTH_UNITS
+from warpffrf.model.mesh.files.raw_mesh import LENGTH_UNITS, built
 from warpffrf.model.mesh.files.vtk import read_vtk
 from warpffrf.model.mesh.files.vtu import read_vtu
 from warpffrf.model.messages.named_arguments import named_arguments

@@ -10,10 +10,8 @@ from pathlib import Path
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import MOST_DIGITS, read_named
 from warpffrf.model.mesh.files.raw_mesh import RawMesh
-from warpffrf.model.mesh.files.vtk_cells import raw_mesh
+from warpffrf.model.mesh.files.vtk_cells import Fault, guarded, numbers, raw_mesh, whole
 
 Array = np.ndarray
 
@@ -26,10 +24,6 @@ SHOWN = 60  # characters of a bad line in a message
 _WIDTHS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6}
 
 
-class _Fault(Exception):
-    """Why a file cannot be read."""
-
-
 class _Scanner:
     """The content of a file from `at` on."""
 
@@ -37,7 +31,7 @@ class _Scanner:
         self.content, self.at = content, 0
         head = self.line(), self.line(), self.line().strip().upper()
         if not head[0].startswith(b"# vtk DataFile Version ") or head[2] not in (b"ASCII", b"BINARY"):
-            raise _Fault("it does not begin as a file of VTK")
+            raise Fault("it does not begin as a file of VTK")
         self.binary = head[2] == b"BINARY"
 
     def line(self) -> bytes:
@@ -59,14 +53,14 @@ class _Scanner:
         """`count` numbers of the type that VTK calls `kind`."""
         name = DTYPES.get(kind.lower())
         if name is None:
-            raise _Fault(f"{what} is of type {kind[:SHOWN]!r}")
+            raise Fault(f"{what} is of type {kind[:SHOWN]!r}")
         if not 0 <= count <= 8 * len(self.content):
-            raise _Fault(f"{what} has {count} numbers, more than fit into the file")
+            raise Fault(f"{what} has {count} numbers, more than fit into the file")
         if self.binary:
             size = -(-count // 8) if not name else count * np.dtype(name).itemsize
             data = self.content[self.at : self.at + size]
             if len(data) < size:
-                raise _Fault(f"{what} ends too early")
+                raise Fault(f"{what} ends too early")
             self.at += size
             if not name:
                 return np.unpackbits(np.frombuffer(data, np.uint8))[:count].astype(np.int64)
@@ -74,28 +68,16 @@ class _Scanner:
         words: list[bytes] = []
         while len(words) < count:
             if self.at >= len(self.content):
-                raise _Fault(f"{what} has {len(words)} numbers, not {count}")
+                raise Fault(f"{what} has {len(words)} numbers, not {count}")
             words += self.line().split()
         if len(words) > count:
-            raise _Fault(f"{what} has more than {count} numbers")
-        try:
-            if any(b"_" in w for w in words):
-                raise ValueError
-            if name.startswith("f"):
-                return np.array([float(w) for w in words], dtype=float)
-            return np.array([int(w) for w in words], dtype=np.int64)
-        except (ValueError, OverflowError):
-            raise _Fault(f"{what} holds something that is no number") from None
+            raise Fault(f"{what} has more than {count} numbers")
+        return numbers(words, name.startswith("f"), what)
 
 
 def read_vtk(path: Path) -> RawMesh:
-    """What a .vtk file holds. Raises `InputError` for one that cannot be read, with cells that are not supported, or
-    without volume cells."""
-    label = f"mesh file {path.name}"
-    try:
-        return _read(label, read_named(path, "mesh file"))
-    except _Fault as fault:
-        raise InputError(f"{label}: cannot be read ({fault}); save it as .vtu") from None
+    """What a .vtk file holds; raises as `guarded` does."""
+    return guarded(path, _read, "save it as .vtu")
 
 
 def _read(label: str, content: bytes) -> RawMesh:
@@ -106,51 +88,45 @@ def _read(label: str, content: bytes) -> RawMesh:
     where, count = "", 0  # CELL_DATA or POINT_DATA, and of how many
     words = scan.words()
     if [w.upper() for w in words] != ["DATASET", "UNSTRUCTURED_GRID"]:
-        raise _Fault("its DATASET is no UNSTRUCTURED_GRID")
+        raise Fault("its DATASET is no UNSTRUCTURED_GRID")
     while words := scan.words():
         key = words[0].upper()
         if key == "POINTS" and len(words) == 3 and key not in found:
-            found[key] = scan.table(3 * _whole(words[1], "points"), words[2], "the table of points").astype(float)
+            found[key] = scan.table(3 * whole(words[1], "points"), words[2], "the table of points").astype(float)
         elif key == "CELLS" and len(words) == 3 and "ends" not in found:
-            found["nodes"], found["ends"] = _cells(scan, _whole(words[1], "cells"), _whole(words[2], "cells"))
+            found["nodes"], found["ends"] = _cells(scan, whole(words[1], "cells"), whole(words[2], "cells"))
         elif key == "CELL_TYPES" and len(words) == 2 and key not in found:
-            found[key] = scan.table(_whole(words[1], "types"), "int", "the table of types").astype(np.int64)
+            found[key] = scan.table(whole(words[1], "types"), "int", "the table of types").astype(np.int64)
         elif key in ("CELL_DATA", "POINT_DATA") and len(words) == 2:
-            where, count = key, _whole(words[1], "data")
+            where, count = key, whole(words[1], "data")
             if where == "CELL_DATA" and count != len(found.get("ends", ())):
-                raise _Fault(f"it has data of {count} cells and {len(found.get('ends', ()))} cells")
+                raise Fault(f"it has data of {count} cells and {len(found.get('ends', ()))} cells")
         elif key == "METADATA":
             _metadata(scan)
         elif key == "FIELD" and len(words) == 3:
-            for _ in range(_whole(words[2], "arrays")):
+            for _ in range(whole(words[2], "arrays")):
                 head = scan.words()
                 while head and head[0].upper() == "METADATA":
                     _metadata(scan)
                     head = scan.words()
                 if len(head) != 4:
-                    raise _Fault("an array of a field has no name, sizes and type")
-                width, length = _whole(head[1], "components"), _whole(head[2], "entries")
+                    raise Fault("an array of a field has no name, sizes and type")
+                width, length = whole(head[1], "components"), whole(head[2], "entries")
                 if head[3].lower() == "string":
-                    raise _Fault("arrays of text are not read")
+                    raise Fault("arrays of text are not read")
                 values = scan.table(width * length, head[3], f"array {head[0][:SHOWN]!r}")
                 _keep(arrays, unused, where, count, head[0], values, width)
         elif where and key in ("SCALARS", *_WIDTHS, "COLOR_SCALARS", "TEXTURE_COORDINATES", "LOOKUP_TABLE",
                                "GLOBAL_IDS", "PEDIGREE_IDS"):  # fmt: skip
             _attribute(scan, key, words, arrays, unused, where, count)
         else:
-            raise _Fault(f"{' '.join(words)[:SHOWN]!r} is not understood")
+            raise Fault(f"{' '.join(words)[:SHOWN]!r} is not understood")
     if not {"POINTS", "nodes", "CELL_TYPES"} <= set(found):
-        raise _Fault("it has not POINTS, CELLS and CELL_TYPES")
+        raise Fault("it has not POINTS, CELLS and CELL_TYPES")
     if not np.isfinite(found["POINTS"]).all():
-        raise _Fault("a coordinate of a point is not finite")
+        raise Fault("a coordinate of a point is not finite")
     points = found["POINTS"].reshape(-1, 3)
     return raw_mesh(label, points, found["nodes"], found["ends"], found["CELL_TYPES"], arrays, unused)
-
-
-def _whole(word: str, what: str) -> int:
-    if not (word.isascii() and word.isdigit() and len(word) <= MOST_DIGITS):
-        raise _Fault(f"the number of {what} is {word[:20]!r}")
-    return int(word)
 
 
 def _cells(scan: _Scanner, first: int, second: int) -> tuple[Array, Array]:
@@ -162,22 +138,22 @@ def _cells(scan: _Scanner, first: int, second: int) -> tuple[Array, Array]:
         offsets = scan.table(first, words[1], "the table of offsets").astype(np.int64)
         words = scan.words()
         if len(words) != 2 or words[0].upper() != "CONNECTIVITY":
-            raise _Fault("OFFSETS without CONNECTIVITY")
+            raise Fault("OFFSETS without CONNECTIVITY")
         nodes = scan.table(second, words[1], "the table of cells").astype(np.int64)
         if not len(offsets) or offsets[0] != 0:
-            raise _Fault("the offsets of its cells do not begin with 0")
+            raise Fault("the offsets of its cells do not begin with 0")
         return nodes, offsets[1:]
     scan.at = begin
     table = scan.table(second, "int", "the table of cells").astype(np.int64)
     keep, ends, at = np.ones(second, dtype=bool), np.zeros(first, dtype=np.int64), 0
     for i in range(first):
         if at >= second or not 0 <= table[at] <= second - at - 1:
-            raise _Fault(f"cell {i} has not the nodes that it says")
+            raise Fault(f"cell {i} has not the nodes that it says")
         keep[at] = False
         at += int(table[at]) + 1
         ends[i] = at - i - 1
     if at != second:
-        raise _Fault(f"its {first} cells have {at} numbers, not {second}")
+        raise Fault(f"its {first} cells have {at} numbers, not {second}")
     return table[keep], ends
 
 
@@ -191,19 +167,19 @@ def _attribute(
     scan: _Scanner, key: str, words: list[str], arrays: dict, unused: list[str], where: str, count: int
 ) -> None:
     if len(words) < 3:
-        raise _Fault(f"{' '.join(words)[:SHOWN]!r} is not understood")
+        raise Fault(f"{' '.join(words)[:SHOWN]!r} is not understood")
     name, width, kind = words[1], 1, words[2]
     if key == "SCALARS":
-        width = _whole(words[3], "components") if len(words) > 3 else 1
+        width = whole(words[3], "components") if len(words) > 3 else 1
         begin = scan.at
         if (scan.words() or [""])[0].upper() != "LOOKUP_TABLE":
             scan.at = begin
     elif key in _WIDTHS:
         width = _WIDTHS[key]
     elif key == "TEXTURE_COORDINATES" and len(words) == 4:
-        width, kind = _whole(words[2], "components"), words[3]
+        width, kind = whole(words[2], "components"), words[3]
     elif key in ("COLOR_SCALARS", "LOOKUP_TABLE"):
-        width, kind = _whole(words[2], "components"), "unsigned_char" if scan.binary else "float"
+        width, kind = whole(words[2], "components"), "unsigned_char" if scan.binary else "float"
         if key == "LOOKUP_TABLE":
             scan.table(4 * width, kind, "a table of colours")
             return
@@ -219,7 +195,7 @@ def _keep(
         unused.append(f"{name} ({'cells' if where == 'CELL_DATA' else 'points' if where else 'the file'})")
         return
     if name in arrays:
-        raise _Fault(f"there are two arrays {name!r}")
+        raise Fault(f"there are two arrays {name!r}")
     if len(values) and int(values.max()) > np.iinfo(np.int64).max:
-        raise _Fault(f"array {name!r} holds numbers beyond 63 bits")
+        raise Fault(f"array {name!r} holds numbers beyond 63 bits")
     arrays[name] = values.astype(np.int64)

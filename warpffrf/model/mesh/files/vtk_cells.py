@@ -9,11 +9,13 @@ the only one that parts the cells into 0 and 1: its zeros are the set `<array>_0
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 
 from warpffrf.model.errors import InputError
+from warpffrf.model.files.paths import MOST_DIGITS, read_named
 from warpffrf.model.mesh.files.raw_mesh import RawMesh
 
 Array = np.ndarray
@@ -53,6 +55,38 @@ OTHERS: dict[int, tuple[int, int | None, str]] = {
 }  # fmt: skip
 SUPPORTED = "hexahedron, hexahedron20, hexahedron27, wedge, wedge15, tetra, tetra10"
 GHOSTS = "vtkGhostType"  # an array that says which cells other pieces have, too, or are hidden
+
+
+class Fault(Exception):
+    """Why a file cannot be read."""
+
+
+def guarded(path: Path, read: Callable[[str, bytes], RawMesh], cure: str) -> RawMesh:
+    """What `read`, given how messages call the file and its content, finds. Raises `InputError` for a `Fault`, with the
+    cure, for cells that are not supported, and without volume cells."""
+    label = f"mesh file {path.name}"
+    try:
+        return read(label, read_named(path, "mesh file"))
+    except Fault as fault:
+        raise InputError(f"{label}: cannot be read ({fault}); {cure}") from None
+
+
+def whole(text: str, what: str) -> int:
+    """A number that is not negative. Raises `Fault`."""
+    word = text.strip()
+    if not (word.isascii() and word.isdigit() and len(word) <= MOST_DIGITS):
+        raise Fault(f"{what} is {word[:20]!r}, no whole number")
+    return int(word)
+
+
+def numbers(words: Sequence[str] | Sequence[bytes], real: bool, what: str) -> Array:
+    """Words as reals or whole numbers. Raises `Fault`."""
+    try:
+        if any(("_" if isinstance(w, str) else b"_") in w for w in words):  # pyright: ignore[reportOperatorIssue]
+            raise ValueError
+        return np.array([float(w) for w in words]) if real else np.array([int(w) for w in words], dtype=np.int64)
+    except (ValueError, OverflowError):
+        raise Fault(f"{what} holds something that is no number") from None
 
 
 def raw_mesh(

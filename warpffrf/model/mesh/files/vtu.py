@@ -18,10 +18,8 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import MOST_DIGITS, read_named
 from warpffrf.model.mesh.files.raw_mesh import RawMesh
-from warpffrf.model.mesh.files.vtk_cells import raw_mesh
+from warpffrf.model.mesh.files.vtk_cells import Fault, guarded, numbers, raw_mesh, whole
 
 Array = np.ndarray
 
@@ -29,10 +27,6 @@ DTYPES = {"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "UInt8": "u
           "UInt64": "u8", "Float32": "f4", "Float64": "f8"}  # fmt: skip
 PLAIN = "save it with vtkZLibDataCompressor or without compression (ParaView: Compressor Type)"
 RATIO, FEW = 64, 1 << 26  # bytes unpacked: up to that many times the file's, or that many
-
-
-class _Fault(Exception):
-    """Why a file cannot be read."""
 
 
 class _File:
@@ -47,26 +41,26 @@ class _File:
             end = content.rfind(b"</AppendedData>")
             mark = content.find(b"_", head)
             if head < 0 or not head < mark < end:
-                raise _Fault("its appended data has no end")
+                raise Fault("its appended data has no end")
             text = content[: head + 1] + content[end:]
             self.appended = content[mark + 1 : end]
         if b"<!DOCTYPE" in text or b"<!ENTITY" in text:
-            raise _Fault("it declares a type of document")
+            raise Fault("it declares a type of document")
         try:
             self.root = ET.fromstring(text)
         except (ET.ParseError, ValueError, LookupError, RecursionError) as error:
-            raise _Fault(f"no valid XML: {error}") from None
+            raise Fault(f"no valid XML: {error}") from None
         if self.root.tag != "VTKFile" or self.root.get("type") != "UnstructuredGrid":
-            raise _Fault("it is no UnstructuredGrid of VTK")
+            raise Fault("it is no UnstructuredGrid of VTK")
         tag = self.root.find("AppendedData")
         encoding = "base64" if tag is None else tag.get("encoding", "base64")
         if encoding not in ("raw", "base64"):
-            raise _Fault(f"appended data in {encoding!r}")
+            raise Fault(f"appended data in {encoding!r}")
         self.raw = encoding == "raw"
         self.order = {"LittleEndian": "<", "BigEndian": ">"}.get(self.root.get("byte_order", "LittleEndian"), "")
         self.head = {"UInt32": "u4", "UInt64": "u8"}.get(self.root.get("header_type", "UInt32"), "")
         if not self.order or not self.head:
-            raise _Fault("it does not say its order of bytes or its type of headers")
+            raise Fault("it does not say its order of bytes or its type of headers")
         self.compressor = self.root.get("compressor")
         self.left = max(RATIO * len(content), FEW)
 
@@ -74,25 +68,28 @@ class _File:
         """The `count` numbers of a DataArray."""
         kind = DTYPES.get(tag.get("type", ""))
         if kind is None:
-            raise _Fault(f"{what} is of type {tag.get('type')!r}")
+            raise Fault(f"{what} is of type {tag.get('type')!r}")
         dtype = np.dtype(self.order + kind)
         self.left -= count * dtype.itemsize
         if self.left < 0:
-            raise _Fault(f"{what} has {count} numbers, far more than fit into the file")
+            raise Fault(f"{what} has {count} numbers, far more than fit into the file")
         form = tag.get("format", "ascii")
         if form == "ascii":
-            return _numbers(tag.text or "", count, dtype, what)
+            words = (tag.text or "").split()
+            if len(words) != count:
+                raise Fault(f"{what} has {len(words)} numbers, not {count}")
+            return numbers(words, dtype.kind == "f", what)
         if form == "binary":
             data = self._bytes(
                 (tag.text or "").strip().encode("latin-1", "replace"), False, count * dtype.itemsize, what
             )
         elif form == "appended":
-            at = _whole(tag.get("offset"), f"the offset of {what}")
+            at = whole(tag.get("offset", ""), f"the offset of {what}")
             if at >= len(self.appended):
-                raise _Fault(f"{what} lies behind the end of the file")
+                raise Fault(f"{what} lies behind the end of the file")
             data = self._bytes(self.appended[at:], self.raw, count * dtype.itemsize, what)
         else:
-            raise _Fault(f"{what} is in the format {form!r}")
+            raise Fault(f"{what} is in the format {form!r}")
         return np.frombuffer(data, dtype).astype(dtype.newbyteorder("="))
 
     def _bytes(self, stream: bytes, raw: bool, size: int, what: str) -> bytes:
@@ -101,14 +98,14 @@ class _File:
         if self.compressor is None:
             found = self._part(stream, raw, 0, item + size, what)
             if len(found) != item + size or self._heads(found[:item])[0] != size:
-                raise _Fault(f"{what} has not {size} bytes")
+                raise Fault(f"{what} has not {size} bytes")
             return found[item:]
         unpack = {"vtkZLibDataCompressor": _zlib, "vtkLZMADataCompressor": _lzma}.get(self.compressor)
         if unpack is None:
-            raise _Fault(f"its arrays are compressed by {self.compressor[:40]}, which is not read: {PLAIN}")
+            raise Fault(f"its arrays are compressed by {self.compressor[:40]}, which is not read: {PLAIN}")
         blocks, full, last = self._heads(self._part(stream, raw, 0, 3 * item, what, exact=True))
         if blocks > len(stream) or (blocks and (blocks - 1) * full + (last or full) != size) or (not blocks and size):
-            raise _Fault(f"{what} has not {size} bytes")
+            raise Fault(f"{what} has not {size} bytes")
         heads = (3 + blocks) * item
         sizes = self._heads(self._part(stream, raw, 0, heads, what, exact=True))[3:]
         begin = heads if raw else -(-heads // 3) * 4
@@ -119,9 +116,9 @@ class _File:
             try:
                 part = unpack(data[at : at + packed], wanted)
             except (zlib.error, lzma.LZMAError, EOFError) as error:
-                raise _Fault(f"{what} cannot be unpacked: {error}") from None
+                raise Fault(f"{what} cannot be unpacked: {error}") from None
             if len(part) != wanted:
-                raise _Fault(f"{what} has not {size} bytes")
+                raise Fault(f"{what} has not {size} bytes")
             parts.append(part)
             at += packed
         return b"".join(parts)
@@ -137,9 +134,9 @@ class _File:
             try:
                 found = base64.b64decode(stream[: -(-size // 3) * 4], validate=True)[:size]
             except (binascii.Error, ValueError):
-                raise _Fault(f"{what} is no base64") from None
+                raise Fault(f"{what} is no base64") from None
         if exact and len(found) != size:
-            raise _Fault(f"{what} ends too early")
+            raise Fault(f"{what} ends too early")
         return found
 
 
@@ -151,35 +148,9 @@ def _lzma(data: bytes, size: int) -> bytes:
     return lzma.LZMADecompressor(memlimit=1 << 28).decompress(data, size + 1)
 
 
-def _numbers(text: str, count: int, dtype: np.dtype, what: str) -> Array:
-    words = text.split()
-    if len(words) != count:
-        raise _Fault(f"{what} has {len(words)} numbers, not {count}")
-    try:
-        if "_" in text:
-            raise ValueError
-        if dtype.kind == "f":
-            return np.array([float(w) for w in words], dtype=float)
-        return np.array([int(w) for w in words], dtype=np.int64)
-    except (ValueError, OverflowError):
-        raise _Fault(f"{what} holds something that is no number") from None
-
-
-def _whole(text: str | None, what: str) -> int:
-    word = (text or "").strip()
-    if not (word.isascii() and word.isdigit() and len(word) <= MOST_DIGITS):
-        raise _Fault(f"{what} is {word[:20]!r}, no whole number")
-    return int(word)
-
-
 def read_vtu(path: Path) -> RawMesh:
-    """What a .vtu file holds. Raises `InputError` for one that cannot be read, with cells that are not supported, or
-    without volume cells."""
-    label = f"mesh file {path.name}"
-    try:
-        return _read(label, read_named(path, "mesh file"))
-    except _Fault as fault:
-        raise InputError(f"{label}: cannot be read ({fault}); export it again") from None
+    """What a .vtu file holds; raises as `guarded` does."""
+    return guarded(path, _read, "export it again")
 
 
 def _read(label: str, content: bytes) -> RawMesh:
@@ -187,15 +158,15 @@ def _read(label: str, content: bytes) -> RawMesh:
     grids = file.root.findall("UnstructuredGrid")
     pieces = grids[0].findall("Piece") if len(grids) == 1 else []
     if not pieces:
-        raise _Fault("it has not one grid with a piece at least")
+        raise Fault("it has not one grid with a piece at least")
     points, nodes, ends, types = [], [], [], []
     arrays: dict[str, list[Array]] = {}
     unused: dict[str, None] = {}
     start = end = 0
     for number, piece in enumerate(pieces):
-        counts = [_whole(piece.get(name), name) for name in ("NumberOfPoints", "NumberOfCells")]
+        counts = [whole(piece.get(name, ""), name) for name in ("NumberOfPoints", "NumberOfCells")]
         if sum(counts) > file.left:
-            raise _Fault(f"it says {sum(counts)} points and cells, far more than fit into it")
+            raise Fault(f"it says {sum(counts)} points and cells, far more than fit into it")
         if number and not sum(counts):
             continue
         x, cells = _geometry(file, piece, *counts)
@@ -208,7 +179,7 @@ def _read(label: str, content: bytes) -> RawMesh:
             arrays.setdefault(name, []).append(values)
         unused |= dict.fromkeys(f"{tag.get('Name', '?')} (points)" for tag in piece.findall("PointData/DataArray"))
     for name in [name for name, parts in arrays.items() if len(parts) < len(points)]:
-        raise _Fault(f"array {name!r} is in some of its {len(points)} pieces only")
+        raise Fault(f"array {name!r} is in some of its {len(points)} pieces only")
     number, notes = _seams(points)
     raw = raw_mesh(
         label,
@@ -243,21 +214,21 @@ def _geometry(file: _File, piece: ET.Element, points: int, cells: int) -> tuple[
     """Points (points, 3), and connectivity, ends and types of the cells of a piece."""
     places = piece.findall("Points/DataArray")
     if len(places) != 1 or places[0].get("NumberOfComponents") != "3":
-        raise _Fault("its points have not three coordinates")
+        raise Fault("its points have not three coordinates")
     x = file.array(places[0], 3 * points, "the table of points").astype(float).reshape(points, 3)
     if not np.isfinite(x).all():
-        raise _Fault("a coordinate of a point is not finite")
+        raise Fault("a coordinate of a point is not finite")
     tags = {tag.get("Name", ""): tag for tag in piece.findall("Cells/DataArray")}
     if not {"connectivity", "offsets", "types"} <= set(tags):
-        raise _Fault("its cells have not connectivity, offsets and types")
+        raise Fault("its cells have not connectivity, offsets and types")
     found = {name: file.array(tags[name], cells, name).astype(np.int64) for name in ("offsets", "types")}
     ends = found["offsets"]
     if len(ends) and (ends[0] < 0 or np.any(np.diff(ends) < 0)):
-        raise _Fault("offsets do not ascend")
+        raise Fault("offsets do not ascend")
     found["connectivity"] = file.array(tags["connectivity"], int(ends[-1]) if len(ends) else 0, "connectivity")
     found["connectivity"] = found["connectivity"].astype(np.int64)
     if len(found["connectivity"]) and not 0 <= found["connectivity"].min() <= found["connectivity"].max() < points:
-        raise _Fault("a cell refers to a node that the file does not hold")
+        raise Fault("a cell refers to a node that the file does not hold")
     return x, found
 
 
@@ -271,8 +242,8 @@ def _cell_arrays(file: _File, piece: ET.Element, cells: int, unused: dict[str, N
             continue
         values = file.array(tag, cells, f"array {name!r}")
         if name in found:
-            raise _Fault(f"there are two arrays {name!r}")
+            raise Fault(f"there are two arrays {name!r}")
         if len(values) and int(values.max()) > np.iinfo(np.int64).max:
-            raise _Fault(f"array {name!r} holds numbers beyond 63 bits")
+            raise Fault(f"array {name!r} holds numbers beyond 63 bits")
         found[name] = values.astype(np.int64)
     return found

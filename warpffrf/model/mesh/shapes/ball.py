@@ -20,7 +20,7 @@ import numpy as np
 
 from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.mesh.data import Mesh
-from warpffrf.model.mesh.shapes.lattice import (
+from warpffrf.model.mesh.shapes.disc import (
     Array,
     assembled,
     depth_lines,

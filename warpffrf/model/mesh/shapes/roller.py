@@ -33,11 +33,10 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError, require_count, require_number
-from warpffrf.model.mesh.cyclic import Cyclic
 from warpffrf.model.mesh.data import Mesh
+from warpffrf.model.mesh.periodicity import Cyclic
 from warpffrf.model.mesh.shapes.cell_count import require_cells
-from warpffrf.model.mesh.shapes.disc import CORE, LEAST_SECTORS, disc, standing_cells, standing_points
-from warpffrf.model.mesh.shapes.lattice import refined
+from warpffrf.model.mesh.shapes.disc import CORE, LEAST_SECTORS, disc, refined, standing_cells, standing_points
 from warpffrf.model.mesh.shapes.revolved import (
     axial_lines,
     layer_depths,

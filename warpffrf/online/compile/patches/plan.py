@@ -10,7 +10,7 @@ surface rows are
   load, so that one table, for W = 1, is all: displacement per pressure grows with W. What the ends add is taken at the
   middle.
 
-Love's integral over the rectangle of a cell at the centre of another (`warpffrf.model.half_space.pressure`), of both
+Love's integral over the rectangle of a cell at the centre of another (`warpffrf.model.half_space`), of both
 bodies with E and nu of their own, times the area of the cell that sees it, made symmetric.
 
 How many cells follow from the error they may add to force and largest pressure, `Contact.cell_error`: at most
@@ -28,7 +28,7 @@ from scipy.interpolate import PchipInterpolator
 
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
-from warpffrf.model.half_space.pressure import rectangle
+from warpffrf.model.half_space import rectangle
 from warpffrf.model.placement.nearest import curvatures_on, is_ball
 from warpffrf.model.reduced.far_field import WHOLE, FarField
 from warpffrf.online.compile.patches.sides import PARALLEL, Surface, in_world, levers, meridian, middle_of

@@ -158,7 +158,7 @@ def _operator_between(target: Any, source: Any, along: bool) -> tuple[Array, int
     if cross is None:
         raise InputError(
             f"body {target.body.name!r}: its surfaces {target.name!r} and {source.name!r} do not feel each other by "
-            "its local modes, as it was reduced by an older version; reduce it again"
+            "its local modes; reduce it again"
         )
     lags = second.splines.sources(first.splines.targets(cross.lags))
     return lags, lags.shape[1] // first.grid.rows, lags.shape[2] // second.grid.rows

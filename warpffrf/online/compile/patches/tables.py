@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.bodies import Body, Ground
-from warpffrf.model.checks.exclusive_unknowns import on_same_surfaces
+from warpffrf.model.checks.contacts import on_same_surfaces
 from warpffrf.model.contact import Contact
 from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.contact_surface import ContactSurface

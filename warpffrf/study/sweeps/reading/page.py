@@ -15,12 +15,11 @@ import numpy as np
 
 from warpffrf import __version__
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.output_paths import checked_output_path, written_whole
+from warpffrf.model.files.paths import checked_output_path, written_whole
 from warpffrf.output.files.fields import COMPONENTS
 from warpffrf.output.plots.panels import COLUMNS, panels_figure
 from warpffrf.study.sweeps.design import GIVEN
-from warpffrf.study.sweeps.reading.axes import Axis, axes_of, axis_of
-from warpffrf.study.sweeps.reading.plot import MOST_PANELS, plot
+from warpffrf.study.sweeps.reading.plot import MOST_PANELS, Axis, axes_of, axis_of, plot
 from warpffrf.study.sweeps.reading.sensitivities import Sensitivities, of_rows, of_surface, sensitivities
 from warpffrf.study.sweeps.reading.surface import surface
 from warpffrf.study.sweeps.reading.values import COMPLETED, TIME, WAITING, Table, shown_in

@@ -30,10 +30,10 @@ from scipy.stats import sobol_indices
 
 from warpffrf.model.errors import InputError
 from warpffrf.model.messages import reprs
-from warpffrf.study.sweeps.reading.axes import axis_of
+from warpffrf.study.sweeps.parameters import saltelli
+from warpffrf.study.sweeps.reading.plot import axis_of
 from warpffrf.study.sweeps.reading.surface import Surface, surface
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, values_of
-from warpffrf.study.sweeps.samples import saltelli
 
 CONFIDENCE = 0.95
 RESAMPLES = 200  # of the bootstrap

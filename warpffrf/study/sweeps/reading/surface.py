@@ -36,9 +36,9 @@ from scipy.optimize import minimize
 
 from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.messages import reprs
-from warpffrf.study.sweeps.reading.axes import Axis, axes_of, grid_places
+from warpffrf.study.sweeps.parameters import sobol
+from warpffrf.study.sweeps.reading.plot import Axis, axes_of, grid_places
 from warpffrf.study.sweeps.reading.values import Table, Values, chosen_rows, shown_in, values_of
-from warpffrf.study.sweeps.samples import sobol
 
 MANY, NEIGHBOURS = 1000, 100  # rows, from which on thin plates are local; those that they go through then
 MOST_FOLDS, MOST_LEFT_OUT = 100, 500  # surfaces that are made to find an error, and rows that they are asked for

@@ -9,11 +9,9 @@ from warpffrf.model.errors import InputError, unknown_name
 from warpffrf.model.mesh.checks import check_connected, check_distinct, check_orientation, corner_notes
 from warpffrf.model.mesh.data import Mesh
 from warpffrf.model.mesh.files.inp.parse import parse
-from warpffrf.model.mesh.files.inp.sections import materials_of, sections_of
-from warpffrf.model.mesh.files.inp.select import choose
-from warpffrf.model.mesh.files.inp.sets import cell_sets, facet_sets, listed
+from warpffrf.model.mesh.files.inp.sets import cell_sets, choose, facet_sets, listed, materials_of, sections_of
 from warpffrf.model.mesh.files.inp.solid import solid_of
-from warpffrf.model.mesh.files.units import LENGTH_UNITS
+from warpffrf.model.mesh.files.raw_mesh import LENGTH_UNITS
 
 
 def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = None) -> Mesh:

@@ -16,7 +16,7 @@ from itertools import pairwise
 from pathlib import Path
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import Budget, read_named, reason
+from warpffrf.model.files.paths import Budget, read_named, reason
 
 
 @dataclass(frozen=True)

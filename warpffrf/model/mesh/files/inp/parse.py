@@ -13,8 +13,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from warpffrf.model.mesh.elements import cell_kind, facet_kind
-from warpffrf.model.mesh.files.inp import numbers
-from warpffrf.model.mesh.files.inp.cells import kind_of, shell_kind_of
+from warpffrf.model.mesh.files.inp import model
 from warpffrf.model.mesh.files.inp.deck import Block, Place, read_blocks
 from warpffrf.model.mesh.files.inp.model import (
     Deck,
@@ -27,6 +26,8 @@ from warpffrf.model.mesh.files.inp.model import (
     SurfaceDefinition,
     SurfaceItem,
     fold,
+    kind_of,
+    shell_kind_of,
 )
 
 GENERATORS = {
@@ -136,10 +137,10 @@ def _placement(block: Block) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     if len(rows) > 2:
         raise rows[2][1].fault("an instance has one line of translation and one of rotation")
     if rows:
-        values = numbers.reals(rows[0][0], rows[0][1], "the translation of an instance", 1)
+        values = model.reals(rows[0][0], rows[0][1], "the translation of an instance", 1)
         translation = np.array([*values[:3], 0.0, 0.0])[:3]
     if len(rows) == 2:
-        values = numbers.reals(rows[1][0], rows[1][1], "the rotation of an instance (two points and degrees)", 7)
+        values = model.reals(rows[1][0], rows[1][1], "the rotation of an instance (two points and degrees)", 7)
         point, angle = np.array(values[:3]), np.radians(values[6])
         with np.errstate(over="ignore", invalid="ignore"):
             axis = np.array(values[3:6]) - point
@@ -154,7 +155,7 @@ def _node(parser: Parser, block: Block) -> None:
     system = (block.value("SYSTEM") or "R").upper()
     if system not in ("R", "RC"):
         raise block.place.fault(f"*Node with SYSTEM={system} is not supported; write the nodes in x, y, z")
-    table = numbers.node_table(block)
+    table = model.node_table(block)
     parser.scope.nodes.append(table)
     name = block.value("NSET")
     if name is not None:
@@ -166,10 +167,10 @@ def _element(parser: Parser, block: Block) -> None:
     kind, shell = kind_of(element_type), shell_kind_of(element_type)
     table = None
     if kind is not None:
-        table = numbers.element_table(block, len(cell_kind(kind).nodes))
+        table = model.element_table(block, len(cell_kind(kind).nodes))
     elif shell is not None:
-        table = numbers.element_table(block, len(facet_kind(shell).nodes))
-    labels = numbers.element_numbers(block) if table is None else table.labels
+        table = model.element_table(block, len(facet_kind(shell).nodes))
+    labels = model.element_numbers(block) if table is None else table.labels
     parser.scope.elements.append(Elements(element_type, kind, block.place, labels, table, shell))
     name = block.value("ELSET")
     if name is not None:
@@ -182,9 +183,9 @@ def _set(parser: Parser, block: Block) -> None:
     labels, names = np.zeros(0, dtype=np.int64), []
     ranges: list[tuple[int, int, int]] = []
     if block.has("GENERATE"):
-        ranges = numbers.set_ranges(block)
+        ranges = model.set_ranges(block)
     else:
-        labels, names = numbers.set_members(block)
+        labels, names = model.set_members(block)
     elset = block.value("ELSET") if family == "nset" else None
     members = Members(block.place, block.value("INSTANCE"), labels, tuple(ranges), tuple(names), elset)
     parser.scope.add_members(family, name, members, block.has("INTERNAL"))
@@ -238,7 +239,7 @@ def _property(parser: Parser, block: Block, what: str, count: int) -> tuple[Mate
     if not rows:
         raise block.place.fault(f"*{block.keyword.title()} has no data line")
     material = parser.material
-    values = numbers.reals(rows[0][0], rows[0][1], what, count)
+    values = model.reals(rows[0][0], rows[0][1], what, count)
     if len(rows) > 1:
         at = f", at temperature {values[count]:g}" if len(values) > count else ""
         material.notes.append(f"of the {len(rows)} rows of *{block.keyword.title()} the first is taken{at}")

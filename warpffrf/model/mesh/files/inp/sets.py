@@ -5,20 +5,45 @@ part uses it for something else: then it is called `assembly.NAME`. Sets that a 
 out, unless a material needs them. A set of shells (or membranes, plane elements: so meshers write the groups of a
 surface) becomes a facet set of the free faces they lie on, a node set one of the free faces all of whose nodes it
 holds; of one name, a surface goes first, then shells.
+
+Select. Which body of a deck is read: the only one, or the one that `part=` names.
+
+Faces. The faces of a body's cells with their S numbers: surfaces and node sets become facets.
+
+A surface `elset, S3` is face 3 of each element of the set; without a face it is all free faces of those elements. A
+*free* (outer) face belongs to one cell only. Facets keep the node order of the cell's face, outward.
+
+Sections. *Solid Section and *Material -> {cell set: Material} in SI units.
+
+A deck has no units: its numbers form the consistent system that follows from the unit of length (`units`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from warpffrf.model.errors import InputError
+from warpffrf.model.material import Material
 from warpffrf.model.mesh.elements import facet_kind
-from warpffrf.model.mesh.facets import FacetSet
-from warpffrf.model.mesh.files.inp.body import ASSEMBLY, Body
-from warpffrf.model.mesh.files.inp.faces import Faces
-from warpffrf.model.mesh.files.inp.model import SetDefinition, SurfaceDefinition, fold
-from warpffrf.model.mesh.files.inp.solid import Solid
+from warpffrf.model.mesh.facets import FacetSet, row_numbers
+from warpffrf.model.mesh.files.inp.model import (
+    FACE_COUNT,
+    Deck,
+    Instance,
+    MaterialText,
+    Scope,
+    Section,
+    SetDefinition,
+    SurfaceDefinition,
+    faces_of,
+    fold,
+)
+from warpffrf.model.mesh.files.inp.solid import ASSEMBLY, OWN, Body, Solid
+from warpffrf.model.mesh.files.raw_mesh import system_of
 
 ASSEMBLY_PREFIX = "assembly."
 MANY = 8  # items shown in a note
@@ -170,3 +195,213 @@ def _second_name(name: str, what: str, notes: list[str]) -> str:
     """The name of a set of the assembly where the part has another one of that name."""
     notes.append(f"the {what} {name!r} of the assembly is called {ASSEMBLY_PREFIX + name!r}, the part has another")
     return ASSEMBLY_PREFIX + name
+
+
+def choose(deck: Deck, part: str | None) -> Body:
+    """The body that `part` names: an instance, else the one instance of a part, else a part without instances.
+
+    Without `part` the deck must hold one body. Raises `InputError` that lists the names.
+    """
+    if not deck.instances and not deck.parts:
+        if not deck.top.has_cells:
+            raise _no_cells(deck)
+        return Body("", (deck.top,), deck.top.place)
+    if any(block.kind is not None for block in deck.top.elements):
+        place = next(block.place for block in deck.top.elements if block.kind is not None)
+        raise place.fault("solid elements outside the parts are not supported; put them into a *Part with an *Instance")
+    bodies = _bodies(deck)
+    names = ", ".join(repr(body.name) for body in bodies.values())
+    if part is None:
+        if not bodies:
+            raise _no_cells(deck)
+        if len(bodies) > 1:
+            raise InputError(f"mesh file {deck.file}: there are {len(bodies)} bodies, say part= one of {names}")
+        return next(iter(bodies.values()))
+    if fold(part) in bodies:
+        return bodies[fold(part)]
+    of_part = [i for i in deck.instances.values() if fold(i.part) == fold(part)]
+    if len(of_part) == 1 and fold(of_part[0].name) in bodies:
+        return bodies[fold(of_part[0].name)]
+    if len(of_part) > 1:
+        placed = ", ".join(repr(i.name) for i in of_part)
+        raise InputError(f"mesh file {deck.file}: part {part!r} is placed more than once, say part= one of {placed}")
+    empty = deck.instances.get(fold(part))
+    if empty is not None:
+        scopes = (empty.scope, deck.parts[fold(empty.part)])
+        raise empty.place.fault(
+            f"instance {part!r} holds no solid elements (element types: {_types(scopes)}); say part= one of "
+            f"{names or 'none'}"
+        )
+    raise InputError(f"mesh file {deck.file}: there is no body {part!r}; known: {names or 'none'}")
+
+
+def _bodies(deck: Deck) -> dict[str, Body]:
+    """Instances with volume elements by folded name; parts that nobody placed when there is no instance at all."""
+    bodies: dict[str, Body] = {}
+    for key, instance in deck.instances.items():
+        scopes = (instance.scope, deck.parts[fold(instance.part)])
+        if any(scope.has_cells for scope in scopes):
+            bodies[key] = _placed(deck, instance)
+    if not deck.instances:
+        bodies = {key: Body(p.name, (p,), p.place) for key, p in deck.parts.items() if p.has_cells}
+    return bodies
+
+
+def _placed(deck: Deck, instance: Instance) -> Body:
+    scopes = (instance.scope, deck.parts[fold(instance.part)])
+    return Body(instance.name, scopes, instance.place, deck.top, instance, deck.instances)
+
+
+def _no_cells(deck: Deck) -> InputError:
+    found = _types((deck.top, *deck.parts.values()))
+    return InputError(f"mesh file {deck.file}: there are no solid elements (element types: {found}); export a 3-D mesh")
+
+
+def _types(scopes: Iterable[Scope]) -> str:
+    return ", ".join(sorted({block.type for scope in scopes for block in scope.elements})) or "none"
+
+
+@dataclass(frozen=True, eq=False)
+class FaceBlock:
+    """Faces of one facet kind: `nodes` (f, kf), the `cell` (f,) and S number (f,) of each, and whether it is free."""
+
+    nodes: np.ndarray
+    cell: np.ndarray
+    number: np.ndarray
+    free: np.ndarray
+
+    @cached_property
+    def free_nodes(self) -> np.ndarray:
+        """Nodes of the free faces."""
+        return self.nodes[self.free]
+
+
+class Faces:
+    """All faces of the cells {kind: (m, k)}, cells numbered through the kinds."""
+
+    def __init__(self, cells: Mapping[str, np.ndarray]) -> None:
+        self.cell_count = sum(len(nodes) for nodes in cells.values())
+        self.exists = np.zeros((self.cell_count, FACE_COUNT + 1), dtype=bool)  # column 0 is no face
+        pieces: dict[str, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] = {}
+        start = 0
+        for kind, nodes in cells.items():
+            numbers = np.arange(start, start + len(nodes))
+            for s, (facet, local) in enumerate(faces_of(kind), start=1):
+                self.exists[numbers, s] = True
+                pieces.setdefault(facet, []).append((nodes[:, local], numbers, np.full(len(nodes), s)))
+            start += len(nodes)
+        self.blocks: dict[str, FaceBlock] = {}
+        for facet, parts in pieces.items():
+            nodes, cell, number = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+            free = _single(nodes[:, : facet_kind(facet).corner_count])
+            self.blocks[facet] = FaceBlock(nodes, cell, number, free)
+
+    def selected(self, wanted: np.ndarray) -> tuple[FacetSet, int]:
+        """The free faces marked in `wanted` (cells, FACE_COUNT + 1), and the number of marked faces that are inside."""
+        found, inside = {}, 0
+        for facet, block in self.blocks.items():
+            marked = wanted[block.cell, block.number]
+            found[facet] = block.nodes[marked & block.free]
+            inside += int(np.sum(marked & ~block.free))
+        return FacetSet(found), inside
+
+    def free_of(self, cells: np.ndarray) -> np.ndarray:
+        """The mask (cells, FACE_COUNT + 1) of the free faces of some cells."""
+        chosen = np.zeros(self.cell_count, dtype=bool)
+        chosen[cells] = True
+        mask = np.zeros_like(self.exists)
+        for block in self.blocks.values():
+            rows = block.free & chosen[block.cell]
+            mask[block.cell[rows], block.number[rows]] = True
+        return mask
+
+    def under(self, corners: np.ndarray) -> FacetSet:
+        """The free faces that have the same corners (m, 3 or 4) as one of the rows, in any order."""
+        found = {}
+        keys = np.sort(corners, axis=1)
+        for facet, block in self.blocks.items():
+            own = np.sort(block.free_nodes[:, : facet_kind(facet).corner_count], axis=1)
+            if own.shape[1] != keys.shape[1]:
+                continue
+            same = row_numbers(np.concatenate([keys, own]))
+            found[facet] = block.free_nodes[np.isin(same[len(keys) :], same[: len(keys)])]
+        return FacetSet(found)
+
+    def over_nodes(self, node_mask: np.ndarray) -> FacetSet:
+        """The free faces all of whose nodes are marked in `node_mask` (n,)."""
+        return FacetSet({f: b.free_nodes[node_mask[b.free_nodes].all(axis=1)] for f, b in self.blocks.items()})
+
+
+def _single(corners: np.ndarray) -> np.ndarray:
+    """Which rows of node numbers (f, c) occur once, in any order of the numbers."""
+    keys = np.sort(corners, axis=1)
+    order = np.lexsort(keys.T[::-1])
+    same = np.all(keys[order[1:]] == keys[order[:-1]], axis=1)
+    single = np.ones(len(keys), dtype=bool)
+    single[order[1:][same]] = False
+    single[order[:-1][same]] = False
+    return single
+
+
+def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, MaterialText]]:
+    """Element sets (their names) that hold cells, with their materials.
+
+    Raises `InputError` for an unknown set or material and for a set with two sections.
+    """
+    found: dict[str, tuple[str, MaterialText]] = {}
+    for scope in body.own:
+        for section in scope.sections:
+            material = _material(deck, section)
+            members = body.members(OWN, "elset", section.elset, section.place)
+            definition = body.definition(OWN, "elset", section.elset)
+            if definition is None or not len(solid.cell_numbers(members)):
+                continue
+            key = fold(section.elset)
+            if key in found and found[key][1] is not material:
+                raise section.place.fault(f"element set {section.elset!r} has a section of another material already")
+            found[key] = (definition.name, material)
+    return list(found.values())
+
+
+def _material(deck: Deck, section: Section) -> MaterialText:
+    material = deck.materials.get(fold(section.material))
+    if material is None:
+        known = ", ".join(repr(m.name) for m in deck.materials.values()) or "none"
+        raise section.place.fault(f"there is no material {section.material!r}; known: {known}")
+    return material
+
+
+def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, notes: list[str]) -> dict[str, Material]:
+    """{cell set: Material} [SI] of the sections; what cannot be taken over is said in `notes`."""
+    if not sections:
+        return {}
+    system = system_of(length_unit, notes)
+    if system is None:
+        return {}
+    stress, density, units = system
+    made: dict[str, Material] = {}
+    for elset, text in sections:
+        for note in dict.fromkeys(text.notes):
+            notes.append(f"material {text.name!r}: {note}")
+        material = _si(text, stress, density, notes)
+        if material is not None:
+            made[elset] = material
+    if made:
+        notes.append(f"materials are read in {units}, the system that goes with lengths in {length_unit}")
+    return made
+
+
+def _si(text: MaterialText, stress: float, density: float, notes: list[str]) -> Material | None:
+    faults = list(text.faults)
+    if text.elastic is None and not faults:
+        faults.append("it has no *Elastic")
+    if text.density is None:
+        faults.append("it has no *Density")
+    if text.elastic is not None and text.density is not None and not faults:
+        try:
+            with np.errstate(over="ignore"):
+                return Material(stress * text.elastic[0], text.elastic[1], density * text.density, name=text.name)
+        except InputError as error:
+            faults.append(str(error))
+    notes.append(f"material {text.name!r} ({text.place}) is not taken over: {'; '.join(faults)}")
+    return None

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 
 from warpffrf.model.errors import InputError
-from warpffrf.model.files.regular_file import exists, read_named
-from warpffrf.model.mesh.files.matrices import abaqus, calculix, matrix_market, nastran
-from warpffrf.model.mesh.files.matrices.file_matrix import FileMatrix
+from warpffrf.model.files.paths import exists, read_named
+from warpffrf.model.mesh.files.matrices import formats
+from warpffrf.model.mesh.files.matrices.formats import FileMatrix
 from warpffrf.model.messages.named_arguments import named_arguments
 
 ROLES = ("stiffness", "mass")
@@ -60,18 +60,18 @@ def _readers() -> dict[str, Callable[[Path, str | None, str], FileMatrix]]:
     return {
         ".mtx": _mtx,
         ".mm": _mtx,
-        ".sti": calculix.read,
-        ".mas": calculix.read,
-        ".op4": nastran.read_op4,
-        ".op2": nastran.read_op2,
+        ".sti": formats.read_calculix,
+        ".mas": formats.read_calculix,
+        ".op4": formats.read_op4,
+        ".op2": formats.read_op2,
     }
 
 
 def _mtx(file: Path, name: str | None, role: str) -> FileMatrix:
     """Matrix Market and Abaqus share a suffix: the banner decides."""
-    banner = read_named(file, "matrix file")[: len(matrix_market.BANNER)]
-    reader = matrix_market if banner.lower() == matrix_market.BANNER else abaqus
-    return reader.read(file, name, role)
+    banner = read_named(file, "matrix file")[: len(formats.BANNER)]
+    read = formats.read if banner.lower() == formats.BANNER else formats.read_abaqus
+    return read(file, name, role)
 
 
 def completed(matrix: Any) -> Any:

@@ -1,0 +1,264 @@
+"""Files that a user names: ordinary ones on a disk, of a size that can be meant, and no more of them than can be meant.
+
+All readers of files go through `read_regular`; those whose files include others through one `Budget` for all of them.
+Numbers in text have at most `MOST_DIGITS` digits where they are whole: Python's own conversion ends, with another
+error, at some thousand.
+
+Output paths are checked before a run, not after it, and files are written whole or not at all.
+
+Nothing that exists is replaced unless that is asked for, and then only what warpffrf has written, which its files say
+at their beginning or end. A file is written beside its target, under a name of the process and the machine that write
+it, and renamed: so nobody touches the file of another, and what a killed process has left is removed when its target is
+written the next time.
+
+Processes of this machine, of which files tell.
+"""
+
+from __future__ import annotations
+
+import errno
+import logging
+import os
+import re
+import secrets
+import socket
+import stat
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from glob import escape
+from pathlib import Path
+from typing import IO
+
+from warpffrf.model.errors import InputError
+
+MADE_UP = ("/proc/", "/sys/")
+MOST_BYTES = 1 << 32  # of a mesh or a matrix, with all that it includes
+MOST_FILES = 1000  # read for one mesh; decks of whole machines include some dozen
+DEEPEST = 50  # files in files; Abaqus ends at five
+MOST_DIGITS = 18  # of a whole number: below 2^63
+
+
+def read_regular(file: Path, most: int = MOST_BYTES) -> bytes:
+    """The bytes of `file`. Raises `InputError` for a pipe, a device, a file that the system makes up (/proc, /sys), and
+    for one of more than `most` bytes; OSError where it cannot be read."""
+    # a pipe without a writer would wait for one
+    with open(file, "rb", buffering=0, opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as opened:
+        found = os.fstat(opened.fileno())
+        if not stat.S_ISREG(found.st_mode) or str(file.resolve()).startswith(MADE_UP):
+            raise InputError("is no ordinary file")
+        if found.st_size > most:
+            raise InputError(f"has {found.st_size} bytes, more than {most} are not read")
+        parts, left = [], found.st_size
+        while left and (part := opened.read(left)):
+            parts.append(part)
+            left -= len(part)
+    return b"".join(parts)
+
+
+def read_named(file: Path, kind: str, most: int = MOST_BYTES) -> bytes:
+    """The bytes of `file`, a `kind` of file in messages. Raises `InputError` with its name for whatever is wrong."""
+    try:
+        return read_regular(file, most)
+    except FileNotFoundError:
+        raise InputError(f"{kind} {str(file)!r} does not exist; check the path") from None
+    except InputError as error:
+        raise InputError(f"{kind} {file.name}: {error}; check the path") from None
+    except (OSError, ValueError) as error:
+        raise InputError(f"{kind} {file.name}: cannot be read ({reason(error)}); check the path") from None
+
+
+def exists(file: Path) -> bool:
+    """Whether there is something behind the name; False for a name that no file can have."""
+    try:
+        return file.exists()
+    except (OSError, ValueError):
+        return False
+
+
+def reason(error: Exception) -> str:
+    """What the system says of a file that it does not open."""
+    return str(getattr(error, "strerror", None) or error)
+
+
+@dataclass
+class Budget:
+    """What is left for a file and all that it includes."""
+
+    bytes_left: int = MOST_BYTES
+    files_left: int = MOST_FILES
+
+    def read(self, file: Path, depth: int = 0) -> bytes:
+        """`read_regular` of `file`, which lies `depth` files deep. Raises `InputError` where the budget ends."""
+        if depth > DEEPEST:
+            raise InputError(f"lies more than {DEEPEST} files deep; put the files together")
+        if self.files_left < 1:
+            raise InputError(f"is one file more than {MOST_FILES} (a file counts each time); put the files together")
+        content = read_regular(file, self.bytes_left)
+        self.files_left -= 1
+        self.bytes_left -= len(content)
+        return content
+
+
+# How a format begins, and what warpffrf writes into such a file: its name alone may stand in anybody's
+SIGNS = {
+    b"\x89HDF": rb"warpffrf sealed\n",
+    b"\x89PNG": rb"Software\x00warpffrf",
+    b"%PDF": rb"/Creator \(warpffrf\)",
+    b"RRF": rb"warpffrf",
+    b"GIF8": rb"written by warpffrf",
+    b"": rb"written by warpffrf|Made by `(python -m )?warpffrf|<!-- warpffrf -->|as warpffrf ran it"
+    rb"|[aA] warpffrf example"
+    rb'|\Awarpffrf (stability|speed_error)|<dc:title>warpffrf<|content="warpffrf |"(format|kind)": "warpffrf',
+}
+SIGN_WITHIN = 1 << 16  # bytes of the beginning and of the end
+ENDING = ".part"
+UNITS = ("bytes", "kB", "MB", "GB", "TB")
+
+log = logging.getLogger("warpffrf")
+
+
+def checked_output_path(
+    path: str | os.PathLike[str], what: str, *, overwrite: bool, ours: Callable[[Path], bool] | None = None
+) -> Path:
+    """`path` as a Path that can be written: missing folders are made, an existing file is left as it is.
+
+    ours: tells whether warpffrf wrote a file, `written_here` if None. Raises InputError naming `what` (for instance
+    "record") when the path is a folder, when a parent is not a folder, when the folder or file cannot be written, and
+    for a file that exists, unless warpffrf wrote it and `overwrite` is set.
+    """
+    refuse_nul(path, what)
+    target = Path(path).expanduser()
+    try:
+        if target.is_dir():
+            raise InputError(f"{what}: '{target}' is a folder; give the name of a file in it")
+        if not target.parent.exists():
+            target.parent.mkdir(parents=True, exist_ok=True)
+            log.info("%s: the folder '%s' is new", what, target.parent)
+        partial = _partial(target)  # the longest name that there will be
+        partial.touch(exist_ok=False)
+        partial.unlink()
+        if target.exists():
+            _refuse(target, what, overwrite, ours or written_here)
+            with target.open("ab"):
+                pass
+    except OSError as error:
+        cure = "a shorter name" if error.errno == errno.ENAMETOOLONG else "a folder that you may write to"
+        raise InputError(f"{what}: '{target}' cannot be written ({error.strerror or error}); choose {cure}") from error
+    return target
+
+
+def refuse_nul(path: str | os.PathLike[str], what: str) -> None:
+    """Raises `InputError` naming `what` for a path that no file can have."""
+    if "\0" in os.fspath(path):
+        raise InputError(f"{what}: {os.fspath(path)!r} holds a NUL, which no name of a file can; choose another name")
+
+
+def _refuse(target: Path, what: str, overwrite: bool, ours: Callable[[Path], bool]) -> None:
+    if not overwrite:
+        raise InputError(
+            f"{what}: '{target}' exists; choose another name, or replace it with overwrite=True (--overwrite)"
+        )
+    if not ours(target):
+        raise InputError(
+            f"{what}: '{target}' was not written by warpffrf and stays; choose another name, or remove it first"
+        )
+
+
+def written_here(file: Path) -> bool:
+    """Whether a file says that warpffrf wrote it, or is empty."""
+    with file.open("rb") as stream:
+        size = stream.seek(0, os.SEEK_END)
+        if not size:
+            return True
+        stream.seek(0)
+        head = stream.read(SIGN_WITHIN)
+        sign = next(sign for start, sign in SIGNS.items() if head.startswith(start))
+        stream.seek(max(size - SIGN_WITHIN, 0))
+        return any(re.search(sign, part) for part in (head, stream.read(SIGN_WITHIN)))
+
+
+def check_ending(path: str | os.PathLike[str], what: str, endings: tuple[str, ...]) -> None:
+    """Raises `InputError` naming `what` unless `path` ends like one of `endings`: a file whose name promises another
+    format misleads whoever opens it. Folders are left to `checked_output_path`."""
+    if not isinstance(path, str | os.PathLike):
+        raise InputError(f"{what} must be the name of a file, got {path!r}")
+    if Path(path).suffix.lower() not in endings and not Path(path).is_dir():
+        raise InputError(f"{what}: '{path}' must end in {' or '.join(endings)}")
+
+
+@contextmanager
+def written_whole(path: Path) -> Iterator[Path]:
+    """A neighbouring name to write to; it replaces `path` only when the block ends without error, so no file is
+    left half written."""
+    remove_left_over(path)
+    partial = _partial(path)
+    try:
+        yield partial
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _partial(path: Path) -> Path:
+    """A name beside `path` of this process and machine."""
+    host = socket.gethostname().replace(".", "-")
+    return path.with_name(f".{path.name}.{host}.{os.getpid()}.{secrets.token_hex(4)}{ENDING}")
+
+
+def remove_left_over(path: Path) -> None:
+    """Remove what processes of this machine that are no more have left beside `path`."""
+    for file in path.parent.glob(f".{escape(path.name)}.*{ENDING}"):
+        _remove_of_the_dead(file, file.name.removeprefix(f".{path.name}.").removesuffix(ENDING).split("."))
+
+
+def remove_left_over_in(folder: Path) -> None:
+    """Remove what processes of this machine that are no more have left in `folder`, whatever it was to be."""
+    for file in folder.glob(f".*{ENDING}"):
+        _remove_of_the_dead(file, file.name.removesuffix(ENDING).rsplit(".", 3)[1:])
+
+
+def _remove_of_the_dead(file: Path, left_by: list[str]) -> None:
+    """Remove `file` if the process that wrote it is no more; left_by: its host, its number, and a random word."""
+    host = socket.gethostname().replace(".", "-")
+    if len(left_by) == 3 and left_by[0] == host and left_by[1].isdecimal() and not lives(int(left_by[1])):
+        file.unlink(missing_ok=True)
+
+
+def size_text(size: float) -> str:
+    """A number of bytes as people say it: 14.2 MB."""
+    for unit in UNITS[:-1]:
+        if size < 1000:
+            return f"{size:.3g} {unit}"
+        size /= 1000
+    return f"{size:.3g} {UNITS[-1]}"
+
+
+try:
+    import fcntl
+except ImportError:  # without it two processes that write one thing are not told apart
+    fcntl = None
+
+
+def lives(process: int) -> bool:
+    """Whether a process of that number runs on this machine, as far as can be told without touching it."""
+    if os.name != "posix":  # there a signal of 0 is one that ends a process
+        return True
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # it is another user's, or no number of a process
+        return True
+    return True
+
+
+def locked(stream: IO[str]) -> bool:
+    """Lock an open file that no other process has locked, until it is closed; whether that was so."""
+    if fcntl is None:
+        return True
+    try:
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        return False
+    return True

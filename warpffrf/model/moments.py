@@ -1,0 +1,208 @@
+r"""Moments of lumped contacts, which a force at a place cannot have: against rolling, and against pivoting about the
+normal.
+
+    RollingResistanceArm        M = e F, e a lever
+    RollingHysteresis   the share of the work of pressing that is lost as a patch rolls on
+    spin                Coulomb's friction over Hertz's ellipse in pure pivoting, of the contact's law of friction
+
+Kernels are `warpffrf_kernels.lumped.moments`. A law of rolling of one's own is a subclass of `RollingResistance`.
+
+Patch. Size of the patch of a place of a lumped contact, which moments come from; laws of the force know it.
+
+Resistance. What moments of lumped contacts have in common: m(w) = min(c F^p, d F^q w) under the force F at the angular
+speed w.
+
+The bound c F^p is that of the law, the slope d F^q from rest makes it a function of the speed: nothing sticks, and what
+rests on a slope rolls down slowly, at less than the speed c F^p/(d F^q) where both meet.
+
+Rolling resistance by hysteresis (D. Tabor 1955; K. L. Johnson, Contact Mechanics, 1985, section 9.2).
+
+As a patch rolls on, its pressure ahead of the middle does work on the material that comes under it, and the one behind
+gives it back but for the fraction alpha. With the half-axis b of the patch in the direction of rolling, the pressures
+ahead have the moments
+
+    line    2 F b/(3 pi),      ellipse    3 F b/16
+
+about the middle, and alpha of them is left over: M = alpha times that. b grows as F^(1/2) of a line, F^(1/3) of an
+ellipse. The shorter half-axis is taken, whatever the direction: elements of bearings roll across the long one.
+
+Rolling resistance by a lever: M = e F, the force of the ground a distance e ahead of the middle of the patch.
+
+A roller of mass m, radius r and moment of inertia J that rolls out on a plane slows down by
+
+    dv/dt = -(e/r) g/(1 + J/(m r^2)),
+
+as e F of the moment turns it and a friction force F e/(r (1 + J/(m r^2))) holds it back. e/r is the coefficient of
+rolling resistance of handbooks. In a bearing Palmgren's torque M_1 = f_1 F d_m that grows with the load (A. Palmgren,
+Ball and Roller Bearing Engineering, 1959) is that of a lever: an element of the diameter D that turns with w_e
+against the one ring and the other takes e Q w_e at either contact from the shaft.
+
+Spin. Friction of a patch that pivots about its normal: the moment of Coulomb's friction over Hertz's ellipse.
+
+With the pressure p = p_0 sqrt(1 - x^2/a^2 - y^2/b^2) of the force F, pivoting at w_s without any slip of the whole, and
+regularised friction of the slip velocity v_s, tractions are mu p min(r w_s/v_s, 1) at the distance r, so that
+
+    slow     M = mu w_s/v_s int p r^2 dA = mu F (a^2 + b^2)/5 w_s/v_s,
+    fast     M = mu int p r dA = 3/8 mu F a E(m),      m = 1 - b^2/a^2, E the complete elliptic integral,
+
+3 pi/16 mu F a of a circle. Between both M is taken as the smaller of them, which it is at most. a and b grow as
+F^(1/3).
+
+Slip of the whole patch lessens the moment, and pivoting the friction force, as both have one traction to share
+(Contensou 1963). That is not modelled: force and moment each have their whole bound, and the pivoting of a patch that
+slips faster than it pivots at its edge, |v| > a w_s, is resisted by too much.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar
+
+from scipy.special import ellipe
+
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.friction import FrictionLaw
+from warpffrf.model.messages.named_arguments import named_arguments
+
+
+@dataclass(frozen=True)
+class Patch:
+    """Under the force F: half-axes `short` and `long` [m/N^growth] times F^growth, None of a line, and the moment
+    `ahead` [-] of the pressure ahead of the middle, over F and the short one."""
+
+    short: float
+    long: float | None
+    growth: float
+    ahead: float
+
+
+@dataclass(frozen=True)
+class Resistance:
+    """A moment as the kernels read it: `bound` c [N m/N^p], `bound_power` p, `slope` d [N m s/N^q], `slope_power` q."""
+
+    bound: float = 0.0
+    bound_power: float = 1.0
+    slope: float = 0.0
+    slope_power: float = 1.0
+
+
+NO_RESISTANCE = Resistance()
+
+
+class RollingResistance(ABC):
+    """A law of resistance to rolling, a frozen dataclass listed in `warpffrf.model.moments.ROLLING_LAWS`: a moment
+    against the relative angular velocity of both bodies across the normal.
+
+    rolling_speed [rad/s]: of that velocity, below which the moment is proportional to it; far below what the machine
+    turns at.
+    """
+
+    kind: ClassVar[str] = ""
+    rolling_speed: float
+
+    @abstractmethod
+    def bound(self, patch: Patch | None, label: str) -> tuple[float, float]:
+        """c [N m/N^p] and p of a place with that patch, None of a law of the force that knows none. Raises `InputError`
+        naming `label` where it needs one."""
+
+    def resistance(self, patch: Patch | None, label: str) -> Resistance:
+        """Its numbers at a place with that patch. Raises `InputError` naming `label` as `bound` does."""
+        c, p = self.bound(patch, label)
+        return Resistance(c, p, c / self.rolling_speed, p)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        return {"kind": self.kind, **asdict(self)}  # pyright: ignore[reportArgumentType]
+
+
+@named_arguments
+@dataclass(frozen=True)
+class RollingHysteresis(RollingResistance):
+    """The fraction `loss` [-] of the work that presses the material ahead is lost, which makes a moment against
+    rolling.
+
+    loss: between 0 and 1, about 0.01 of hard steel. For laws.HertzPoint, laws.PalmgrenLine and laws.IsoLamina, whose
+    patches are known. rolling_speed [rad/s] as in `RollingResistance`. Raises `InputError`.
+    """
+
+    loss: float
+    rolling_speed: float
+    kind: ClassVar[str] = "rolling_hysteresis"
+
+    def __post_init__(self) -> None:
+        alpha = require_number(self.loss, "RollingHysteresis: loss", non_negative=True)
+        if alpha > 1.0:
+            raise InputError(f"RollingHysteresis: loss must be at most 1, the whole work, got {alpha:g}")
+        speed = require_number(self.rolling_speed, "RollingHysteresis: rolling_speed [rad/s]", positive=True)
+        object.__setattr__(self, "loss", alpha)
+        object.__setattr__(self, "rolling_speed", speed)
+
+    def bound(self, patch: Patch | None, label: str) -> tuple[float, float]:
+        if patch is None:
+            raise InputError(
+                f"{label}: laws.RollingHysteresis needs the size of the patch, which only laws.HertzPoint, "
+                "laws.PalmgrenLine and laws.IsoLamina know; take one of these, or laws.RollingResistanceArm"
+            )
+        return self.loss * patch.ahead * patch.short, 1.0 + patch.growth
+
+
+@named_arguments
+@dataclass(frozen=True)
+class RollingResistanceArm(RollingResistance):
+    """M = lever * F against rolling, F the normal force; for any law of it, of laminae for each.
+
+    lever [m]: not negative, some micrometres of hard steel. rolling_speed [rad/s] as in `RollingResistance`. Raises
+    `InputError`.
+    """
+
+    lever: float
+    rolling_speed: float
+    kind: ClassVar[str] = "rolling_resistance_arm"
+
+    def __post_init__(self) -> None:
+        lever = require_number(self.lever, "RollingResistanceArm: lever [m]", non_negative=True)
+        speed = require_number(self.rolling_speed, "RollingResistanceArm: rolling_speed [rad/s]", positive=True)
+        object.__setattr__(self, "lever", lever)
+        object.__setattr__(self, "rolling_speed", speed)
+
+    def bound(self, patch: Patch | None, label: str) -> tuple[float, float]:
+        return self.lever, 1.0
+
+
+def spin_resistance(friction: FrictionLaw, patch: Patch | None, label: str) -> Resistance:
+    """Of a contact with that friction and that patch, None where the law of the force knows none. Raises `InputError`
+    naming `label` for friction that sticks, which has no velocity to answer, and for patches that are no ellipse."""
+    if not friction.acts or not friction.creep_limit:
+        raise InputError(
+            f"{label}: spin=True needs friction that answers the velocity of the surfaces, laws.RegularisedCoulomb or "
+            "laws.TractionCurve"
+        )
+    if patch is None or patch.long is None:
+        raise InputError(
+            f"{label}: spin=True needs an elliptical patch, that of laws.HertzPoint; laminae resist pivoting without it"
+        )
+    a, b, mu = patch.long, patch.short, friction.static_coefficient
+    fast = 0.375 * mu * a * float(ellipe(1.0 - (b / a) ** 2))
+    slow = mu * (a**2 + b**2) / (5.0 * friction.creep_limit)
+    return Resistance(fast, 1.0 + patch.growth, slow, 1.0 + 2.0 * patch.growth)
+
+
+ROLLING_LAWS = {law.kind: law for law in (RollingResistanceArm, RollingHysteresis)}
+
+__all__ = [
+    "NO_RESISTANCE", "ROLLING_LAWS", "Resistance", "RollingHysteresis", "RollingResistanceArm", "RollingResistance",
+    "as_rolling_resistance", "spin_resistance",
+]  # fmt: skip
+
+
+def as_rolling_resistance(value: Any, label: str) -> RollingResistance | None:
+    """`value` if it is a law of rolling resistance, or None; raises `InputError` naming `label` and the laws there
+    are."""
+    if value is not None and not isinstance(value, RollingResistance):
+        names = ", ".join(f"laws.{law.__name__}" for law in ROLLING_LAWS.values())
+        raise InputError(
+            f"{label}: rolling_resistance must be one of {names}, or None, got {value!r}; a coefficient is a lever "
+            "over a radius, laws.RollingResistanceArm(coefficient * radius, rolling_speed)"
+        )
+    return value

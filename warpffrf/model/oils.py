@@ -1,0 +1,372 @@
+r"""Oils of a film.
+
+With the pressure p >= 0 [Pa] above that of the cavity
+
+    Newtonian            mu = mu_0
+    Barus                mu = mu_0 exp(alpha p)
+    Roelands             mu = mu_0 exp((ln mu_0 + 9.67)((1 + p/196.2 MPa)^z - 1))
+    DowsonHigginson      rho/rho_0 = 1 + a p/(1 + b p), beside any of them
+
+Temperature is a parameter: `vogel`, `walther` and `iso_vg` give the viscosity at one. An oil of one's own is a subclass
+of one of them: the kernels evaluate mu(p) in these forms.
+
+Barus. Viscosity that grows exponentially with pressure (C. Barus, Am. J. Sci. 45, 1893, 87).
+
+    mu = mu_0 exp(alpha p),      mu' = alpha mu
+
+Mineral oils have alpha between 1e-8 and 3e-8 per Pa. The law holds up to some 0.1 to 0.2 GPa, and rises too steeply
+beyond: take `Roelands` there.
+
+Dowson-Higginson. Density against pressure (D. Dowson and G. R. Higginson, Elasto-hydrodynamic Lubrication, 1966).
+
+    rho/rho_0 = 1 + a p/(1 + b p),      a = 0.6 1/GPa,   b = 1.7 1/GPa of mineral oils,
+
+which rises from 1 with the compliance a and stays below 1 + a/b = 1.35.
+
+ISO VG. Mineral oils by their ISO viscosity grade (ISO 3448: the grade is the kinematic viscosity at 40 degrees in
+mm2/s).
+
+With mu_40 = rho nu_40, Vogel's equation with c = 95 K and all oils meeting in one viscosity,
+
+    mu = mu_40 exp(b (1/(T + 95) - 1/135)),      b = 159.56 K ln(mu_40/1.8e-4 Pa s),
+
+is how standards for plain bearings describe mineral oils of viscosity index 95 to 100. With a measured viscosity at 100
+degrees, `at_100`, Walther's line through the two points takes its place.
+
+Newtonian. An oil whose viscosity does not depend on pressure: right below some 20 MPa, in most bearings with a soft
+lining.
+
+Oil. What all oils have in common: viscosity and density against pressure, at one temperature.
+
+A film is solved for pressures, by Newton's method; so an oil tells both and their derivatives,
+
+    mu(p) [Pa s],    mu'(p) [s],    r(p) = rho(p)/rho_0 [-],    r'(p) [1/Pa],
+
+of the pressure above that of the cavity. Both rise with p. The cavity has pressure zero and an oil of mu(0), r(0) = 1.
+
+The kernels evaluate mu(p) by the `form` of an oil, one of FORMS, and its `numbers`; another form needs a kernel.
+
+Roelands. Viscosity against pressure to a GPa (C. J. A. Roelands, Correlational Aspects of the Viscosity-Temperature-
+Pressure Relationship of Lubricating Oils, Delft 1966).
+
+    mu = mu_0 exp(b ((1 + p/p_r)^z - 1)),      b = ln(mu_0/mu_r),      p_r = 196.2 MPa,   mu_r = 6.315e-5 Pa s
+
+All oils meet at mu_r at the pressure -p_r. What oils are known by is the coefficient of Barus' law, the slope at zero
+pressure: alpha = b z/p_r, z = alpha p_r/b. Mineral oils have z between 0.5 and 0.7.
+
+Temperature. Viscosity against temperature, in degrees Celsius T.
+
+Vogel (H. Vogel, Phys. Z. 22, 1921, 645), of the dynamic viscosity:
+
+    mu = a exp(b/(T + c))
+
+Walther (C. Walther, Erdoel und Teer 7, 1931, 382; ASTM D341), of the kinematic viscosity nu in mm2/s: a straight line
+through two measured points,
+
+    ln ln(nu + 0.7) = A - B ln(T + 273.15),      mu = rho nu.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import KW_ONLY, dataclass, fields
+from typing import Any, ClassVar
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, require_number
+from warpffrf.model.messages.named_arguments import named_arguments
+
+Array = np.ndarray
+
+
+@named_arguments
+@dataclass(frozen=True)
+class DowsonHigginson:
+    """rho/rho_0 = 1 + a p/(1 + b p); a, b [1/Pa] positive, by default those of mineral oils. Raises `InputError`."""
+
+    a: float = 0.6e-9
+    b: float = 1.7e-9
+
+    def __post_init__(self) -> None:
+        for name in ("a", "b"):
+            number = require_number(getattr(self, name), f"oils.DowsonHigginson: {name} [1/Pa]", positive=True)
+            object.__setattr__(self, name, number)
+
+    def ratio(self, pressure: Any) -> Array:
+        """rho/rho_0 [-] at pressures [Pa], any shape."""
+        p = np.asarray(pressure, dtype=float)
+        return 1.0 + self.a * p / (1.0 + self.b * p)
+
+    def slope(self, pressure: Any) -> Array:
+        """Its derivative [1/Pa] at pressures [Pa], any shape."""
+        return self.a / (1.0 + self.b * np.asarray(pressure, dtype=float)) ** 2
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        return {"a": self.a, "b": self.b}
+
+
+GRADES = (2, 3, 5, 7, 10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680, 1000, 1500, 2200, 3200)
+VOGEL_SHIFT, VOGEL_RISE, VOGEL_POLE = 95.0, 159.55787, 1.8e-4  # K, K, Pa s
+REFERENCE = 40.0  # degrees Celsius
+DENSITY = 880.0  # kg/m3
+
+
+@named_arguments
+def iso_vg(grade: int, *, temperature: float, at_100: float | None = None, density: float = DENSITY) -> Newtonian:
+    """The oil of ISO VG `grade` at `temperature` [degrees Celsius]; at_100: kinematic viscosity at 100 degrees [m2/s],
+    of an oil whose viscosity index is another than about 95; density [kg/m3]. Raises `InputError`."""
+    label = f"oils.iso_vg({grade!r})"
+    if grade not in GRADES:
+        raise InputError(f"{label}: no such grade; known: {', '.join(map(str, GRADES))}")
+    T = temperature_of(temperature, label)
+    rho = require_number(density, f"{label}: density [kg/m3]", positive=True)
+    nu_40 = 1e-6 * grade
+    if at_100 is not None:
+        return Newtonian(walther(T, points=[(REFERENCE, nu_40), (100.0, at_100)], density=rho))
+    mu_40 = rho * nu_40
+    b = VOGEL_RISE * np.log(mu_40 / VOGEL_POLE)
+    return Newtonian(float(mu_40 * np.exp(b * (1.0 / (T + VOGEL_SHIFT) - 1.0 / (REFERENCE + VOGEL_SHIFT)))))
+
+
+# Pa s: air has 2e-5, and bitumen at room temperature 1e5
+LEAST, MOST = 1e-6, 1e4
+FORMS = ("newtonian", "barus", "roelands")  # that `warpffrf_kernels.films.oil` evaluates
+
+
+@dataclass(frozen=True)
+class Oil(ABC):
+    """An oil of `viscosity` [Pa s] at zero pressure, and compressible where it has a law of `density`. Raises
+    `InputError` for a viscosity that no oil has and a density that is no law.
+
+    An oil of one's own is a subclass of `Newtonian`, `Barus` or `Roelands`, whose form the kernels evaluate.
+    """
+
+    viscosity: float
+    _: KW_ONLY
+    density: DowsonHigginson | None = None
+    kind: ClassVar[str]
+    form: ClassVar[str] = ""
+
+    def __post_init__(self) -> None:
+        viscosity = require_number(self.viscosity, f"{self.label}: viscosity [Pa s]", positive=True)
+        if not LEAST <= viscosity <= MOST:
+            raise InputError(
+                f"{self.label}: viscosity must lie between {LEAST:g} and {MOST:g} Pa s, got {viscosity:g}; an oil of "
+                "46 mm2/s has about 0.04 Pa s"
+            )
+        if self.density is not None and not isinstance(self.density, DowsonHigginson):
+            raise InputError(
+                f"{self.label}: density must be oils.DowsonHigginson(...) or None, of an oil that is not compressible, "
+                f"got {self.density!r}"
+            )
+        object.__setattr__(self, "viscosity", viscosity)
+
+    @property
+    def label(self) -> str:
+        """For messages."""
+        return f"oils.{type(self).__name__}"
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        """What the form reads on the device: coefficient [1/Pa], rise and exponent [-], 0 where it has none."""
+        return 0.0, 0.0, 0.0
+
+    @abstractmethod
+    def viscosity_at(self, pressure: Any) -> Array:
+        """mu [Pa s] at pressures [Pa], any shape."""
+
+    @abstractmethod
+    def viscosity_slope(self, pressure: Any) -> Array:
+        """mu' [s] at pressures [Pa], any shape."""
+
+    def density_at(self, pressure: Any) -> Array:
+        """rho/rho_0 [-] at pressures [Pa], any shape."""
+        p = np.asarray(pressure, dtype=float)
+        return np.ones_like(p) if self.density is None else self.density.ratio(p)
+
+    def density_slope(self, pressure: Any) -> Array:
+        """Its derivative [1/Pa] at pressures [Pa], any shape."""
+        p = np.asarray(pressure, dtype=float)
+        return np.zeros_like(p) if self.density is None else self.density.slope(p)
+
+    def describe(self) -> dict[str, Any]:
+        """Plain data for hashing."""
+        numbers = {f.name: getattr(self, f.name) for f in fields(self) if f.name not in ("density", "_")}
+        return {"kind": self.kind, **numbers, "density": None if self.density is None else self.density.describe()}
+
+
+@named_arguments
+@dataclass(frozen=True)
+class Barus(Oil):
+    """mu = viscosity exp(coefficient p); viscosity [Pa s], coefficient alpha [1/Pa]. Raises `InputError`."""
+
+    _: KW_ONLY
+    coefficient: float
+    kind: ClassVar[str] = "barus"
+    form: ClassVar[str] = "barus"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        alpha = require_number(self.coefficient, f"{self.label}: coefficient [1/Pa]", non_negative=True)
+        object.__setattr__(self, "coefficient", alpha)
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        return self.coefficient, 0.0, 0.0
+
+    def viscosity_at(self, pressure: Any) -> Array:
+        return self.viscosity * np.exp(self.coefficient * np.asarray(pressure, dtype=float))
+
+    def viscosity_slope(self, pressure: Any) -> Array:
+        return self.coefficient * self.viscosity_at(pressure)
+
+
+@named_arguments
+@dataclass(frozen=True)
+class Newtonian(Oil):
+    """mu = viscosity [Pa s]. Raises `InputError`."""
+
+    kind: ClassVar[str] = "newtonian"
+    form: ClassVar[str] = "newtonian"
+
+    def viscosity_at(self, pressure: Any) -> Array:
+        return np.full_like(np.asarray(pressure, dtype=float), self.viscosity)
+
+    def viscosity_slope(self, pressure: Any) -> Array:
+        return np.zeros_like(np.asarray(pressure, dtype=float))
+
+
+POLE_PRESSURE, POLE_VISCOSITY = 196.2e6, 6.315e-5  # Pa, Pa s
+LARGEST = 1.5  # of z: no oil is known with more than 1
+
+
+@named_arguments
+@dataclass(frozen=True)
+class Roelands(Oil):
+    """mu = viscosity exp(b ((1 + p/p_r)^z - 1)) with mu'/mu = coefficient at zero pressure; viscosity [Pa s],
+    coefficient alpha [1/Pa]. Raises `InputError`."""
+
+    _: KW_ONLY
+    coefficient: float
+    kind: ClassVar[str] = "roelands"
+    form: ClassVar[str] = "roelands"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        alpha = require_number(self.coefficient, f"{self.label}: coefficient [1/Pa]", positive=True)
+        object.__setattr__(self, "coefficient", alpha)
+        if self.viscosity <= POLE_VISCOSITY:
+            raise InputError(
+                f"{self.label}: viscosity must be above {POLE_VISCOSITY:g} Pa s, the least that an oil of Roelands "
+                f"has, got {self.viscosity:g}; take oils.Barus"
+            )
+        if self.exponent > LARGEST:
+            usual = 0.6 * self.rise / POLE_PRESSURE
+            raise InputError(
+                f"{self.label}: a coefficient of {alpha:g} 1/Pa with {self.viscosity:g} Pa s makes its exponent z "
+                f"{self.exponent:.3g}; mineral oils have 0.5 to 0.7, which is about {usual:.2g} 1/Pa here"
+            )
+
+    @property
+    def rise(self) -> float:
+        """b of the module docstring [-]."""
+        return float(np.log(self.viscosity / POLE_VISCOSITY))
+
+    @property
+    def exponent(self) -> float:
+        """z [-]."""
+        return self.coefficient * POLE_PRESSURE / self.rise
+
+    @property
+    def numbers(self) -> tuple[float, float, float]:
+        return self.coefficient, self.rise, self.exponent
+
+    def viscosity_at(self, pressure: Any) -> Array:
+        relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
+        return self.viscosity * np.exp(self.rise * (relative**self.exponent - 1.0))
+
+    def viscosity_slope(self, pressure: Any) -> Array:
+        relative = 1.0 + np.asarray(pressure, dtype=float) / POLE_PRESSURE
+        return self.coefficient * relative ** (self.exponent - 1.0) * self.viscosity_at(pressure)
+
+
+ABSOLUTE_ZERO = -273.15  # degrees Celsius
+COLDEST, HOTTEST = -60.0, 300.0  # degrees Celsius, of oils that flow
+SHIFT = 0.7  # mm2/s
+TO_MM2_S = 1e6
+
+
+def temperature_of(value: float, label: str) -> float:
+    """A temperature in degrees Celsius; raises `InputError` where no oil flows, as it does for kelvins."""
+    T = require_number(value, f"{label}: temperature [degrees Celsius]")
+    if not COLDEST <= T <= HOTTEST:
+        raise InputError(
+            f"{label}: temperature must lie between {COLDEST:g} and {HOTTEST:g} degrees Celsius, got {T:g}; from "
+            "kelvins take 273.15"
+        )
+    return T
+
+
+@named_arguments
+def vogel(temperature: float, *, a: float, b: float, c: float) -> float:
+    """Dynamic viscosity a exp(b/(T + c)) [Pa s] at `temperature` [degrees Celsius]; a [Pa s], b and c [K]. Raises
+    `InputError` where T + c is not positive."""
+    label = "oils.vogel"
+    T = temperature_of(temperature, label)
+    a, b = (require_number(v, f"{label}: {name}", positive=True) for v, name in ((a, "a [Pa s]"), (b, "b [K]")))
+    c = require_number(c, f"{label}: c [K]")
+    if T + c <= 0.0:
+        raise InputError(f"{label}: the temperature must be above -c, {-c:g} degrees Celsius, got {T:g}")
+    return float(a * np.exp(b / (T + c)))
+
+
+@named_arguments
+def walther(temperature: float, *, points: Sequence[tuple[float, float]], density: float) -> float:
+    """Dynamic viscosity [Pa s] at `temperature` [degrees Celsius] by two measured `points` (temperature [degrees
+    Celsius], kinematic viscosity [m2/s]); density [kg/m3], which is taken as constant. Raises `InputError`."""
+    label = "oils.walther"
+    T = temperature_of(temperature, label)
+    rho = require_number(density, f"{label}: density [kg/m3]", positive=True)
+    pairs = list(points)
+    if len(pairs) != 2 or any(len(pair) != 2 for pair in pairs):
+        raise InputError(f"{label}: points must be two pairs (temperature, kinematic viscosity), got {points!r}")
+    at = [temperature_of(pair[0], f"{label}: points") for pair in pairs]
+    nu = [require_number(pair[1], f"{label}: kinematic viscosity [m2/s]", positive=True) for pair in pairs]
+    if at[0] == at[1]:
+        raise InputError(f"{label}: points must be at two temperatures, both are at {at[0]:g} degrees Celsius")
+    if max(nu) > 1.0:
+        raise InputError(f"{label}: kinematic viscosity {max(nu):g} m2/s is none of an oil; 46 mm2/s are 46e-6 m2/s")
+    if (nu[1] - nu[0]) * (at[1] - at[0]) >= 0.0:
+        raise InputError(f"{label}: the viscosity must fall with the temperature, got points {points!r}")
+    if min(nu) * TO_MM2_S + SHIFT <= 1.0:
+        raise InputError(f"{label}: below 0.3 mm2/s the equation has no logarithm, got {min(nu) * TO_MM2_S:g} mm2/s")
+    x = np.log(np.array([*at, T]) - ABSOLUTE_ZERO)
+    y = np.log(np.log(np.array(nu) * TO_MM2_S + SHIFT))
+    line = y[0] + (y[1] - y[0]) * (x[2] - x[0]) / (x[1] - x[0])
+    return float(rho * (np.exp(np.exp(line)) - SHIFT) / TO_MM2_S)
+
+
+OILS = {oil.kind: oil for oil in (Newtonian, Barus, Roelands)}  # kind -> class
+
+__all__ = ["OILS", "Barus", "DowsonHigginson", "Newtonian", "Oil", "Roelands", "as_oil", "iso_vg", "vogel", "walther"]
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
+def as_oil(value: Any, label: str) -> Oil:
+    """`value` if it is an oil of a form that kernels evaluate; raises `InputError` naming `label`, with the oils there
+    are."""
+    names = ", ".join(f"oils.{oil.__name__}" for oil in OILS.values())
+    if not isinstance(value, Oil):
+        raise InputError(f"{label}: oil must be one of {names}, or made by oils.iso_vg, got {value!r}")
+    if value.form not in FORMS:
+        raise InputError(
+            f"{label}: the oil {value.label} has the form {value.form!r}; the kernels evaluate {', '.join(FORMS)}; "
+            f"make it a subclass of one of {names}"
+        )
+    return value

@@ -1,0 +1,686 @@
+r"""Gramians and Hankel values of a modal system with symmetric inputs and outputs, in closed form.
+
+    q_i'' + 2 zeta omega_i q_i' + omega_i^2 q_i = b_i u,      y = sum_i b_i^T q_i.
+
+An impulse gives `q_i = b_i Im(e^(mu_i t))/omega_d,i` with mu_i = omega_i (-zeta + i sqrt(1 - zeta^2)), omega_d,i =
+Im mu_i, and `q_i' = b_i Im(mu_i e^(mu_i t))/omega_d,i`. The controllability Gramian `P = int x x^T dt` of x = (q, q')
+needs, for complex alpha and beta,
+
+    int Im(alpha e^(mu t)) Im(beta e^(nu t)) dt = 1/2 Re[ alpha beta/(mu + nu) - alpha conj(beta)/(mu + conj(nu)) ].
+
+No Lyapunov equation is solved. With `J = [[D, 1], [1, 0]]`, D = diag(2 zeta omega), one has A^T J = J A and B^T J = C:
+the observability Gramian is `Q = J P J`, the Hankel values are the absolute eigenvalues of P J, and the velocity block
+of Q is the position block of P. The state is scaled to (omega q, q'), so that both halves have the unit of a velocity.
+
+Balanced truncation of the second-order system from interface loads to interface motion.
+
+Position-velocity balancing (Reis and Stykel 2008) takes the position controllability Gramian P_p and the velocity
+observability Gramian Q_v; for P_p = L_p L_p^T, Q_v = L_v L_v^T and the singular value decomposition
+`L_v^T M L_p = U Sigma V^T` the trial space is L_p V and the test space L_v U. A structure loaded and observed at the
+same coordinates, with symmetric M, D and K, has `Q_v = P_p` (`gramians.py`), so that both spaces coincide: they are the
+dominant eigenvectors of P_p in the inner product of M,
+
+    P_p M v_i = sigma_i v_i.
+
+The projection is Galerkin: M, D, K stay symmetric and definite, as the floating frame needs it, and all is real.
+
+The Gramian of the FE model would need Lyapunov equations of its size. Balancing is carried out in a *pool* of vibration
+modes and attachment modes instead, M-orthonormal, where with a modal damping ratio P_p has a closed form; what the pool
+does not hold is not seen. Loads are scaled to unit static energy. `2 sum_{i > 2k} sigma_i` over the discarded Hankel
+values bounds the error of *first-order* balanced truncation to 2 k states (Enns 1984, Glover 1984); a second-order one
+with k coordinates has no such bound (Reis and Stykel), so its error is measured over the frequencies of the pool, with
+the attachment modes included, and reported beside it.
+
+Krylov. Moment matching of the interface receptance by second-order block Krylov spaces (Salimbahrami and Lohmann 2006).
+
+Undamped, the flexible receptance is a function of lambda = omega^2,
+
+    H(lambda) = F^T (K - lambda M)^-1 P F = sum_j m_j (lambda - lambda_0)^j,
+    m_j = F^T X_j,     X_0 = (K - lambda_0 M)^-1 P F,     X_j = (K - lambda_0 M)^-1 M X_{j-1}.
+
+P F, the self-equilibrated loads, leave rigid motion alone, and M X_{j-1} does so again. A Galerkin projection on
+X_0 ... X_{k-1} matches m_0 ... m_{2k-1}: K and M are symmetric and inputs are outputs, so each block counts on both
+sides, and near lambda_0 the error is of order (lambda - lambda_0)^2k. At lambda_0 = 0 the solve is the inertia-relief
+flexibility, and X_0 the attachment modes. The blocks of one point are M-orthonormalised one by one (block Arnoldi);
+a direction that is exhausted leaves the sequence. There is no a-priori rule for how many points and moments a frequency
+range needs; compare two sizes.
+
+Pod. Proper orthogonal decomposition: the space nearest to given responses, in the inner product of M.
+
+Of snapshots X (n, t), freed from rigid motion, the vectors are (method of snapshots, Sirovich 1987)
+
+    X^T M X w_i = sigma_i^2 w_i,      v_i = X w_i / sigma_i,
+
+M-orthonormal; the first k of them leave `sum_{i > k} sigma_i^2` of the squared mass norm of all snapshots, less than
+any other space of k directions. Nothing is said about loads that the snapshots have not seen.
+
+Without snapshots, those of the FE model are computed: steady responses to harmonic loads of unit static energy on each
+interface coordinate with structural damping, `(K (1 + 2 i zeta) - omega^2 M) u = P F`, real and imaginary parts, by one
+complex factorisation a frequency.
+
+Tvd. Joint modes by trial vector derivatives: how static and vibration modes change with the state of a joint.
+
+W. Witteveen, F. Pichler, "Efficient model order reduction for the dynamics of nonlinear multilayer sheet structures
+with trial vector derivatives" (Shock and Vibration 2014); F. Pichler, W. Witteveen, P. Fischer, Multibody Syst. Dyn. 40
+(2017) 407. The idea is theirs; the loads below are a reconstruction of it.
+
+The base of modes phi_i (interface attachment modes, scaled to unit energy, and vibration modes of the free body with
+the joint open) gives each pair of partner nodes of two facet sets a gap g_i along the normal and a slip w_i along two
+tangents. With penalties that depend on the state of the joint, K(q) = K + k sum_i q_i dK_i, the derivative of mode j
+along coordinate i solves K dphi = -dK_i phi_j: a static response to pressures and tractions
+
+    g_i g_j n   (i <= j),       g_i w_j         (all i, j)
+
+that stand, equal and opposite, on the two faces, times nodal areas int N dA. The responses are freed from the base in
+the inner product of K and each set, scaled to unit energy, is replaced by its leading vectors,
+
+    X^T K X z = lambda z,       v = X z/sqrt(lambda),       left out = sqrt(sum of the other lambda/sum of all).
+
+They join the basis as coordinates with no dynamics of their own. What they leave out of the derivatives is reported; of
+pressures and of loss per cycle it says little, see docs/studies/joint_bases.md, and a lap
+(`reduce(laps=...)`) needs none of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.spatial import KDTree
+
+from warpffrf.model.errors import InputError, require_count, require_number
+from warpffrf.model.mesh import Mesh
+from warpffrf.model.messages.named_arguments import named_arguments
+from warpffrf.offline.bases.basis import Basis, ModalBasis
+from warpffrf.offline.bases.modes import BasisProblem, RawBasis, global_basis, lowest_modes, vibration_modes
+from warpffrf.offline.bases.vibrations import FreeFree, shifted_solver
+from warpffrf.offline.elastic import Array, ElasticModel
+from warpffrf.offline.fe import FACET_DEGREE, rule
+
+
+def _integral(mu: Array, alpha: Array, beta: Array) -> Array:
+    """int Im(alpha_i e^(mu_i t)) Im(beta_j e^(mu_j t)) dt (m, m)."""
+    a, b = alpha[:, None], beta[None, :]
+    m, n = mu[:, None], mu[None, :]
+    return 0.5 * np.real(a * b / (m + n) - a * b.conj() / (m + n.conj()))
+
+
+def _poles(omega: Array, damping: float) -> Array:
+    return omega * complex(-damping, np.sqrt(1.0 - damping**2))
+
+
+def position_gramian(omega: Array, damping: float, b: Array) -> Array:
+    """P_pp (m, m) = int q q^T dt of modes `omega` (m,) [rad/s] with ratio `damping` and inputs b (m, a)."""
+    mu = _poles(omega, damping)
+    one = 1.0 / np.imag(mu).astype(complex)
+    return (b @ b.T) * _integral(mu, one, one)
+
+
+def hankel_values(omega: Array, damping: float, b: Array) -> Array:
+    """Hankel values (2 m,), descending, of the system from u to y = b^T q."""
+    m = len(omega)
+    mu = _poles(omega, damping)
+    states = [omega / np.imag(mu) + 0j, mu / np.imag(mu)]  # amplitudes of omega q and of q'
+    P = np.block([[_integral(mu, x, y) for y in states] for x in states]) * np.tile(b @ b.T, (2, 2))
+    D = np.diag(2.0 * damping / omega)
+    J = np.block([[D, np.diag(1.0 / omega)], [np.diag(1.0 / omega), np.zeros((m, m))]])
+    values, vectors = np.linalg.eigh(0.5 * (P + P.T))
+    L = vectors * np.sqrt(np.maximum(values, 0.0))
+    return np.sort(np.abs(np.linalg.eigvalsh(L.T @ J @ L)))[::-1]
+
+
+def modal_receptance(at: Array, omega: Array, damping: float, b: Array) -> Array:
+    """b^T (Omega^2 + 2 i zeta w Omega - w^2)^-1 b (w, a, a) at the angular frequencies `at` (w,)."""
+    response = 1.0 / (omega**2 + at[:, None] * (2j * damping * omega - at[:, None]))
+    return b.T @ (response[:, :, None] * b)
+
+
+def projected_receptance(at: Array, D: Array, K: Array, b: Array) -> Array:
+    """b^T (K + i w D - w^2)^-1 b (w, a, a) at the angular frequencies `at` (w,); D, K dense (m, m), unit mass."""
+    w = at[:, None, None]
+    S = K + 1j * w * D - w**2 * np.eye(len(K))
+    return b.T @ np.linalg.solve(S, np.broadcast_to(b.astype(complex), (len(at), *b.shape)))
+
+
+POOL_RANGE = 2.0  # pool up to this times max_frequency: modes above still shape the receptance below
+DEFAULT_POOL = 200  # vibration modes of a pool without limits
+ROUND_OFF = 1e-14  # of the largest eigenvalue of the Gramian: directions below it are noise
+REPORTED = 60  # leading Hankel values kept in the report
+
+
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class Balanced(ModalBasis):
+    """Balanced truncation of the second-order system from interface loads to interface motion (position-velocity
+    balancing, Reis and Stykel 2008), carried out in a large space of vibration and attachment modes, the pool.
+
+    damping: ratio of every mode of the pool; the energies that are balanced are finite only with damping.
+    pool_modes: vibration modes of the pool. None: all up to twice `max_frequency`, or 200.
+    tolerance: where `modes` is not given, directions are taken until twice the sum of the discarded Hankel values, the
+        bound of first-order balanced truncation, is below this fraction of the largest response.
+    """
+
+    kind: ClassVar[str] = "balanced"
+    takes: ClassVar[Mapping[str, str]] = {
+        "max_frequency": "half the highest vibration mode of the pool",
+        "modes": "number of balanced directions",
+    }
+    damping: float = 0.01
+    pool_modes: int | None = None
+    tolerance: float = 1e-3
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._below_one("damping")
+        self._positive("tolerance")
+        if self.pool_modes is not None:
+            object.__setattr__(self, "pool_modes", require_count(self.pool_modes, "basis 'balanced': pool_modes", 1))
+
+    def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
+        """Raises `InputError` for `max_frequency` [Hz] beside `pool_modes`, whatever `modes` is."""
+        super().check_limits(max_frequency, modes)
+        if max_frequency is not None and self.pool_modes is not None:
+            raise InputError("basis 'balanced': max_frequency and pool_modes both set the pool; give one of them")
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        problem.require_interfaces(self.kind)
+        model, limits = problem.model, problem.limits
+        problem.require_fits(self.kind, limits.count or 0, "balanced directions")
+        problem.require_fits(self.kind, self.pool_modes or 0, "vibration modes in the pool")
+        count = self.pool_modes
+        if count is None and limits.omega_max is None:
+            count = min(DEFAULT_POOL, problem.elastic_dofs)
+        omega_max = None if limits.omega_max is None else POOL_RANGE * limits.omega_max
+        _, V = vibration_modes(model, count=count, omega_max=omega_max, residual=self.mode_tolerance)
+        loads, static = problem.unit_loads()
+        omega, pool, _ = global_basis(model, V, static, dependent=self.dependent_tolerance)
+        b = pool.T @ loads
+
+        values, directions = np.linalg.eigh(position_gramian(omega, self.damping, b))
+        values, directions = values[::-1], directions[:, ::-1]
+        able = int(np.sum(values > ROUND_OFF * values[0]))
+        hankel = hankel_values(omega, self.damping, b)
+        grid = np.sort(np.concatenate([[0.0], omega, 0.5 * (omega[1:] + omega[:-1])]))
+        full = modal_receptance(grid, omega, self.damping, b)
+        largest = float(np.max(np.linalg.norm(full, ord=2, axis=(1, 2))))
+        notes = []
+        if limits.count is None:
+            wanted = _by_tolerance(hankel, self.tolerance * largest)
+        else:
+            wanted = limits.count
+            if wanted > able:
+                notes.append(f"modes={wanted}: only {able} balanced directions are above round-off, these are taken")
+        kept = directions[:, : min(wanted, able)]
+        bound = 2.0 * float(hankel[2 * kept.shape[1] :].sum()) / largest
+        facts = {
+            "pool_modes": V.shape[1],
+            "pool_highest_frequency": float(omega[-1] / (2.0 * np.pi)),
+            "balanced_directions": kept.shape[1],
+            "hankel_values": [float(h) for h in hankel[:REPORTED] / largest],
+            "first_order_bound": bound,
+            "measured_error": _error(grid, full, omega, self.damping, b, kept) / largest,
+        }
+        # the pool holds the static responses, and so may what is kept of it
+        return RawBasis(pool @ kept, redundant=static.shape[1], notes=notes, facts=facts)
+
+
+def _by_tolerance(hankel: Array, allowed: float) -> int:
+    """Least k for which twice the sum of all Hankel values but the first 2 k is at most `allowed`."""
+    rest = 2.0 * np.append(np.cumsum(hankel[::-1])[::-1], 0.0)
+    return int(np.argmax(rest[::2] <= allowed))
+
+
+def _error(grid: Array, full: Array, omega: Array, damping: float, b: Array, kept: Array) -> float:
+    """Largest spectral norm of the error of the receptance over `grid` of the space of kept directions and static
+    responses, projected from the pool."""
+    Q = np.linalg.qr(np.concatenate([b / (omega**2)[:, None], kept], axis=1))[0]
+    D, K = Q.T @ ((2.0 * damping * omega)[:, None] * Q), Q.T @ ((omega**2)[:, None] * Q)
+    reduced = projected_receptance(grid, D, K, Q.T @ b)
+    return float(np.max(np.linalg.norm(full - reduced, ord=2, axis=(1, 2))))
+
+
+# Relative distance of an expansion point from the Rayleigh quotient of its own response below which it sits on a
+# natural frequency: the response is then that mode alone, and the other half of the digits is lost.
+RESONANT = 1e-8
+
+
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class Krylov(Basis):
+    """Moment matching: block Krylov spaces of the interface loads about `expansion_points` [Hz] (B. Salimbahrami and B.
+    Lohmann 2006).
+
+    expansion_points: frequencies where the interface receptance and its derivatives are matched. None: 0 and, where
+        `max_frequency` is given, half of it and the whole.
+    moments: blocks of vectors a point; m of them match the receptance and its first 2 m - 1 derivatives with respect
+        to the square of the frequency. The space has up to (points x moments x interface loads) directions.
+    deflation_tolerance: a vector of unit M-norm whose part outside the space so far is smaller ends its sequence.
+    Raises `InputError`.
+    """
+
+    kind: ClassVar[str] = "krylov"
+    takes: ClassVar[Mapping[str, str]] = {"max_frequency": "highest of the default expansion points"}
+    cure: ClassVar[str] = "its size is set by bases.Krylov(expansion_points=..., moments=...)"
+    expansion_points: tuple[float, ...] | None = None
+    moments: int = 2
+    deflation_tolerance: float = 1e-8
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._positive("deflation_tolerance")
+        object.__setattr__(self, "moments", require_count(self.moments, "basis 'krylov': moments", 1))
+        if self.expansion_points is not None:
+            name = "basis 'krylov': expansion point [Hz]"
+            points = tuple(require_number(f, name, non_negative=True) for f in self.expansion_points)
+            if not points or len(set(points)) != len(points):
+                raise InputError(f"basis 'krylov': expansion points {points} must be distinct, and at least one")
+            object.__setattr__(self, "expansion_points", points)
+
+    def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
+        """Raises `InputError` for `modes`, and for `max_frequency` beside expansion points of one's own."""
+        super().check_limits(max_frequency, modes)
+        if max_frequency is not None and self.expansion_points is not None:
+            raise InputError("basis 'krylov': max_frequency only sets default expansion points; give one or the other")
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        problem.require_interfaces(self.kind)
+        points = expansion_points(problem, self)
+        loads, static = problem.unit_loads()
+        wanted = len(points) * self.moments * loads.shape[1]
+        problem.require_fits(self.kind, wanted, "Krylov vectors")
+        model = problem.model
+        parts = []
+        for hertz in points:
+            if hertz == 0.0:
+                parts.append(_sequence(model, model.flexibility, static, self))
+                continue
+            what = f"basis 'krylov': expansion point {hertz:g} Hz"
+            solve = _shifted(model, (2.0 * np.pi * hertz) ** 2, problem.system.coordinates, what)
+            parts.append(_sequence(model, solve, solve(model.self_equilibrated(loads)), self))
+        columns = np.concatenate(parts, axis=1)
+        facts = {"expansion_points": list(points), "moments": self.moments, "krylov_vectors": columns.shape[1]}
+        # the first block about zero is the attachment modes themselves
+        return RawBasis(columns, redundant=static.shape[1] if 0.0 in points else 0, facts=facts)
+
+
+def expansion_points(problem: BasisProblem, options: Krylov) -> tuple[float, ...]:
+    """Expansion points [Hz]: those given, else 0, and half and all of the highest frequency where there is one."""
+    if options.expansion_points is not None:
+        return options.expansion_points
+    if problem.limits.omega_max is None:
+        return (0.0,)
+    highest = problem.limits.omega_max / (2.0 * np.pi)
+    return (0.0, 0.5 * highest, highest)
+
+
+def _shifted(model: ElasticModel, shift: float, coordinates: Array, what: str) -> Callable[[Array], Array]:
+    solve = shifted_solver(model.K, model.M, shift, coordinates, what)
+
+    def checked(f: Array) -> Array:
+        u = model.without_rigid(solve(f))
+        quotient = np.einsum("nm,nm->m", u, model.K @ u) / np.einsum("nm,nm->m", u, model.M @ u)
+        if np.any(np.abs(quotient / shift - 1.0) < RESONANT):
+            raise InputError(f"{what} is a natural frequency of the body; move it by a percent")
+        return u
+
+    return checked
+
+
+def _sequence(model: ElasticModel, solve: Callable[[Array], Array], start: Array, options: Krylov) -> Array:
+    """M-orthonormal blocks (n, up to moments x a) of the sequence that begins with `start` (n, a)."""
+    Q = np.zeros((model.size, 0))
+    block = start
+    for step in range(options.moments):
+        block = orthonormal_block(model, Q, block, options.deflation_tolerance)
+        if not block.shape[1]:
+            break
+        Q = np.concatenate([Q, block], axis=1)
+        if step + 1 < options.moments:
+            block = solve(model.M @ block)
+    return Q
+
+
+def orthonormal_block(model: ElasticModel, Q: Array, block: Array, tolerance: float) -> Array:
+    """M-orthonormal basis of the columns of `block` (n, b) outside the M-orthonormal Q (n, q), which they are freed
+    from; directions of less than `tolerance` of a column of unit M-norm are left out."""
+    M = model.M
+    block = block / np.sqrt(np.einsum("nb,nb->b", block, M @ block))
+    for cut in (tolerance**2, 0.5):  # the second pass repairs orthogonality; what shrinks then was round-off
+        for _ in range(2):
+            block = block - Q @ (Q.T @ (M @ block))
+        values, vectors = np.linalg.eigh(block.T @ (M @ block))
+        keep = values > cut
+        block = block @ (vectors[:, keep] / np.sqrt(values[keep]))
+    return block
+
+
+DEFAULT_FREQUENCIES = 20  # evenly from 0 to the highest
+SNAPSHOT_ROUND_OFF = (
+    1e-7  # of the largest singular value: the Gram matrix squares it, 1e-14 is the noise of its eigenvalues
+)
+RIGID = 1e-9  # of the mass norm of the snapshots: what is left when rigid motion is taken out of nothing else
+
+
+@named_arguments
+@dataclass(frozen=True, kw_only=True, eq=False)
+class POD(Basis):
+    """Proper orthogonal decomposition of snapshots (L. Sirovich 1987), in the inner product of the mass matrix.
+
+    snapshots: displacements (nodes, 3, t) or (3 nodes, t) [m], mesh frame and numbering, small; rigid motion is taken
+        out. None: steady responses of the FE model to harmonic loads on the interfaces at `frequencies`.
+    frequencies: [Hz], of the default snapshots. None: 20, evenly from 0 to `max_frequency`.
+    damping: ratio of the structural damping in the default snapshots, K (1 + 2 i damping).
+    tolerance: where `modes` is not given, vectors are taken until the rest is below this fraction of all snapshots
+        (root of the sum of squares, mass norm). Raises `InputError`.
+    """
+
+    kind: ClassVar[str] = "pod"
+    takes: ClassVar[Mapping[str, str]] = {
+        "max_frequency": "highest frequency of the default snapshots",
+        "modes": "number of POD vectors",
+    }
+    snapshots: np.ndarray | None = None
+    frequencies: tuple[float, ...] | None = None
+    damping: float = 0.01
+    tolerance: float = 1e-6
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self._below_one("damping")
+        self._below_one("tolerance")
+        if self.snapshots is not None:
+            if self.frequencies is not None:
+                raise InputError("basis 'pod': snapshots are given, frequencies have no use; give one of them")
+            try:
+                X = np.array(self.snapshots, dtype=np.float64)
+            except (TypeError, ValueError):
+                raise InputError("basis 'pod': snapshots must be an array of numbers") from None
+            if X.ndim == 3 and X.shape[1] == 3:
+                X = X.reshape(-1, X.shape[2])
+            if X.ndim != 2 or len(X) % 3 or not X.size:
+                raise InputError(f"basis 'pod': snapshots must have shape (nodes, 3, t) or (3 nodes, t), got {X.shape}")
+            if not np.all(np.isfinite(X)):
+                raise InputError("basis 'pod': snapshots hold NaN or infinite numbers")
+            X.setflags(write=False)
+            object.__setattr__(self, "snapshots", X)
+        if self.frequencies is not None:
+            name = "basis 'pod': frequency [Hz]"
+            found = tuple(require_number(f, name, non_negative=True) for f in self.frequencies)
+            if not found:
+                raise InputError("basis 'pod': frequencies are empty; give at least one")
+            object.__setattr__(self, "frequencies", found)
+
+    def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
+        """Raises `InputError` where it is open, or twice said, at which frequencies snapshots are to be computed:
+        `max_frequency` [Hz] or `frequencies`; modes: any number."""
+        super().check_limits(max_frequency, modes)
+        if max_frequency is not None and (self.snapshots is not None or self.frequencies is not None):
+            raise InputError(
+                "basis 'pod': max_frequency only sets the frequencies of default snapshots; leave it out here"
+            )
+        if max_frequency is None and self.snapshots is None and self.frequencies is None:
+            raise InputError(
+                "basis 'pod': give bases.POD(snapshots=...), bases.POD(frequencies=...) or max_frequency, so that it "
+                "is known what responses it shall hold"
+            )
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        """The leading POD vectors of the body `problem`. Raises `InputError` for snapshots that do not fit it."""
+        problem.require_fits(self.kind, problem.limits.count or 0, "POD vectors")
+        facts: dict = {}
+        if self.snapshots is None:
+            frequencies = _frequencies(problem, self)
+            X = harmonic_responses(problem, frequencies, self.damping)
+            facts["frequencies"] = [float(f) for f in frequencies]
+        else:
+            if len(self.snapshots) != 3 * len(problem.system.points):
+                raise InputError(
+                    f"basis 'pod': snapshots are of {len(self.snapshots) // 3} nodes, the mesh has "
+                    f"{len(problem.system.points)}; take them from the same mesh, in its numbering"
+                )
+            given = problem.system.from_nodes(self.snapshots)
+            X = problem.model.without_rigid(given)
+            if _mass_norm(problem, X) <= RIGID * _mass_norm(problem, given):
+                raise InputError("basis 'pod': the snapshots hold rigid motion only; give some of the deformed body")
+        M = problem.model.M
+        values, W = np.linalg.eigh(X.T @ (M @ X))
+        values, W = np.maximum(values[::-1], 0.0), W[:, ::-1]
+        able = int(np.sum(values > SNAPSHOT_ROUND_OFF**2 * values[0]))
+        rest = np.sqrt(np.append(np.cumsum(values[::-1])[::-1], 0.0) / values.sum())
+        notes = []
+        if problem.limits.count is None:
+            kept = min(int(np.argmax(rest <= self.tolerance)), able)
+        else:
+            kept = min(problem.limits.count, able)
+            if kept < problem.limits.count:
+                notes.append(f"modes={problem.limits.count}: the snapshots hold {able} directions, these are taken")
+        facts |= {"snapshots": X.shape[1], "pod_vectors": kept, "snapshots_left_out": float(rest[kept])}
+        return RawBasis(X @ (W[:, :kept] / np.sqrt(values[:kept])), notes=notes, facts=facts)
+
+
+def _mass_norm(problem: BasisProblem, X: Array) -> float:
+    return float(np.sqrt(np.einsum("nt,nt->", X, problem.model.M @ X)))
+
+
+def _frequencies(problem: BasisProblem, options: POD) -> Array:
+    """Frequencies [Hz] of the default snapshots."""
+    problem.require_interfaces(options.kind)
+    if options.frequencies is not None:
+        return np.array(options.frequencies)
+    omega_max = problem.limits.omega_max
+    if omega_max is None:
+        raise InputError("basis 'pod': give snapshots, frequencies or max_frequency")
+    return np.linspace(0.0, omega_max / (2.0 * np.pi), DEFAULT_FREQUENCIES)
+
+
+def harmonic_responses(problem: BasisProblem, frequencies: Array, damping: float) -> Array:
+    """Real and imaginary parts (n, t) of the responses to unit harmonic interface loads at `frequencies` (f,) [Hz]."""
+    model = problem.model
+    loads, static = problem.unit_loads()
+    balanced = model.self_equilibrated(loads)
+    parts = []
+    for hertz in frequencies:
+        if hertz == 0.0:
+            parts.append(static)
+            continue
+        what = f"basis 'pod': frequency {hertz:g} Hz"
+        stiffness = sp.csr_matrix(model.K * complex(1.0, 2.0 * damping))
+        solve = shifted_solver(stiffness, model.M, (2.0 * np.pi * hertz) ** 2, problem.system.coordinates, what)
+        u = solve(balanced.astype(complex))
+        parts += [model.without_rigid(np.real(u)), model.without_rigid(np.imag(u))]
+    return np.concatenate(parts, axis=1)
+
+
+ASIDE = 0.5  # of the side of a node's share of the face: a partner further along the face is none
+MOSTLY_THERE = 0.5  # energy that must be left of a vector when it is orthogonalised again: one of round-off shrinks
+
+
+@dataclass(frozen=True, eq=False)
+class NodePairs:
+    """Partner nodes of two faces: `relative` (3 p, 3 n) csr, displacement of the second against the first along n, t1,
+    t2 of the first face; `area` (p,) [m2] of the first one's node; `alone`: nodes of the first face without a partner.
+    """
+
+    relative: Any
+    area: Array
+    alone: int
+
+
+def node_pairs(mesh: Mesh, first: str, second: str) -> NodePairs:
+    """The pairs; each node of the first face with the nearest of the second. Nodes that both share are left out.
+
+    Raises `InputError` for a facet set that is not there, and where no node has a partner.
+    """
+    faces, others = mesh.facets(first), mesh.facets(second).node_set
+    nodes, normal, area = faces.node_set, faces.node_normals(mesh.points), np.zeros(len(mesh.points))
+    for kind, facets in faces.blocks.items():
+        r = rule(kind, FACET_DEGREE[kind])
+        along = np.einsum("mkx,qkd->mqdx", mesh.points[facets], r.gradients)
+        size = np.linalg.norm(np.cross(along[:, :, 0], along[:, :, 1]), axis=2)
+        np.add.at(area, facets, np.einsum("q,mq,qk->mk", r.weights, size, r.values))
+    partner = others[np.asarray(KDTree(mesh.points[others]).query(mesh.points[nodes])[1])]
+    apart = mesh.points[partner] - mesh.points[nodes]
+    aside = np.linalg.norm(apart - np.einsum("px,px->p", apart, normal)[:, None] * normal, axis=1)
+    near = aside <= ASIDE * np.sqrt(area[nodes].sum() / len(nodes))
+    if not near.any():
+        raise InputError(
+            f"trial vector derivatives: no node of {first!r} has a partner on {second!r}; the nearest is "
+            f"{aside.min():.3g} m aside. Name two facet sets that face each other"
+        )
+    kept = near & (nodes != partner)
+    nodes, partner, normal = nodes[kept], partner[kept], normal[kept]
+    helper = np.where(np.abs(normal[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    t1 = helper - np.einsum("px,px->p", helper, normal)[:, None] * normal
+    t1 /= np.linalg.norm(t1, axis=1)[:, None]
+    frames = np.stack([normal, t1, np.cross(normal, t1)], axis=1)
+    rows = np.repeat(np.arange(3 * len(nodes)), 3)
+    entries = []
+    for sign, ends in ((-1.0, nodes), (1.0, partner)):
+        columns = np.broadcast_to(3 * ends[:, None, None] + np.arange(3), frames.shape).ravel()
+        entries.append(sp.coo_matrix((sign * frames.ravel(), (rows, columns)), (3 * len(nodes), 3 * len(mesh.points))))
+    return NodePairs(sp.csr_matrix(entries[0] + entries[1]), area[nodes], int(np.sum(~near)))
+
+
+@dataclass(frozen=True, eq=False)
+class JointModes:
+    """columns (n, m), of unit energy, K-orthogonal to the base; of the normal and of the tangential derivatives: how
+    many there are, how many vectors were taken, and what these leave out (0 to 1)."""
+
+    columns: Array
+    derivatives: tuple[int, int]
+    taken: tuple[int, int]
+    left_out: tuple[float, float]
+
+
+def joint_modes(
+    model: ElasticModel, base: Array, relative: Any, area: Array, normal: int, tangential: int
+) -> JointModes:
+    """Leading vectors, `normal` and `tangential` of them, of the derivatives of the base (n, b).
+
+    relative (3 p, n): of the pairs in the model's coordinates; area (p,) [m2].
+    """
+    base = _independent(model, base)
+    seen = (relative @ base).reshape(-1, 3, base.shape[1])
+    g, w = seen[:, 0], seen[:, 1:]
+    weights = area / max(float(np.sqrt(area @ np.sum(g * g, axis=1))), np.finfo(float).tiny)
+    loads = [np.zeros((len(area), 3, 0))] * 2
+    i, j = np.triu_indices(base.shape[1])
+    loads[0] = np.zeros((len(area), 3, len(i)))
+    loads[0][:, 0] = weights[:, None] * g[:, i] * g[:, j]
+    loads[1] = np.zeros((len(area), 3, base.shape[1] ** 2))
+    loads[1][:, 1:] = (weights[:, None, None, None] * g[:, None, :, None] * w[:, :, None, :]).reshape(len(area), 2, -1)
+    columns, derivatives, taken, left_out = [], [], [], []
+    for load, wanted in zip(loads, (normal, tangential), strict=True):
+        X = model.flexibility(relative.T @ load.reshape(3 * len(area), -1))
+        V, rest = _leading(model, _freed(model, X, base), base, wanted)
+        columns.append(V)
+        derivatives.append(X.shape[1])
+        taken.append(V.shape[1])
+        left_out.append(rest)
+    return JointModes(np.concatenate(columns, axis=1), *(tuple(v) for v in (derivatives, taken, left_out)))  # type: ignore[arg-type]
+
+
+def _independent(model: ElasticModel, base: Array) -> Array:
+    """K-orthonormal basis of the base (n, b); directions of unit energy that others hold are dropped."""
+    base = model.without_rigid(base)
+    base = base / np.sqrt(np.einsum("nb,nb->b", base, model.K @ base))
+    values, vectors = np.linalg.eigh(base.T @ (model.K @ base))
+    keep = values > ROUND_OFF * values[-1]
+    return base @ (vectors[:, keep] / np.sqrt(values[keep]))
+
+
+def _freed(model: ElasticModel, X: Array, base: Array) -> Array:
+    """X without its K-projection on the K-orthonormal base."""
+    for _ in range(2):  # twice is enough (Kahan, Parlett)
+        X = X - base @ (base.T @ (model.K @ X))
+    return X
+
+
+def _leading(model: ElasticModel, X: Array, base: Array, wanted: int) -> tuple[Array, float]:
+    """Up to `wanted` leading vectors (n, m) of the columns of X, K-orthogonal to the base, scaled to unit energy, and
+    what they leave out."""
+    energy = np.einsum("nt,nt->t", X, model.K @ X)
+    straining = energy > ROUND_OFF * energy.max(initial=0.0)
+    if not straining.any() or not wanted:
+        return X[:, :0], 1.0 if straining.any() else 0.0
+    X = X[:, straining] / np.sqrt(energy[straining])
+    values, Z = np.linalg.eigh(X.T @ (model.K @ X))
+    values, Z = np.maximum(values[::-1], 0.0), Z[:, ::-1]
+    kept = min(wanted, int(np.sum(values > ROUND_OFF * values[0])))
+    V = _freed(model, X @ (Z[:, :kept] / np.sqrt(values[:kept])), base)
+    again, Y = np.linalg.eigh(V.T @ (model.K @ V))
+    there = again > MOSTLY_THERE
+    return V @ (Y[:, there] / np.sqrt(again[there])), float(np.sqrt(values[kept:].sum() / values.sum()))
+
+
+@named_arguments
+@dataclass(frozen=True, kw_only=True)
+class TrialVectorDerivatives(ModalBasis):
+    """Vibration modes of the free body and joint modes of two faces `first` and `second` (facet sets of the mesh) that
+    touch: derivatives of static and vibration modes with respect to the state of the joint (Witteveen, Pichler 2014).
+
+    normal, tangential: number of joint modes from pressures and from tractions. For comparison with the published way;
+    a lap (`reduce(laps=...)`) knows every cell and needs no such modes. Raises `InputError`.
+    """
+
+    kind: ClassVar[str] = "trial_vector_derivatives"
+    takes: ClassVar[Mapping[str, str]] = FreeFree.takes
+    first: str = ""
+    second: str = ""
+    normal: int = 20
+    tangential: int = 20
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        label = f"basis {self.kind!r}"
+        for name in ("first", "second"):
+            if not isinstance(getattr(self, name), str) or not getattr(self, name):
+                raise InputError(
+                    f"{label}: {name} must name a facet set; give bases.TrialVectorDerivatives(first=..., second=...), "
+                    "the two faces of the joint"
+                )
+        if self.first == self.second:
+            raise InputError(f"{label}: first and second are both {self.first!r}; name the two faces of the joint")
+        for name in ("normal", "tangential"):
+            object.__setattr__(self, name, require_count(getattr(self, name), f"{label}: {name}", 0))
+
+    @property
+    def facet_sets(self) -> tuple[str, ...]:
+        """The two faces."""
+        return self.first, self.second
+
+    def columns(self, problem: BasisProblem) -> RawBasis:
+        """Vibration modes and joint modes of the body `problem`. Raises `InputError` where there is no mode to take
+        derivatives of."""
+        if problem.mesh is None:
+            raise ValueError("trial vector derivatives need the mesh of the body")
+        problem.require_fits(self.kind, problem.limits.count or 0, "vibration modes")
+        pairs = node_pairs(problem.mesh, self.first, self.second)
+        omega, V, notes = lowest_modes(problem.model, problem.limits, self.mode_tolerance)
+        base = np.concatenate([problem.unit_loads()[1], V], axis=1)
+        if not base.shape[1]:
+            raise InputError(
+                f"basis {self.kind!r}: there is no mode to take derivatives of; name interfaces, or give modes or "
+                "max_frequency"
+            )
+        found = joint_modes(
+            problem.model, base, pairs.relative @ problem.system.T, pairs.area, self.normal, self.tangential
+        )
+        if pairs.alone:
+            notes.append(f"{pairs.alone} node(s) of {self.first!r} have no partner on {self.second!r} and no load")
+        for what, wanted, taken in zip(
+            ("normal", "tangential"), (self.normal, self.tangential), found.taken, strict=True
+        ):
+            if taken < wanted:
+                notes.append(f"{what}={wanted}: the derivatives hold {taken} directions, these are taken")
+        facts = {
+            "vibration_modes": len(omega),
+            "node_pairs": len(pairs.area),
+            "derivatives": list(found.derivatives),
+            "joint_modes": list(found.taken),
+            "derivatives_left_out": list(found.left_out),
+        }
+        return RawBasis(np.concatenate([V, found.columns], axis=1), notes=notes, facts=facts)

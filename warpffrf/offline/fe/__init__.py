@@ -1,1 +1,0 @@
-"""Finite-element matrices: quadrature, materials of cells, assembly."""

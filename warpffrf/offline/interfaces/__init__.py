@@ -1,1 +1,0 @@
-"""Interfaces of a body: what moves with them, and their unit loads."""

@@ -1,0 +1,241 @@
+"""Bodies that fell through the whole of a run because nothing holds them: a joint that was forgotten.
+
+A body hangs on the ground by chains of joints, springs, films and laps, and of contacts that have touched in the run.
+One that hangs on nothing moves with gravity, which is meant in free flight and else a mistake, so it is noted where
+gravity acts.
+
+Steep falls. Notes on coefficients of friction that fell too steeply for a step
+(`warpffrf_kernels.friction.slip_speed`).
+
+Load notes. What the ledger of a static run says of its load steps.
+
+The work of a load step is booked by the trapezoidal rule, which is exact where displacements are in proportion to loads
+and errs with the cube of the step elsewhere. What is missing is the numerical line. It is also what a structure loses
+that snaps from one equilibrium to another, which no smaller step brings back; jumps that were named have said so.
+
+Hidden inertia. Bodies so light beside their neighbours that round-off leaves nothing of them in the equations of the
+joints.
+
+A row c of a joint lets its side b give way by c_b M_b^-1 c_b^T under a unit force. What holds a heavy body by a light
+one adds both; where the one is 1e16 times the other, double precision has no digit for the latter, and rows that do not
+depend on each other look as if they did. A system that is singular although its rows are independent is of that kind.
+
+Untouched. Contacts that carry nothing in a whole run: surfaces that only touch, that cannot, or that stay apart.
+
+What is below `UNLOADED` of the largest contact force is round-off of the balance of forces. Each note names the pair,
+what was seen, and the cure; those that merely stay apart share one note, with the least distance of each.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from warpffrf.model.bodies import GROUND_INDEX
+from warpffrf.model.checks.contacts import out_of_reach
+from warpffrf.model.checks.scene import reached_from
+from warpffrf.model.contact import Contact
+from warpffrf.model.forces import JointSpringDamper
+from warpffrf.model.placement.gap import facing_gap
+from warpffrf.model.scene import Scene
+from warpffrf.model.signals import Signal
+from warpffrf.online.diagnosis.energy_watch import round_off_energy
+from warpffrf.online.engine import Engine
+from warpffrf.online.history.history import ContactHistory, History
+from warpffrf_kernels.core import control as k
+from warpffrf_kernels.friction.slip_speed import COUNT, MILDER, WORST
+
+FELL = 0.5  # of g t^2/2, by which a body has to have gone down that fell
+
+
+def fall_notes(scene: Scene, history: History) -> list[str]:
+    """A note naming the bodies that fell from the first to the last saved step with nothing to hold them."""
+    size = float(np.linalg.norm(scene.gravity))
+    seconds = float(history.time[-1] - history.time[0]) if len(history.time) else 0.0
+    if size == 0.0 or seconds <= 0.0:
+        return []
+    touched = [c for c in scene.contacts if np.any(history.contacts[c.name].force != 0.0)]
+    touched += [c for c in scene.lumped_contacts if np.any(history.lumped_contacts[c.name].force != 0.0)]
+    held = reached_from(GROUND_INDEX, [*scene.joints, *scene.forces, *touched, *scene.films, *scene.laps])
+    down = scene.gravity / size
+    fell = []
+    for body in scene.bodies:
+        if body.index in held:
+            continue
+        motion = history.bodies[body.name]
+        drop = float((motion.position[-1] - motion.position[0] - motion.velocity[0] * seconds) @ down)
+        if drop > FELL * 0.5 * size * seconds**2:
+            fell.append(f"body {body.name!r} by {drop:.3g} m")
+    if not fell:
+        return []
+    return [
+        f"fell freely through the whole run: {', '.join(fell)}; no joint, spring or contact that touched leads to the "
+        "ground; where that is not meant, add the joint that is missing, or close the gap"
+    ]
+
+
+def steep_notes(scene: Scene, steep: np.ndarray) -> list[str]:
+    """A note for every pair with steps whose slip was not the only one; steep (pairs, 3): see `slip_speed.mark`."""
+    notes = []
+    for contact, found in zip(scene.contacts, steep, strict=False):
+        if not found[int(COUNT)]:
+            continue
+        cure = "take a shorter step"
+        if found[int(WORST)] == int(MILDER):
+            cure = (
+                "the elastic surface, which has no inertia of its own, is too soft for it at any step: let the "
+                "coefficient fall over higher speeds"
+            )
+        notes.append(
+            f"contact {contact.name!r}: in {found[int(COUNT)]} steps the coefficient of friction fell faster with the "
+            "slip speed than what holds the surfaces resists, so that more than one slip was possible; the one next to "
+            f"the state before was taken; {cure}"
+        )
+    return notes
+
+
+OFF = 0.01  # of the largest energy of the ledger
+IDLE = 1e-14  # of mass times (length over the longest proximal step)^2: where nothing acts, round-off works less
+
+
+def is_static(engine: Engine) -> bool:
+    """Whether the engine is at the end of a load step."""
+    return int(engine.word("mode")[0]) == int(k.LOADING)
+
+
+def load_notes(engine: Engine, energy: dict[str, np.ndarray]) -> list[str]:
+    """A note where the numerical and contact-grid lines together leave more than `OFF` of the energies open."""
+    if not len(energy["kinetic"]):
+        return []
+    left_out = ("potential", "numerical", "contact_grid")
+    hand = max((float(np.abs(values).max()) for name, values in energy.items() if name not in left_out), default=0.0)
+    mass = max((body.mass for body in engine.scene.bodies), default=0.0)
+    idle = IDLE * mass * (float(engine.compiled.model.length) / float(engine.word("tau")[0])) ** 2
+    defect = energy["numerical"] + energy["contact_grid"]
+    open_end = float(np.abs(defect - defect[0]).max()) - engine.given_off
+    if open_end <= max(OFF * hand, idle, round_off_energy(engine)):
+        return []
+    return [
+        f"the works of the load steps leave {open_end:.3g} J open, {open_end / max(hand, 1e-300):.1%} of the largest "
+        "energy of the ledger (lines numerical and contact grid): the steps are long for the trapezoidal rule, or the "
+        "structure has snapped; a smaller step tells which"
+    ]
+
+
+INDEPENDENT = 1e-8  # smallest over largest singular value of the rows, of length one: they depend on each other below
+APART = 1e10  # how much more easily one side gives way than the other, from which round-off is worth a word
+
+
+def hidden_inertia(engine: Engine, world: int = 0) -> str:
+    """What to say of a singular system whose joints are independent, "" of one whose joints are not, or whose masses
+    lie near each other."""
+    m, scratch, bodies = engine.compiled.model, engine.scratch, engine.scene.bodies
+    count, rows = m.bodies.count, np.flatnonzero(m.rows.rigid.numpy()[: m.rows.count])
+    C = np.asarray(scratch.C.numpy()[world], dtype=np.float64)[rows, : 6 * count]
+    shapes = np.asarray(scratch.C_modal.numpy()[world], dtype=np.float64)[rows, : m.modes.count]
+    if not len(rows) or not np.all(np.isfinite(C)) or not _independent(C, shapes, float(m.length)):
+        return ""
+    gives = _gives_way(C, m.bodies.mass.numpy()[:count], m.bodies.inertia.numpy()[:count])
+    two = np.count_nonzero(gives > 0.0, axis=1) == 2
+    if not np.any(two):
+        return ""
+    apart = np.where(two, gives.max(axis=1) / np.where(gives > 0.0, gives, np.inf).min(axis=1), 0.0)
+    row = int(np.argmax(apart))
+    if apart[row] < APART:
+        return ""
+    light, heavy = int(np.argmax(gives[row])), int(np.argmin(np.where(gives[row] > 0.0, gives[row], np.inf)))
+    return (
+        f"body {bodies[light].name!r} is too light beside body {bodies[heavy].name!r}: where a joint holds the two it "
+        f"gives way {apart[row]:.1g} times as easily, of which double precision keeps 16 digits; give it more mass or "
+        "inertia (it stays negligible with a millionth of its neighbour's), or join its neighbours without it"
+    )
+
+
+def _independent(C: np.ndarray, shapes: np.ndarray, length: float) -> bool:
+    """Whether no row depends on the others: C (rows, 6 bodies), turns counted in `length` [m], and `shapes` (rows,
+    modes), counted by the largest."""
+    scaled = C.reshape(len(C), -1, 6) / np.repeat([1.0, length], 3)
+    scaled = np.hstack([scaled.reshape(len(C), -1), shapes / max(float(np.abs(shapes).max(initial=0.0)), 1e-300)])
+    sizes = np.linalg.norm(scaled, axis=1)
+    if len(C) > scaled.shape[1] or not np.all(sizes > 0.0):
+        return False
+    values = np.linalg.svd(scaled / sizes[:, None], compute_uv=False)
+    return bool(values[-1] > INDEPENDENT * values[0])
+
+
+def _gives_way(C: np.ndarray, mass: np.ndarray, inertia: np.ndarray) -> np.ndarray:
+    """c_b M_b^-1 c_b^T (rows, bodies)."""
+    c = C.reshape(len(C), len(mass), 6)
+    turned = np.einsum("rbi,bij,rbj->rb", c[..., 3:], np.linalg.inv(inertia), c[..., 3:])
+    return np.sum(c[..., :3] ** 2, axis=2) / mass + turned
+
+
+CELLS = 'or grid="contact_fixed" with bodies that were reduced with contact_fixed=True'
+UNLOADED, TINY = 1e-12, 1e-15  # of the largest contact force, N: round-off of contacts that carry nothing
+SHALLOW = 1e-6  # of the radius: overlaps that round-off of positions makes
+
+
+def loaded_contacts(scene: Scene, history: History) -> list[Contact]:
+    """The pairs with saved rows that carry a load in any of them."""
+    largest = max((_largest(found) for found in history.contacts.values()), default=0.0)
+    return [c for c in _saved(scene, history) if _largest(history.contacts[c.name]) > max(UNLOADED * largest, TINY)]
+
+
+def untouched_notes(scene: Scene, history: History) -> list[str]:
+    """Notes on pairs, lumped ones too, without any load in the run: those that only touch or cannot, and overlaps that
+    the grid does not see."""
+    loaded = loaded_contacts(scene, history)
+    notes, apart = [], []
+    for contact in _saved(scene, history):
+        if contact in loaded:
+            continue
+        surface = contact.a.surface
+        if np.any(history.contacts[contact.name].pressure > 0.0):
+            notes.append(
+                f"contact {contact.name!r}: the surfaces touch without a load, nothing presses them together; a spring "
+                "with a preload, a force or gravity would"
+            )
+            continue
+        apart.append(contact)
+        radius, approach = float(surface.shape.radius), float(history.contacts[contact.name].approach[0])
+        if approach > SHALLOW * radius:
+            notes.append(
+                f"contact {contact.name!r}: an overlap of {approach:.3g} m without any pressure: the modes take it up, "
+                f"or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
+                f"(half_width=), {CELLS}"
+            )
+    notes += out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
+    gaps = {c.name: -float(np.max(history.contacts[c.name].approach)) for c in apart}
+    gaps |= {
+        name: -float(np.max(found.approach))
+        for name, found in history.lumped_contacts.items()
+        if len(found.approach) and not np.any(found.force != 0.0)
+    }
+    open_ones = [
+        f"{name!r} ({gap:.2g} m apart at the least)" if np.isfinite(gap) else repr(name)
+        for name, gap in gaps.items()
+        if not gap < 0.0 and not any(note.startswith(f"contact {name!r}:") for note in notes)
+    ]
+    if open_ones:
+        what = "contact" if len(open_ones) == 1 else "contacts"
+        cure = f"check the gaps{pulled_apart(scene)}"
+        notes.append(f"{what} without any touch in the run: {', '.join(open_ones)}; if that is not meant, {cure}")
+    return notes
+
+
+def _saved(scene: Scene, history: History) -> list[Contact]:
+    found = history.contacts
+    return [c for c in scene.contacts if c.name in found and len(found[c.name].approach)]
+
+
+def _largest(found: ContactHistory) -> float:
+    return float(np.linalg.norm(found.force, axis=1).max(initial=0.0))
+
+
+def pulled_apart(scene: Scene) -> str:
+    """A clause on preloads of springs, whose sign is the usual reason where one is in the scene."""
+    loaded = [f for f in scene.forces if isinstance(f, JointSpringDamper) and f.preload != 0.0]
+    if not loaded:
+        return ""
+    sizes = ["a signal" if isinstance(f.preload, Signal) else f"{f.preload:+g} N" for f in loaded]
+    signs = ", ".join(f"{f.name!r} ({size})" for f, size in zip(loaded, sizes, strict=True))
+    return f" and the sign of the preload of {signs}: a positive one pushes the second body along the axis of the joint"

@@ -1,0 +1,218 @@
+r"""Laps on the host: constants of their groups, and the motion that they see.
+
+Bent gaps. Stiffness that a lumped contact under load has against motions which neither open nor close its gap.
+
+To first order a ball slides freely across the bottom of its groove. To second order it climbs: the normal leans, and
+the force F with it. A motion that gives the two bodies the displacements u_1, u_2 at the place x and the turns phi_1,
+phi_2 moves the place and leans the normal by dx and dn (`warpffrf_kernels.lumped.places`), and the force on the first
+body and its moment about r_1 change by
+
+    df = F dn,      dm = (dx - dr_1) x F n + (x - r_1) x F dn,
+
+opposite ones on the second. Over the motions, -(df . dr + dm . phi) of both bodies is a matrix, whose symmetric part is
+the stiffness: F/(r - R) of a ball of radius R in a groove of radius r, none of a ball that spins or rolls on a plane.
+
+Floating. Groups of bodies that nothing leads to the ground from: what acts on one from outside either balances, and it
+stays where it is, or it has no equilibrium.
+
+What bodies of a group do to one another has no resultant, so that of all forces is that of loads and weights. A force
+that does not balance never will; a torque may, as the group turns.
+
+Slow films. How long films take to become steady, for equilibria: voids come around with half of the sliding speed.
+
+A proximal step squeezes films over its own time, which may not grow beyond what joints bear; where walls slide slowly a
+film needs far longer. So its time is stretched against that of the bodies.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from warpffrf.model.bodies import Body
+from warpffrf.model.films import Film
+from warpffrf.model.scene import Scene
+from warpffrf.online.diagnosis.failure_report import largest_force
+from warpffrf.online.engine import Engine
+from warpffrf_kernels.laps import motion
+from warpffrf_kernels.laps.forms import OPEN
+
+Array = np.ndarray
+
+
+@dataclass(frozen=True)
+class LapGroup:
+    """Constants of a group of laps on the host, s its forces, z the motion that it sees."""
+
+    cells: slice
+    columns: slice  # of z
+    components: int  # forces of a cell: 3, or the normal one alone
+    G: Array  # (s, s) m/N
+    J: Array  # (s, z)
+    friction: Array  # (cells,)
+
+    def closed(self, pressed: Array) -> Array:
+        """Which components (s,) hold what the cells `pressed` (cells,) see: gaps, and slips where they rub."""
+        closed = np.repeat(pressed[:, None], self.components, axis=1)
+        if self.components == 3:
+            closed[:, 1:] &= (self.friction > 0.0)[:, None]
+        return closed.ravel()
+
+    def stiffness(self, pressed: Array) -> Array:
+        """S (z, z) of the cells `pressed` (cells,)."""
+        A = self.closed(pressed)
+        J_A = self.J[A]
+        return J_A.T @ np.linalg.solve(self.G[np.ix_(A, A)], J_A)
+
+
+def lap_groups(engine: Engine) -> list[LapGroup]:
+    """All groups of laps of a scene."""
+    laps = engine.compiled.laps
+    table = {name: getattr(laps, name).numpy() for name in (
+        "cell_start", "column_start", "components", "compliance", "compliance_start", "motion", "motion_start",
+        "friction",
+    )}  # fmt: skip
+    found = []
+    for group in range(laps.count):
+        cells, columns = (slice(*table[f"{name}_start"][group : group + 2]) for name in ("cell", "column"))
+        components = int(table["components"][group])
+        s, z = components * (cells.stop - cells.start), columns.stop - columns.start
+        G, J = (table[name][table[f"{name}_start"][group] :] for name in ("compliance", "motion"))
+        found.append(
+            LapGroup(
+                cells, columns, components, G[: s * s].reshape(s, s), J[: s * z].reshape(z, s).T,
+                table["friction"][cells],
+            )
+        )  # fmt: skip
+    return found
+
+
+def gradients(engine: Engine, coordinates: int, world: int = 0) -> Array:
+    """B (z, coordinates) at the state that was evaluated last, over displacements of the centres of mass,
+    turns in body axes, and modes."""
+    laps, bodies = engine.compiled.laps, engine.compiled.model.bodies.count
+    if not laps.count:
+        return np.zeros((0, coordinates))
+    B = np.zeros((int(laps.column_start.numpy()[-1]), coordinates))
+    own = engine.scratch.lap_gradient.numpy()[world]
+    rigid, sides = laps.rigid_column.numpy(), (laps.first.numpy(), laps.second.numpy())
+    for lap in range(laps.laps):
+        at = rigid[lap]
+        for side, body in enumerate(sides):
+            if at >= 0 and body[lap] >= 0:
+                here = slice(6 * body[lap], 6 * body[lap] + 6)
+                B[at : at + int(motion.RIGID), here] += own[lap, :, 6 * side : 6 * side + 6]
+    for column, mode in enumerate(laps.column_mode.numpy()):
+        if mode >= 0:
+            B[column, 6 * bodies + mode] = 1.0
+    return B
+
+
+def held_by_laps(engine: Engine, world: int, size: int) -> tuple[Array, Array]:
+    """Gradients, by the rigid coordinates (n, size), of the gaps of cells under pressure, and of their slips where they
+    rub, and the forces [N] along them (n,); at the state that was evaluated last."""
+    lines, pulls = [np.zeros((0, size))], [np.zeros(0)]
+    if engine.compiled.laps.count:
+        B = gradients(engine, engine.compiled.model.bodies.count * 6 + engine.compiled.model.modes.count, world)
+        pressed = engine.state.lap_state.numpy()[world] != int(OPEN)
+        force = engine.state.lap_force.numpy()[world]
+        for group in lap_groups(engine):
+            closed = group.closed(pressed[group.cells])
+            lines.append(group.J[closed] @ B[group.columns, :size])
+            pulls.append(force[group.cells, : group.components].ravel()[closed])
+    return np.vstack(lines), np.concatenate(pulls)
+
+
+SOFT = 1e-6  # of the largest force over the length of the scene: a stiffness below is none
+
+
+def without_stiff(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> np.ndarray:
+    """Of `motions`, orthonormal lines (n, 6 bodies) as of `free_motions`, the combinations that no lumped contact under
+    load resists."""
+    if not len(motions):
+        return motions
+    K = sum(_stiffness(engine, world, motions / weight), np.zeros((len(motions), len(motions))))
+    values, vectors = np.linalg.eigh(0.5 * (K + K.T))
+    mass = weight[::6] ** 2
+    soft = SOFT * largest_force(engine, world) / (float(engine.compiled.model.length) * float(mass.mean()))
+    return vectors.T[values <= soft] @ motions
+
+
+def _stiffness(engine: Engine, world: int, motions: np.ndarray) -> list[np.ndarray]:
+    """Of each closed place, (n, n)."""
+    m, lumped = engine.compiled.model, engine.compiled.elements.lumped
+    loads = engine.scratch.lumped_load.numpy()[world, : lumped.places]
+    r, axes = engine.scratch.r1.numpy()[world], engine.scratch.axes.numpy()[world]
+    body, found = m.surfaces.body.numpy(), []
+    for place in np.flatnonzero(loads["force"] > 0.0):
+        touch, F = loads["touch"][place], float(loads["force"][place])
+        x, n, H, Y = (np.asarray(touch[name]) for name in ("x", "n", "H", "Y"))
+        contact = lumped.contact.numpy()[place]
+        moves, turns, displaced, levers = [], [], [], []
+        for surface in (lumped.first.numpy()[contact], lumped.second.numpy()[contact]):
+            b = int(body[surface])
+            part = motions[:, 6 * b : 6 * b + 6] if b >= 0 else np.zeros((len(motions), 6))
+            lever = x - r[b] if b >= 0 else x
+            turn = part[:, 3:] @ axes[b].T if b >= 0 else part[:, 3:]
+            moves.append(part[:, :3])
+            turns.append(turn)
+            levers.append(lever)
+            displaced.append(part[:, :3] + np.cross(turn, lever))
+        (u1, u2), (t1, t2) = displaced, turns
+        dx = u1 + (np.cross(t1 - t2, n) + (u2 - u1) @ H) @ Y + float(touch["between"]) * ((u2 - u1) @ n)[:, None] * n
+        dn = np.cross(t2, n) + (dx - u2) @ H
+        K = np.zeros((len(motions), len(motions)))
+        for sign, move, turn, lever in zip((1.0, -1.0), moves, turns, levers, strict=True):
+            moment = np.cross(dx - move, F * n) + np.cross(lever, F * dn)
+            K -= sign * (F * dn @ move.T + moment @ turn.T)
+        found.append(K)
+    return found
+
+
+def lines_of(engine: Engine, world: int, group: list[int]) -> Array:
+    """The six rigid motions (6, 6 bodies) of a group, displacement in world, turn in body axes: unit displacements, and
+    unit turns about its centre of mass."""
+    r, axes = (np.asarray(a.numpy()[world]) for a in (engine.scratch.r1, engine.scratch.axes))
+    mass = engine.compiled.model.bodies.mass.numpy()[group]
+    centre = mass @ r[group] / mass.sum()
+    lines = np.zeros((6, len(engine.scene.bodies), 6))
+    for b in group:
+        lines[:3, b, :3] = np.eye(3)
+        lines[3:, b, :3] = np.cross(np.eye(3), r[b] - centre)
+        lines[3:, b, 3:] = axes[b]
+    return lines.reshape(6, -1)
+
+
+def told_of(engine: Engine, group: list[int]) -> str:
+    """The bodies of a group, as the beginning of a sentence on their loads."""
+    names = ", ".join(repr(engine.scene.bodies[b].name) for b in group)
+    return f"nothing leads to the ground from {names}, whose loads"
+
+
+TURNS = 30.0  # of the oil in the longest step: each such step leaves a thirtieth of what was not steady
+
+
+def stretch(scene: Scene, longest: float) -> float:
+    """Time of films over that of the bodies; longest [s]: step of these."""
+    times = [time for film in scene.films if (time := slide_time(film)) is not None]
+    return max([1.0, *(TURNS * time / longest for time in times)])
+
+
+def slide_time(film: Film) -> float | None:
+    """Time [s] that the oil takes through a film with the velocities that the scene begins with; None where nothing
+    slides."""
+    shape, grid = film.a.surface.shape, film.grid
+    theta, z = film.theta[grid.columns // 2], 0.5 * (grid.z[0] + grid.z[-1])
+    at = film.a.body.to_world(shape.point(theta, z))
+    velocities = []
+    for body in (film.a.body, film.b.body):
+        still = np.zeros(3)
+        moving = isinstance(body, Body)
+        velocities.append(body.velocity + np.cross(body.angular_velocity, at - body.position) if moving else still)
+    normal = film.a.body.to_world(shape.point(theta, z) + shape.normal(theta, z)) - at
+    sliding = velocities[1] - velocities[0]
+    speed = 0.5 * float(np.linalg.norm(sliding - (sliding @ normal) * normal))
+    radius = 1.0 if shape.profile().planar else float(shape.radius_at(z))
+    length = max(radius * grid.pitch * grid.columns, float(grid.z[-1] - grid.z[0]))
+    return length / speed if speed > 0.0 else None

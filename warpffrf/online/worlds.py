@@ -1,0 +1,408 @@
+"""Many scenes in one graph, each as if it were alone.
+
+Engines. One engine for many scenes, and for each of them an engine of its own: its place in that one.
+
+`SharedEngine` has the arrays and the graph of all worlds. A `Place` has what an engine of its scene alone has, as views
+on the arrays of the shared one (`online.arrays.views`), on which it launches the parts of a step that a run asks for on
+the way. Only attempts of steps, which are where a run spends its time, are made for all worlds at once: whoever replays
+waits until the others do (`online.worlds.meeting`), each with its own number of attempts. A world that has reached its
+target, or has failed, takes no part in an attempt, so what others go on with does not touch it.
+
+So a run in a place is the run of that scene alone, with the same bits on the CPU: kernels do the same for a world,
+whatever others there are. Room for hats in play (`Engine.make_room`) is made for all worlds where one is short of it.
+
+Meeting. Threads that do together what none of them does alone: each waits until all others have come.
+
+Each run of many is a thread with the code of a single run. When it wants what the graph does for all of them, it comes
+to the meeting and leaves the turn (`warpffrf.online.turn`) until all that still run have come, too; the last one does
+it for everybody. Between two meetings they go on one at a time, as everything in Warp does.
+
+Same kind. Whether scenes fit into one graph: they may differ in numbers, not in what there is.
+
+One graph launches the same kernels over the same axes in every world, so whatever has an axis has to be there as often
+in all scenes. The order in which the outer matrix is eliminated is one for all, so joints, contacts and films are to be
+between the same bodies. Hats in play have room in slots, as many in all worlds; this room grows up to what the contacts
+allow, which is to be as much in all scenes, so that no world gets more than it would alone. All else is read from the
+tables of each world's own scene.
+
+Side by side. Runs of many scenes side by side in the worlds of one engine.
+
+Each run is a thread with the code of a run by itself, `online.run.run` or `online.load_steps.run_static`, and an engine
+of its own, its place in the one they share (`warpffrf.online.worlds`): start, watching, notes and history are
+those of the scene alone. One thread works at a time, but for the graph, which steps all worlds at once.
+"""
+
+from __future__ import annotations
+
+import contextvars
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError
+from warpffrf.model.integrators import Integrator
+from warpffrf.model.messages.progress import Progress
+from warpffrf.model.scene import Scene
+from warpffrf.online.arrays.axes import NAMES, Sizes, sizes_of
+from warpffrf.online.arrays.views import OnHost, Views, part
+from warpffrf.online.compile.constants import Shared
+from warpffrf.online.compile.outer_pattern import couplings, pattern_of
+from warpffrf.online.compile.scene import CompiledScene, compile_scene
+from warpffrf.online.engine import NO_ATTEMPT, Engine, EngineOf, ready_device
+from warpffrf.online.history.history import History
+from warpffrf.online.local_dynamics import LocalDynamics
+from warpffrf.online.settings import Settings
+from warpffrf.online.step.graph import Parts
+from warpffrf.online.step.launches import DECLARED
+from warpffrf.online.step.program import Program
+from warpffrf.online.turn import TURN
+from warpffrf_kernels.core import control as k
+
+OF_WORLDS = ("models", *(name for name, declared in DECLARED.items() if declared.axes[0] == "world"))
+
+
+class SharedEngine(Engine):
+    """The arrays and the graph of `scenes`, one a world. Raises `InputError` where they differ by more than numbers."""
+
+    def __init__(
+        self,
+        scenes: Sequence[CompiledScene],
+        settings: Settings,
+        integrator: Integrator | None,
+        step_error: float | None,
+        progress: bool,
+    ) -> None:
+        refuse_other_kinds(scenes)
+        self._begin(scenes, settings, integrator, step_error, progress)
+        self.on_host = OnHost()
+        self.rooms = 0  # times that there was made more room, which makes scratch arrays anew
+
+    def make_room(self, slots: int) -> bool:
+        """As of any engine."""
+        scratch = self.scratch
+        found = super().make_room(slots)
+        self.rooms += self.scratch is not scratch
+        return found
+
+    def attempt(self, budgets: Mapping[int, int]) -> float:
+        """At most so many attempts in each world, none where there is no number, and more room where one asks for it;
+        returns the wall time [s]."""
+        each = np.full(self.worlds, NO_ATTEMPT)
+        each[list(budgets)] = list(budgets.values())
+        seconds = self._attempt(each)
+        self.on_host.forget()
+        return seconds
+
+    def steps(self) -> int:
+        """User steps that all worlds have done."""
+        words = self.on_host.array(self.state.ctl)
+        return int(np.where(np.isin(words["mode"], (int(k.DYNAMIC), int(k.LOADING))), words["step"], 0).min())
+
+
+class Place(Engine):
+    """World `world` of `shared`, as an engine of its scene alone."""
+
+    def __init__(self, shared: SharedEngine, world: int, company: Company) -> None:
+        self.shared, self.world, self._company = shared, world, company
+        self.settings, self._progress = shared.settings, False
+        self.compiled = shared.scenes[world]
+        self.scenes, self.worlds, self.scene = [self.compiled], 1, self.compiled.scene
+        self._integrator, self._step_error, self._projected = shared._integrator, shared._step_error, shared._projected
+        self._pattern = shared._pattern
+        self._views = views = Views(self.world, shared.worlds, OF_WORLDS, shared.on_host)
+        self.state, self.ring = part(shared.state, views), part(shared.ring, views)
+        self.scratch = part(shared.scratch, views)
+        self._sit_down()
+        self._open_books()
+
+    def _sit_down(self) -> None:
+        """Views on the arrays of the shared engine as they are now."""
+        shared = self.shared
+        self._rooms = shared.rooms
+        whole = shared.graph.program
+        self._views.see(whole.arrays)
+        self._graph = _Together(self, whole.on(self._views, self._sizes()))
+
+    @property
+    def graph(self) -> _Together:
+        """The parts of a step in this place; who asks for them may change the arrays."""
+        self._views.touched = True
+        return self._graph
+
+    def make_room(self, slots: int) -> bool:
+        """For all worlds."""
+        found = self.shared.make_room(slots)
+        self.after_others()
+        return found
+
+    def after_others(self) -> None:
+        """Take up what the shared engine has done for all worlds."""
+        if self._rooms != self.shared.rooms:
+            self._sit_down()
+        if self.world in self.shared.no_room:
+            self.no_room = {0: self.shared.no_room[self.world]}
+
+    def _relieve(self) -> np.ndarray:
+        """The shared engine has done it."""
+        return np.zeros(1, dtype=bool)
+
+    def attempt(self, budget: int) -> float:
+        """At most so many attempts, beside those of the other worlds; returns the wall time [s] of all."""
+        seconds = self._company.attempt(self.world, budget)
+        self._views.touched = False
+        self.after_others()
+        return seconds
+
+
+class _Together(Parts):
+    """The parts of a step in one place, and attempts that wait for the others."""
+
+    def __init__(self, place: Place, program: Program) -> None:
+        super().__init__(place.compiled, place.state, place.scratch, place._pattern, program)
+        self._place = place
+
+    def replay(self, budget: int | np.ndarray) -> float:
+        """Attempt steps until the world has reached its target or failed, at most `budget` times."""
+        return self._place.attempt(int(np.max(budget)))
+
+
+class Company:
+    """What the runs of `count` scenes, each in a thread of its own, make together. `meeting`: of these threads;
+    progress: show that kernels are compiled, once for all."""
+
+    def __init__(self, count: int, progress: bool) -> None:
+        self.meeting = Meeting(count)
+        self.progress = progress
+        self.steps = 0  # user steps that all worlds have done
+        self._tables: Shared | None = Shared()
+        self._engine: SharedEngine | None = None
+        self._seconds = 0.0
+
+    def engine_of(self, world: int) -> Callable[..., Engine]:
+        """What makes the engine of a run in place of `Engine`, with the same options in all worlds; of a run that
+        begins anew an engine of its own."""
+
+        def place(
+            scene: Scene,
+            *,
+            device: str | None = None,
+            settings: Settings | None = None,
+            integrator: Integrator | None = None,
+            step_error: float | None = None,
+            local: LocalDynamics | None = None,
+            turned: Sequence[float] | np.ndarray = (),
+            off_end: bool = False,
+            progress: bool = False,
+        ) -> Engine:
+            used = settings or Settings()
+            if self._tables is None:  # the run begins anew with other inertia terms or cells: it is of another kind now
+                self.meeting.leave(world)
+                return Engine(
+                    scene, device=device, settings=used, integrator=integrator, step_error=step_error, local=local,
+                    turned=turned, off_end=off_end,
+                )  # fmt: skip
+            compiled = compile_scene(scene, used, ready_device(device), local, shared=self._tables, off_end=off_end)
+
+            def build(scenes: dict[int, CompiledScene]) -> None:
+                in_order = [scenes[w] for w in sorted(scenes)]
+                self._engine = SharedEngine(in_order, used, integrator, step_error, self.progress)
+                self._tables = None
+
+            self.meeting.come(world, compiled, build)
+            return Place(self._built, world, self)
+
+        return place
+
+    @property
+    def _built(self) -> SharedEngine:
+        if self._engine is None:
+            raise RuntimeError("the engine of all worlds is built when each has compiled its scene")
+        return self._engine
+
+    def attempt(self, world: int, budget: int) -> float:
+        """Attempts of a world, together with those of all others that still run; returns the wall time [s]."""
+
+        def attempt(budgets: dict[int, int]) -> None:
+            self._seconds = self._built.attempt(budgets)
+            self.steps = self._built.steps()
+
+        self.meeting.come(world, budget, attempt)
+        return self._seconds
+
+
+Together = Callable[[dict[int, Any]], None]
+
+
+class Ended(BaseException):
+    """Raised in a run whose work nobody wants any more, as another one has raised an error."""
+
+
+class Meeting:
+    """A meeting of `count` threads, numbered from 0."""
+
+    def __init__(self, count: int) -> None:
+        self._changed = threading.Condition()
+        self._coming = set(range(count))  # those that will come again
+        self._brought: dict[int, Any] = {}
+        self._together: Together | None = None
+        self._held = 0  # meetings so far
+        self.error: BaseException | None = None  # of the last one
+        self._ends: type[BaseException] | None = None
+
+    def come(self, number: int, brings: Any, together: Together) -> None:
+        """Wait for the others; the last to come calls `together` with what each has brought, by number. An error of
+        this is raised in all. The thread has the turn before and after."""
+        with self._changed:
+            self._raise_end()
+            self._brought[number], self._together = brings, together
+            held = self._held
+            last = len(self._brought) == len(self._coming)
+        if last:
+            self._hold()
+        else:
+            with TURN.left(), self._changed:
+                self._changed.wait_for(lambda: self._held > held)
+        self._raise_end()
+        if self.error is not None:
+            raise self.error
+
+    def leave(self, number: int) -> None:
+        """This thread comes no more; where it was the one that all waited for, they meet now. Without the turn."""
+        with TURN:
+            with self._changed:
+                self._coming.discard(number)
+                last = bool(self._brought) and len(self._brought) == len(self._coming)
+            if last:
+                self._hold()
+
+    def end(self, how: type[BaseException]) -> None:
+        """From now on whoever comes, or waits and is met, raises `how`, once for each thread and meeting."""
+        with self._changed:
+            self._ends = how
+
+    def _raise_end(self) -> None:
+        if self._ends is not None:
+            raise self._ends
+
+    def _hold(self) -> None:
+        """The meeting, with the turn."""
+        together, brought = self._together, self._brought
+        self._brought, self.error = {}, None
+        try:
+            if together is not None and self._ends is None:
+                together(brought)
+        except BaseException as error:
+            self.error = error
+        with self._changed:
+            self._held += 1
+            self._changed.notify_all()
+
+
+PLACES = ("modes with inertia", "joints and forces", "flexible interfaces", "contacts", "films and laps")  # `couplings`
+KINDS = {
+    "body": "bodies", "joint": "joints", "drive": "drives", "force": "forces", "contact": "contacts",
+    "lumped contact": "lumped_contacts", "film": "films", "lap": "laps",
+}  # fmt: skip
+CURE = "worlds of one graph differ in numbers only; run this scene by itself"
+
+
+def refuse_other_kinds(scenes: Sequence[CompiledScene]) -> None:
+    """Raises `InputError` for the first of `scenes` that is not of the kind of scene 0."""
+    first, pattern = couplings(scenes[0]), pattern_of(scenes[0])
+    sizes = [sizes_of(compiled, 1, 1, pattern, projected=False, adaptive=False) for compiled in scenes]
+    for i, (compiled, own) in enumerate(zip(scenes, sizes, strict=True)):
+        difference = (
+            _counts(compiled.scene, scenes[0].scene, i) or _axes(own, sizes[0], i) or _room(compiled, scenes[0], i)
+        )
+        if not difference:
+            unlike = [not np.array_equal(a, b) for a, b in zip(couplings(compiled), first, strict=True)]
+            if any(unlike):
+                difference = f"the {PLACES[unlike.index(True)]} of scene {i} are on other bodies than those of scene 0"
+        if difference:
+            raise InputError(f"{difference}; {CURE}")
+
+
+def _counts(scene: Scene, first: Scene, i: int) -> str:
+    for one, name in KINDS.items():
+        here, there = len(getattr(scene, name)), len(getattr(first, name))
+        if here != there:
+            return f"scene {i} has {here} {one if here == 1 else _several(one)}, scene 0 has {there}"
+    return ""
+
+
+def _several(one: str) -> str:
+    return f"{one[:-1]}ies" if one.endswith("y") else f"{one}s"
+
+
+def _room(own: CompiledScene, first: CompiledScene, i: int) -> str:
+    here, there = own.model.capacity.slot_limit, first.model.capacity.slot_limit
+    return "" if here == there else f"the contacts of scene {i} allow {here} hats in play, those of scene 0 {there}"
+
+
+def _axes(own: Sizes, first: Sizes, i: int) -> str:
+    for axis, count in own.items():
+        if count != first[axis]:
+            return f"scene {i} has {count} along '{axis}' ({NAMES[axis]}), scene 0 has {first[axis]}"
+    return ""
+
+
+LOOK = 0.2  # s between two looks at how far the runs have come
+
+Run = Callable[[EngineOf], History]
+
+
+def side_by_side(runs: Sequence[Run], steps: int, *, progress: bool) -> list[History]:
+    """The histories of `runs`, which are given what makes their engines, in their order; steps: of each, for the bar.
+
+    A run that fails leaves its History, and the others go on. An error ends all: `InputError` with the number of the
+    scene in front where it is one scene's. KeyboardInterrupt comes to every run as to one alone; it is raised where a
+    run had not begun its steps.
+    """
+    company = Company(len(runs), progress)
+    found: list[History | None] = [None] * len(runs)
+    errors: dict[int, BaseException] = {}
+
+    def work(i: int) -> None:
+        try:
+            found[i] = runs[i](company.engine_of(i))
+        except Ended:
+            pass
+        except BaseException as error:
+            errors[i] = error
+            company.meeting.end(KeyboardInterrupt if isinstance(error, KeyboardInterrupt) else Ended)
+        finally:
+            company.meeting.leave(i)
+
+    threads = [
+        threading.Thread(target=contextvars.copy_context().run, args=(work, i), name=f"world {i}", daemon=True)
+        for i in range(len(runs))
+    ]
+    bar = Progress("simulate", steps, enabled=progress)
+    try:
+        for thread in threads:
+            thread.start()
+        _wait(threads, company, bar)
+    except KeyboardInterrupt as interruption:
+        company.meeting.end(KeyboardInterrupt)
+        for i, thread in enumerate(threads):
+            if thread.ident is None:  # it never began, and the others wait for it
+                errors[i] = interruption
+                company.meeting.leave(i)
+        _wait(threads, company, bar)
+    bar.close()
+    if errors:
+        i = min(errors)
+        error = errors[i]
+        if isinstance(error, InputError) and error is not company.meeting.error:
+            raise InputError(f"scene {i}: {error}") from error
+        raise error
+    return [history for history in found if history is not None]
+
+
+def _wait(threads: Sequence[threading.Thread], company: Company, bar: Progress) -> None:
+    for thread in threads:
+        while thread.is_alive():
+            thread.join(LOOK)
+            bar.update(company.steps)

@@ -1,1 +1,0 @@
-"""Many scenes in one graph, each as if it were alone."""

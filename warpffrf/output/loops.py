@@ -1,0 +1,351 @@
+r"""Loops of force against displacement: what a cycle takes, equivalent damping, stiffness against load.
+
+Channels. One number of a run over time, by the name of what it is of and its component: what loops are drawn of.
+
+("push", "x")              x of a force, a joint's reaction, a lap, contact or film [N], of a body's place [m]
+("push", "torque_z")       a torque [N m]
+("tip", "x")               a component of a sensor
+"hinge"                    a joint's coordinate, a sensor with one component, a spring with one deformation
+("joint", "hinge", "x")    with its kind, where things of several kinds have the name
+array (T,)                 whatever was worked out
+
+Cycles. Times at which cycles begin and end, and what there is between saved steps.
+
+Hysteresis. Force against displacement over a run: loops, what they take, equivalent damping, stiffness against load.
+
+Of a cycle from t_0 to t_1, with the force F that does work on the displacement x, straight between saved steps,
+
+    W = int F dx = sum_i (F_i + F_(i+1)) (x_(i+1) - x_i) / 2,       the ends joined        work [J]
+    D = |W|                                                         loss per cycle [J]
+    F_a = (max F - min F)/2,   x_a = (max x - min x)/2              amplitudes
+    k_s = F_a / x_a                                                 secant stiffness
+    U = F_a x_a / 2                                                 of a spring k_s the strain energy at the reversal
+    zeta = D / (4 pi U)                                             equivalent damping ratio [-]
+
+zeta is the damping ratio of the linear oscillator of stiffness k_s that loses as much in a cycle of the same amplitude
+at its eigenfrequency (L. S. Jacobsen, Trans. ASME 52 (1930) 169). An elastic loop has 0; a force that slides at a
+constant bound has D = 4 F_a x_a, the whole of the box around the loop, and 2/pi, the most there is. Energy of preloads
+that stay does not count in U, as only ranges do. The sign of W is that of the force as it was given, a reaction's or an
+applied one's; D has none.
+
+Moments against angles do as well, in N m and rad. The trapezoid is exact where force and displacement are straight
+between saved steps; of a loop of n steps of equal length that is smooth it is short by some (2 pi/n)^2/6.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from warpffrf.model.errors import InputError, unknown_name
+
+AXES = "xyz"
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """Values (T,), what they are called, and their unit."""
+
+    values: np.ndarray
+    label: str
+    unit: str
+
+
+Components = dict[str, tuple[np.ndarray, str]]
+
+
+def channel(result: Any, what: Any, unit: str, label: str) -> Channel:
+    """The channel that `what` names (module docstring) in a `Result`; an array is `label` in `unit`. Raises
+    `InputError`, listing what there is, for a name, kind or component that there is not."""
+    if not isinstance(what, str | tuple):
+        values = np.asarray(what, dtype=float)
+        if values.shape != (len(result.time),):
+            raise InputError(
+                f"hysteresis: {label} must have a value for each of the {len(result.time)} saved steps, got an array "
+                f"of shape {values.shape}"
+            )
+        return Channel(values, label, unit)
+    kind, name, component = _parts(what)
+    found = [known for known, (names, _) in _OWNERS.items() if kind in (known, None) and name in names(result)]
+    if not found:
+        known = dict.fromkeys(n for k, (names, _) in _OWNERS.items() if kind in (k, None) for n in names(result))
+        raise unknown_name(f"hysteresis: {kind or 'name'}", name, tuple(known))
+    if len(found) > 1:
+        raise InputError(f"hysteresis: {name!r} is a {' and a '.join(found)}; give ({found[0]!r}, {name!r}, component)")
+    components = _OWNERS[found[0]][1](result, name)
+    if component is None:
+        own = [key for key in components if len(components) == 1 or key not in _VECTORS]
+        if len(own) != 1:
+            raise InputError(
+                f"hysteresis: {found[0]} {name!r} has several components; give ({name!r}, component), one of "
+                f"{', '.join(map(repr, components))}"
+            )
+        component = own[0]
+    if component not in components:
+        raise unknown_name(f"hysteresis: component of {found[0]} {name!r}", component, tuple(components))
+    values, its_unit = components[component]
+    return Channel(np.asarray(values, dtype=float), f"{name} {component}".replace("_", " "), its_unit)
+
+
+def _parts(what: Any) -> tuple[str | None, str, str | None]:
+    parts = (what,) if isinstance(what, str) else what
+    if not 1 <= len(parts) <= 3 or not all(isinstance(part, str) for part in parts):
+        raise InputError(
+            f"hysteresis: give a name, (name, component), (kind, name, component) or an array, got {what!r}"
+        )
+    if len(parts) == 3:
+        if parts[0] not in _OWNERS:
+            raise unknown_name("hysteresis: kind", parts[0], tuple(_OWNERS))
+        return parts[0], parts[1], parts[2]
+    return None, parts[0], parts[1] if len(parts) == 2 else None
+
+
+def _vectors(force: np.ndarray, torque: np.ndarray | None = None) -> Components:
+    found: Components = {axis: (force[:, n], "N") for n, axis in enumerate(AXES)}
+    if torque is not None:
+        found |= {f"torque_{axis}": (torque[:, n], "N m") for n, axis in enumerate(AXES)}
+    return found
+
+
+_VECTORS = {*AXES, *(f"torque_{axis}" for axis in AXES)}  # components that a bare name does not mean
+
+
+def _joint(result: Any, name: str) -> Components:
+    joint = result.joint(name)
+    named: Components = {key: (joint.named(key), "rad" if key.endswith("rotation") else "m") for key in joint.names}
+    return named | _vectors(joint.force, joint.torque)
+
+
+def _force(result: Any, name: str) -> Components:
+    force = result.force(name)
+    count = force.deformation.shape[1]
+    keys = ["deformation"] if count == 1 else [f"deformation_{n}" for n in range(count)]
+    found = {key: (force.deformation[:, n], "m or rad") for n, key in enumerate(keys)}
+    return found | _vectors(force.force, force.torque)
+
+
+def _sensor(result: Any, name: str) -> Components:
+    sensor = result.sensor(name)
+    return {key: (values, sensor.unit) for key, values in zip(sensor.components, sensor.values.T, strict=True)}
+
+
+def _lap(result: Any, name: str) -> Components:
+    lap = result.lap(name)
+    found: Components = {**_vectors(lap.force, lap.torque), "normal_force": (lap.normal_force, "N")}
+    found |= {f"sliding_{axis}": (lap.sliding[:, n], "m") for n, axis in enumerate(AXES)}
+    return found | {f"turning_{axis}": (lap.turning[:, n], "rad") for n, axis in enumerate(AXES)}
+
+
+def _body(result: Any, name: str) -> Components:
+    position = result.body(name).position
+    return {axis: (position[:, n], "m") for n, axis in enumerate(AXES)}
+
+
+Owner = tuple[Callable[[Any], list[str]], Callable[[Any, str], Components]]
+_OWNERS: dict[str, Owner] = {
+    "force": (lambda r: list(r.history.forces), _force),
+    "sensor": (lambda r: r.sensor_names, _sensor),
+    "joint": (lambda r: list(r.history.joints), _joint),
+    "lap": (lambda r: list(r.history.laps), _lap),
+    "contact": (lambda r: r.contact_names, lambda r, n: _vectors(r.contact(n).force, r.contact(n).torque)),
+    "film": (lambda r: r.film_names, lambda r, n: _vectors(r.film(n).force, r.film(n).torque)),
+    "body": (lambda r: list(r.history.bodies), _body),
+}
+
+
+SAME = 1e-9  # of the run: times that differ by less are one
+
+
+def cycle_times(time: np.ndarray, cycles: float | Sequence[float] | np.ndarray, label: str) -> np.ndarray:
+    """Begins and ends (n + 1,) [s] of n cycles: of a period [s] the whole ones from the first saved time on, else the
+    times given. Raises `InputError`, naming `label`, for a period that is not positive or longer than the run, and
+    times that do not ascend."""
+    given = np.asarray(cycles, dtype=float)
+    span = float(time[-1] - time[0]) if len(time) else 0.0
+    if given.ndim == 0:
+        period = float(given)
+        if not np.isfinite(period) or period <= 0.0:
+            raise InputError(f"{label}: the period of a cycle must be positive, got {period:g} s")
+        count = int(np.floor(span / period * (1.0 + SAME)))
+        if count < 1:
+            raise InputError(f"{label}: a cycle of {period:g} s is longer than the {span:g} s that were saved")
+        return np.minimum(time[0] + period * np.arange(count + 1), time[-1])
+    if given.ndim != 1 or len(given) < 2 or not np.all(np.diff(given) > 0.0):
+        raise InputError(f"{label}: give the period of a cycle, or ascending times at which cycles begin and end")
+    return given
+
+
+def value_at(time: np.ndarray, values: np.ndarray, at: np.ndarray, label: str) -> np.ndarray:
+    """`values` (T, ...) at the times `at` (n,) [s], straight between saved steps: (n, ...). Raises `InputError`, naming
+    `label`, for times outside of the run."""
+    if not len(time):
+        raise InputError(f"{label}: the run has no saved row")
+    slack = SAME * max(float(time[-1] - time[0]), abs(float(time[-1])))
+    if not np.all((at >= time[0] - slack) & (at <= time[-1] + slack)):
+        raise InputError(
+            f"{label}: the saved steps go from {time[0]:g} to {time[-1]:g} s, and "
+            f"{', '.join(f'{t:g}' for t in np.ravel(at))} s are asked for"
+        )
+    if len(time) == 1:
+        return np.repeat(values, len(at), axis=0)
+    after = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
+    share = np.clip((at - time[after - 1]) / (time[after] - time[after - 1]), 0.0, 1.0)
+    share = share.reshape(-1, *[1] * (values.ndim - 1))
+    return values[after - 1] * (1.0 - share) + values[after] * share
+
+
+def piece(time: np.ndarray, values: np.ndarray, begin: float, end: float, label: str) -> tuple[np.ndarray, np.ndarray]:
+    """Times and `values` (T, ...) from `begin` to `end` [s], both among them, with the saved steps between."""
+    ends = value_at(time, values, np.array([begin, end]), label)
+    inside = (time > begin) & (time < end)
+    return (
+        np.concatenate([[begin], time[inside], [end]]),
+        np.concatenate([ends[:1], values[inside], ends[1:]]),
+    )
+
+
+STANDS = 1e-9  # of the range of displacements: steps over less have no tangent stiffness
+LOOP, LAST = "#9db4c6", "#1b6ca8"
+SECANT, TANGENT = "#1b6ca8", "#d1495b"
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """One cycle: `time`, `force` and `displacement` (n,), as given; numbers as in the module's docstring."""
+
+    time: np.ndarray
+    force: np.ndarray
+    displacement: np.ndarray
+
+    @cached_property
+    def work(self) -> float:
+        """int F dx over the cycle [J], its ends joined by a straight line."""
+        F, x = np.append(self.force, self.force[0]), np.append(self.displacement, self.displacement[0])
+        return float(np.trapezoid(F - F.mean(), x - x.mean()))
+
+    @property
+    def loss(self) -> float:
+        """Energy that the cycle takes [J], the area of the loop."""
+        return abs(self.work)
+
+    @property
+    def force_amplitude(self) -> float:
+        """Half the range of the force."""
+        return 0.5 * float(np.ptp(self.force))
+
+    @property
+    def amplitude(self) -> float:
+        """Half the range of the displacement."""
+        return 0.5 * float(np.ptp(self.displacement))
+
+    @property
+    def stiffness(self) -> float:
+        """Secant stiffness between the reversals, F_a/x_a; NaN without motion."""
+        return self.force_amplitude / self.amplitude if self.amplitude > 0.0 else float("nan")
+
+    @property
+    def strain_energy(self) -> float:
+        """U [J]: strain energy at the reversal of a spring with the secant stiffness."""
+        return 0.5 * self.force_amplitude * self.amplitude
+
+    @property
+    def equivalent_damping(self) -> float:
+        """Damping ratio D/(4 pi U) [-]; NaN without force or motion."""
+        return equivalent_damping(self.loss, self.strain_energy)
+
+    @property
+    def open(self) -> float:
+        """How far begin and end are apart, of displacement or force over its range, the larger of the two: 0 of a
+        closed loop; above some hundredths loss and damping are those of no cycle."""
+        apart = [
+            abs(float(v[-1] - v[0])) / float(np.ptp(v)) for v in (self.force, self.displacement) if np.ptp(v) > 0.0
+        ]
+        return max(apart, default=0.0)
+
+
+def equivalent_damping(loss: float, strain_energy: float) -> float:
+    """Damping ratio D/(4 pi U) [-] of a loss per cycle [J] and the peak strain energy of the cycle [J], such as the
+    loss of a lap beside the energy of its machine; NaN without strain energy."""
+    return loss / (4.0 * np.pi * strain_energy) if strain_energy > 0.0 else float("nan")
+
+
+@dataclass(frozen=True, eq=False)
+class Stiffness:
+    """Stiffness against load along a history: `load` and `displacement` (T,), `secant` (T,) from the first row,
+    (F - F_0)/(x - x_0), and `tangent` (T,) of the step that led to each row, dF/dx; NaN where nothing moved."""
+
+    load: np.ndarray
+    displacement: np.ndarray
+    secant: np.ndarray
+    tangent: np.ndarray
+    label: str  # of the load, with its unit
+    unit: str  # of stiffness
+
+    def draw(self, ax: Any) -> None:
+        """Secant and tangent stiffness against the load, on matplotlib axes."""
+        ax.plot(self.load, self.secant, ".-", lw=1.2, ms=3.5, color=SECANT, label="secant, from the first row")
+        ax.plot(self.load, self.tangent, ".-", lw=1.0, ms=3.5, color=TANGENT, label="tangent, of each step")
+        ax.set(xlabel=self.label, ylabel=f"stiffness [{self.unit}]")
+        ax.set_ylim(bottom=min(0.0, float(np.nanmin(self.secant, initial=0.0))))
+        ax.set_title("Stiffness against load", fontsize=10)
+        ax.legend(frameon=False, fontsize=8)
+
+
+@dataclass(frozen=True, eq=False)
+class Hysteresis:
+    """Force (T,) against displacement (T,) over the saved times (T,) [s], with their labels and units;
+    `Result.hysteresis` makes one."""
+
+    time: np.ndarray
+    force: np.ndarray
+    displacement: np.ndarray
+    force_label: str = "force"
+    displacement_label: str = "displacement"
+    force_unit: str = "N"
+    displacement_unit: str = "m"
+
+    def loop(self, begin: float | None = None, end: float | None = None) -> Loop:
+        """The cycle between two times [s], the whole history if None. Raises `InputError` for times outside of it."""
+        begin = float(self.time[0]) if begin is None else begin
+        end = float(self.time[-1]) if end is None else end
+        time, both = piece(self.time, np.stack([self.force, self.displacement], axis=1), begin, end, "hysteresis")
+        return Loop(time, both[:, 0], both[:, 1])
+
+    def cycles(self, cycles: float | Sequence[float] | np.ndarray) -> list[Loop]:
+        """Each cycle, of a period [s] or between times [s] as of `LapResult.loss_per_cycle`."""
+        edges = cycle_times(self.time, cycles, "hysteresis")
+        return [self.loop(float(begin), float(end)) for begin, end in zip(edges[:-1], edges[1:], strict=True)]
+
+    def stiffness(self, begin: float | None = None, end: float | None = None) -> Stiffness:
+        """Secant and tangent stiffness between two times [s], such as a load that grows slowly. Raises `InputError`
+        for times outside of the run."""
+        part = self.loop(begin, end)
+        F, x = part.force, part.displacement
+        least = STANDS * float(np.ptp(x))
+        moved, step = x - x[0], np.diff(x)
+        secant, tangent = np.full(len(x), np.nan), np.full(len(x), np.nan)
+        np.divide(F - F[0], moved, out=secant, where=np.abs(moved) > least)
+        np.divide(np.diff(F), step, out=tangent[1:], where=np.abs(step) > least)
+        label = f"{self.force_label} [{self.force_unit}]"
+        return Stiffness(F, x, secant, tangent, label, f"{self.force_unit}/{self.displacement_unit}")
+
+    def draw(self, ax: Any, cycles: float | Sequence[float] | np.ndarray | None = None) -> None:
+        """Force against displacement on matplotlib axes; with `cycles` the last one is drawn on top, with its loss and
+        equivalent damping. `save_panels` takes it beside other plots."""
+        ax.plot(self.displacement, self.force, lw=1.0, color=LOOP if cycles is not None else LAST)
+        title = "Hysteresis"
+        if cycles is not None:
+            loop = self.cycles(cycles)[-1]
+            x, F = np.append(loop.displacement, loop.displacement[0]), np.append(loop.force, loop.force[0])
+            ax.plot(x, F, lw=1.5, color=LAST)
+            title += f", last cycle: loss {loop.loss:.4g} J, equivalent damping {loop.equivalent_damping:.3g}"
+        ax.set(
+            xlabel=f"{self.displacement_label} [{self.displacement_unit}]",
+            ylabel=f"{self.force_label} [{self.force_unit}]",
+        )
+        ax.axhline(0.0, color="0.85", lw=0.6, zorder=0)
+        ax.set_title(title, fontsize=10)

@@ -1,1 +1,0 @@
-"""Loops of force against displacement: what a cycle takes, equivalent damping, stiffness against load."""
