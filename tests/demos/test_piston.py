@@ -35,8 +35,7 @@ from demos.piston import (
     place,
     skirt_form,
 )
-from warpffrf.offline.fe.assembly import assemble
-from warpffrf.offline.fe.materials import assign
+from warpffrf.offline.fe import assemble, assign
 
 FIRING = (340.0, 420.0)  # deg
 SIDE, SIDE_MEAN = 0.02, 0.01  # of the peak force: the peak, root of the mean square
