@@ -150,7 +150,7 @@ def test_links_and_pictures_exist() -> None:
 
 
 def test_files_named_by_the_method_page_exist() -> None:
-    text = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
+    text = "\n".join(page.read_text(encoding="utf-8") for page in sorted((ROOT / "docs" / "method").glob("*.md")))
     rooms = [ROOT, ROOT / "warpffrf", ROOT / "warpffrf" / "offline", ROOT / "kernels" / "warpffrf_kernels"]
     for name in set(re.findall(r"`([\w/]+\.py)`", text)):
         short = name.removeprefix("kernels/")
