@@ -12,6 +12,7 @@ from PIL import Image
 
 import warpffrf as wf
 from warpffrf.model.errors import InputError
+from warpffrf.output.bodies.skin import ShownSkin
 from warpffrf.output.plots.animation import NEEDS_FFMPEG
 from warpffrf.output.plots.colors import ColorScale
 from warpffrf.output.plots.scene_picture import ScenePicture
@@ -145,3 +146,13 @@ def test_a_film(result: Result, tmp_path: Path) -> None:
     with pytest.raises(InputError, match="exists"):
         result.animate(path, every=4, progress=False)
     result.animate(path, every=8, overwrite=True, progress=False)
+
+
+@pytest.mark.parametrize("points", [40, 200, 10**9])
+def test_fewer_points_show_the_same_peak(result: Result, points: int) -> None:
+    """The patch is narrower than the distance of the points that are kept of a fine mesh."""
+    for skin in result.skins().values():
+        shown, last = ShownSkin(skin, points), len(result.time) - 1
+        peak = skin.field("pressure", last).max()
+        assert peak > 0.0 and shown.values("pressure", last).max() == peak
+        assert points < len(skin.points) or np.array_equal(shown.values("pressure", last), skin.field("pressure", last))

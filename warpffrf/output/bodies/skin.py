@@ -264,6 +264,8 @@ class ShownSkin:
         self.skin = skin
         self.kept, self.triangles = thinned(skin.points, skin.triangles, max_points, sectors)
         self.points = skin.points[self.kept]
+        # each node of the skin -> the point that stands for it: fewer points must not lose a patch between them
+        self.nearest = KDTree(self.points).query(skin.points)[1]
         self.size = float(np.ptp(skin.points, axis=0).max())
 
     def displacement(self, i: int) -> np.ndarray:
@@ -271,8 +273,9 @@ class ShownSkin:
         return self.skin.displacement(i)[self.kept]
 
     def values(self, field: str, i: int) -> np.ndarray:
-        """One of `Skin.fields` (n,) in SI units at saved step `i`; of a body without it zero, as nothing touches it,
-        and NaN for its stress, which is not known."""
-        if field not in self.skin.fields:
-            return np.full(len(self.kept), np.nan if field == VON_MISES else 0.0)
-        return self.skin.field(field, i)[self.kept]
+        """One of `Skin.fields` (n,) in SI units at saved step `i`, the largest of the nodes that a point stands for;
+        zero for a body without the field, as nothing touches it, and NaN for its stress, which is not known."""
+        found = np.full(len(self.kept), np.nan if field == VON_MISES or field in self.skin.fields else 0.0)
+        if field in self.skin.fields:
+            np.fmax.at(found, self.nearest, self.skin.field(field, i))
+        return found
