@@ -114,7 +114,7 @@ def main(out: str | Path = "out/two_rollers", *, quick: bool = False, progress: 
     result = wf.simulate(scene, DURATION, step=STEP, start="equilibrium", progress=progress)
     result.save(f"{stem}.h5", overwrite=True)
     wf.record(result, f"{stem}.rrd", max_frames=60 if quick else 300, overwrite=True)
-    result.plot().savefig(f"{stem}.png")
+    result.summary().savefig(f"{stem}.png")
 
     contact = result.contact(PAIR)
     rows = np.flatnonzero(result.time >= result.time[-1] - SETTLED)

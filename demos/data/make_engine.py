@@ -23,7 +23,7 @@ from scipy.spatial import KDTree
 
 import warpffrf as wf
 from warpffrf.model.mesh.elements import cell_kind
-from warpffrf.model.mesh.shapes.lattice import assembled, refined
+from warpffrf.model.mesh.shapes.disc import assembled, refined
 
 CRANK, ROD, PISTON_RADIUS = 0.040, 0.140, 0.040  # m: of the crank, between the axes of both eyes, of the piston
 BIG, BIG_OUTER, SMALL, SMALL_OUTER, WIDTH = 0.024, 0.033, 0.011, 0.018, 0.024  # m: radii of the eyes, along their axes

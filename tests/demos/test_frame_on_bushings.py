@@ -37,7 +37,7 @@ def momentum(scene: wf.Scene, result: wf.Result) -> tuple[np.ndarray, np.ndarray
     The frame's deformation does not move its centre of mass in its frame of reference, so the momentum is m times the
     velocity of that point.
     """
-    from warpffrf.output.bodies.skin import rotate
+    from warpffrf.output.geometry.places import rotate
 
     body, motion, t = scene.body("frame"), result.body("frame"), result.time
     arm = np.stack([rotate(p, body.center_of_mass[None])[0] for p in motion.rotation])

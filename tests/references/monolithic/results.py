@@ -132,15 +132,16 @@ def to_history(found: MonolithicHistory, notes: list[str]) -> History:
         )
         for film in scene.films if (own := found.films[str(film.name)])
     }  # fmt: skip
-    return History(
+    history = History(
         scene=scene, time=time, step_size=found.step_size, bodies=bodies, joints=joints, contacts=contacts, films=films,
         energy={line: found.energy.get(line, missing).copy() for line in ENERGY_LINES},
         iterations=found.iterations, factorisations=found.factorisations, status=found.status, message=found.message,
         counters={**found.counters, "rejected_steps": 0}, forces=forces,
-        sensors=sensor_histories(scene, T, bodies, joints, forces),
         notes=[*notes, NO_LEDGER, *found.notes, *left_out_notes(scene, found.dropped, bodies, T),
                *half_turn_notes(springs.laws, bodies, T), *characteristic_notes(springs.laws, stretches, time)],
     )  # fmt: skip
+    history.sensors = sensor_histories(history)
+    return history
 
 
 def _springs(scene: Any) -> ForceTable:
