@@ -91,7 +91,8 @@ def solve(pattern: OuterPattern, A: np.ndarray, b: np.ndarray, refresh: int = 1)
     inputs = [given(run, Run), given(outer, OuterSystem), patterns, wp.array(b, dtype=wp.float64)]
     wp.launch_tiled(outer_solve.solve_outer, dim=(1,), block_dim=BLOCK, inputs=inputs)
     del kept
-    return outer.z.numpy(), outer.fallback.numpy()[0], int(np.asarray(run.ctl.numpy())["failure"][0])
+    words: Any = run.ctl.numpy()
+    return outer.z.numpy(), outer.fallback.numpy()[0], int(words["failure"][0])
 
 
 @pytest.mark.parametrize("modes, flexible", [(0, False), (0, True), (3, True)])
