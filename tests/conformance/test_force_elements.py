@@ -71,7 +71,7 @@ SPRINGS = {
     ),
     "bushing": lambda s, a, b: forces.Bushing(*ports(a, b), spd(400.0), spd(4.0), axes=AXES, preload=np.arange(6.0)),
     "bushing of rank 3": lambda s, a, b: forces.Bushing(*ports(a, b), spd(400.0, 3), spd(4.0, 3), axes=AXES),
-    "bearing": lambda s, a, b: forces.BearingSpring(
+    "bearing_spring": lambda s, a, b: forces.BearingSpring(
         *ports(a, b), axis=(0, 1, 0), radial=500.0, axial=200.0, tilt=30.0, radial_tilt=50.0, radial_damping=2.0,
         axial_damping=1.0, tilt_damping=0.2, spin_damping=0.1, cross=40.0,
     ),

@@ -98,12 +98,15 @@ def demo(
             print(f"{known:<22}{about(script)}")
         return
     with one_line_errors():
-        from warpffrf.model.errors import unknown_name
+        from warpffrf.model.errors import InputError, unknown_name
 
         if name not in scripts:
             raise unknown_name("demo", name, list(scripts))
         results = out or Path("out") / scripts[name].stem
-        results.mkdir(parents=True, exist_ok=True)  # refused before the run, not after it
+        try:
+            results.mkdir(parents=True, exist_ok=True)  # refused before the run, not after it
+        except OSError as error:
+            raise InputError(f"demo: cannot write to {results}: {error}; choose another folder with --out") from None
         sys.path.insert(0, str(folder()))  # as with `python demos/NAME.py`; workers of a sweep get this path as well
         module: Any = importlib.import_module(scripts[name].stem)
         with redirect_stdout(StringIO()) if Asked.quiet else nullcontext():

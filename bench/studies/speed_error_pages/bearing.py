@@ -32,7 +32,7 @@ CELLS = {
     "patch to 2 %, 0.2 mm": Cells(4e-4, "contact_fixed"),
 }
 REFERENCE, REFERENCE_CELLS = "patch to 0.5 %, 0.2 mm", Cells(4e-4, "contact_fixed", 0.005)
-QUICK_CELLS = {"nodes, 0.5 mm": Cells(1e-3, "body_fixed"), "nodes, 0.4 mm": Cells(8e-4, "material")}
+QUICK_CELLS = {"nodes, 0.5 mm": Cells(1e-3, "body_fixed"), "nodes, 0.4 mm": Cells(8e-4, "body_fixed")}
 QUICK_REFERENCE, QUICK_REFERENCE_CELLS = "nodes, 0.3 mm", Cells(6e-4, "body_fixed")
 
 
