@@ -64,7 +64,7 @@ HOLDS_VIBRATIONS = ("free_free", "craig_chang", "trial_vector_derivatives")
 HALF_WIDTH = 4  # spacings per half-width of the pressure used to assess the grid: a typical, well resolved patch
 LEAST_COLUMNS = 7  # of a window: three coarse hat functions with their supports; a grid with fewer is not assessed
 SAMPLED = 16  # unit loads of a surface whose residual is measured: they cost one block of solutions
-HELD = 1e-12  # of the largest compliance of a pair of nodes: smaller values are round-off, of nodes on a rigid interface
+HELD = 1e-12  # of the largest compliance of a pair of nodes: smaller values are round-off (nodes on a rigid interface)
 HALVING = 4.0  # energy lost by doubling the spacing, relative to the error at the present one (module docstring)
 
 

@@ -41,11 +41,11 @@ from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.interfaces import InterfaceSystem
 from warpffrf.offline.products import Limits
 
-BLOCK = 8  # vectors per block: more than the multiplicity due to symmetry alone, and an efficient number of right-hand sides
+BLOCK = 8  # vectors per block: more than the multiplicity due to symmetry alone, and efficient right-hand sides
 RESIDUAL = 1e-11  # of the eigenvalue: eigenvectors to about 1e-9 for neighbours 1 % apart
 ROUND_OFF = 4e-15  # of the largest eigenvalue: residuals below it are noise of the operator itself
 CHECKED = 1.05  # growth of the space after which the Ritz values are checked again
-SEEN_BEYOND = 1e-3  # relative residual at which the first unwanted mode counts as found: no wanted mode can then be missed
+SEEN_BEYOND = 1e-3  # relative residual at which the first unwanted mode counts as found: no wanted one can be missed
 EXHAUSTED = 1e-11  # of the largest eigenvalue: a new direction below it is noise, the Krylov space is invariant
 ORTHOGONAL = 1e-14  # M-product of a new direction with the basis above which another pass is made
 SAME_FREQUENCY = 1e-6  # relative distance of frequencies that are one multiple frequency
@@ -208,7 +208,7 @@ def whole_multiples(omega: Array, count: int) -> int:
 # Energy norm of a unit-energy direction outside the others below which it is dropped: round-off of the Gram matrix,
 # 1e-16 in its eigenvalues, is 1e-8 in a norm.
 DEPENDENT = 3e-8
-# Energy of a unit-energy direction that must be left when it is orthogonalised again: one that was round-off shrinks.
+# Energy of a unit-energy direction that must remain after a second orthogonalisation: round-off shrinks.
 MOSTLY_THERE = 0.5
 
 
