@@ -5,7 +5,8 @@ The rule of `grid_rule` is for the grid on an exact body. Under a line load the 
 distributed evenly over the logarithm of the distance from the load, so that each layer of cells counts equally, down to
 the axis: layers that grow quickly inwards cost more than a coarse rim. Cells of the degree p miss a part of their
 energy that grows with the ratio of their height h, along the ray from the load, to their distance d from it. With the
-mean over the energy of the radial stress under the load (Flamant), phi the angle of the ray with the normal, b the half-width,
+mean over the energy of the radial stress under the load (Flamant), phi the angle of the ray with the normal and b the
+half-width,
 
     error = c_p mean of (h/r)^(n_p) with the weights dV cos^2(phi)/r^2,      r^2 = d^2 + b^2,
 

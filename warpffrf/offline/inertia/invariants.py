@@ -16,7 +16,7 @@ moments `int X phi_i^T dm` and `int phi_i phi_j^T dm` with three products by m, 
 Centrifugal. The static response of a body to its own rotation: its attachment modes, and the part that a reduced body
 omits.
 
-At constant angular velocity w a body is under the load `-int rho w x (w x X) dV`, one field for each of the six products
+At constant angular velocity w the load of a body is `-int rho w x (w x X) dV`, one field for each of the six products
 w_a w_b. For loads on interfaces attachment modes make the static response exact for any number of modes; the same holds
 for the loads of rotation. With
 

@@ -32,8 +32,8 @@ from warpffrf.offline.progress import Progress
 COARSE, AT_MODULUS = 0.004, 210e9  # Pa
 COARSEST = 0.045
 NODES_PER_HALF_WIDTH = 4
-# Error of the force of a line contact due to the wall t behind it, fixed inside, in longest facet edges h: c (h/t)^p, of
-# hollow rollers with one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
+# Error of the force of a line contact due to the wall t behind it, fixed inside, in longest facet edges h: c (h/t)^p,
+# hollow rollers, one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
 # quadratic ones -2.2, -0.6, -0.2, -0.1 %. By degree; walls with an error above THIN are named.
 WALL_ERROR = {1: (0.105, 2.3), 2: (0.022, 3.2)}
 # For lines h is that of the edges across, for triangles the longest, which are stiffer. At the free ends of a wall,

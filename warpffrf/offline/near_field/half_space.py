@@ -181,7 +181,7 @@ class EndField:
         curvatures: tuple[float, float],
         poisson_ratio: float,
     ) -> Array:
-        """As `coupled_mean`, the contribution of the end, centres at t and `at` [m]; w and the offset along t are smooth
+        """As `coupled_mean`, the contribution of the end, centres at t and `at` [m]; w, the offset along t are smooth
         and evaluated between centres."""
         zeta, d = self.inward(t), self.inward(at)
         x, z = four_places(s, zeta + d, moments)

@@ -29,10 +29,10 @@ The traction follows from Boussinesq's potential chi, `d chi/dy = 1/R`: `2 pi si
     X_yzz = 2 d^2/r^2 K2(r) - 2 K1(r)/r = 2 d^2/r^2 K0(r) + 2 (2 d^2/r^2 - 1) K1(r)/r    (k = 1, z = d).
 
 **Back to a point load.** `w = 1/pi int (U sin ks, Z cos ks, Y cos ks) dk`. The harmonics of a load near the edge decay
-slowly near the edge; the factor `exp(-(k/30)^4)` truncates the integral. It smooths w along s over 1/30 of `d + |x|` but
-reproduces polynomials of degree 3: w has no features that small. For k -> 0 the amplitudes vary like
+slowly near the edge; the factor `exp(-(k/30)^4)` truncates the integral. It smooths w along s over 1/30 of `d + |x|`,
+yet reproduces polynomials of degree 3: w has no features that small. For k -> 0 the amplitudes vary like
 `(1 - nu^2) (0, a, b) log k`: the plane is loaded by the force `F = -2/pi` of the tractions at its apex, balanced by
-Michell's wedge of 90 degrees, `sigma_r = (a cos + b sin)/r`, with `a = -(pi/4) F/D`, `b = F/(2 D)`, `D = pi^2/16 - 1/4`.
+Michell's wedge of 90 deg, `sigma_r = (a cos + b sin)/r`, with `a = -(pi/4) F/D`, `b = F/(2 D)`, `D = pi^2/16 - 1/4`.
 
 **The table.** `d + |x| = 1` is reached by scaling; with `t = |x|/(d + |x|)`, and the angles `theta` from the s axis and
 `phi` from the surface towards the depth, `g(t, theta, phi) = (d + |x|) w` is bounded and smooth on a box. `t = 0` is

@@ -306,7 +306,7 @@ class FlatChart:
         return *self.on_surface(theta, z), -distance
 
     def on_surface(self, theta: Array, z: Array) -> tuple[Array, Array]:
-        """(s, t) [m] of the points (theta, z) of the surface, at less than a quarter of a revolution from the centre."""
+        """(s, t) [m] of the points (theta, z) of the surface, less than a quarter of a revolution from the centre."""
         off = self.shape.point(theta, z) - self.origin
         k_theta, k_z = (float(k) for k in self.shape.curvatures(self.theta, self.z))
         return (
