@@ -52,7 +52,7 @@ REAL_LOADS = 1e-12  # imaginary part of loads, relative to the largest, that is 
 
 
 def axes_of(mesh: Mesh) -> Array:
-    """Axes (3, 3) of sector 0 of a periodic mesh in columns: towards its first node, circumferential, along the axis."""
+    """Axes (3, 3) of sector 0 of a periodic mesh in columns: towards its first node, circumferential, axial."""
     cyclic = mesh.cyclic
     if cyclic is None:
         raise ValueError("axes_of needs a periodic mesh")

@@ -191,7 +191,7 @@ class Fronts:
 
     @cached_property
     def peak(self) -> int:
-        """Maximum of numbers stored during the elimination of one front after the other: factors, updates, one front."""
+        """Maximum of numbers stored while the fronts are eliminated in turn: factors, updates, one front."""
         pivots, border = self.sizes
         kept = waiting = most = 0
         for p in range(len(self.parent)):
