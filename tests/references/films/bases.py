@@ -4,10 +4,11 @@ r"""Pressure functions of a film, with the points where its equation is evaluate
 
     phi_jm = psi_j(theta) (1 - zeta^2) (zeta^m - c_m),      zeta = -1 .. 1 along,   m = 0, 2, ..., or 0, 1, 2, ...
 
-which have zero pressure at both edges, with one cavity volume per column, uniform over the width, and few Gauss points per
-strip between columns, one around and two along for each of the n powers. c_0 = 0, and the others make the axial mean of
-all but m = 0 vanish. So the cavity volume of a column is the multiplier of a non-negative mean pressure: it enters the
-equation of m = 0 alone, whose pressure it replaces; the others are always free, and are zero for uniform gap and cavity.
+which have zero pressure at both edges, with one cavity volume per column, uniform over the width, and few Gauss points
+per strip between columns, one around and two along for each of the n powers. c_0 = 0, and the others make the axial
+mean of all but m = 0 vanish. So the cavity volume of a column is the multiplier of a non-negative mean pressure: it
+enters the equation of m = 0 alone, whose pressure it replaces; the others are always free, and are zero for uniform gap
+and cavity.
 
 Surface motion is given at nodes in either case: `to_hats` gives pressures there, `between` gaps at the points.
 """

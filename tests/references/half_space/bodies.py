@@ -9,8 +9,8 @@ M D M is used. Tangential: mean displacement of a cell by uniform tractions on c
 every body.
 
 *Half-plane*: two rows of nodes at the ends of the width, each a half-plane of its own under half of the load: under a
-uniform load they move equally. *Coupling* between normal and tangential, which vanishes between like bodies and which the
-closed forms of friction neglect, is omitted.
+uniform load they move equally. *Coupling* between normal and tangential, which vanishes between like bodies and which
+the closed forms of friction neglect, is omitted.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@ r"""Cells of small-sliding contact on matching meshes: loads B of unit forces; B
 
 Cell c has a frame (n, t1, t2), n the outward normal of the first face. Column 3 c + k of B (dofs, 3 c) is a unit force
 along axis k on the second face and the opposite on the first, so that y = B^T u is the displacement of the second
-along axis k on the second face and the opposite on the first, so that y = B^T u is the displacement of the second
-relative to the first: of *facets* both are distributed evenly over a pair of facets and y is the difference of means; of *nodes*
+relative to the first: of *facets* both are distributed evenly over a pair of facets and y is the difference of means;
+of *nodes* they act on a pair of nodes and y is the difference of their displacements.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ def node_cells(model: FullModel, first: Face, second: Face) -> Cells:
 
 
 def gathered(cells: Cells, group: Array) -> Cells:
-    """Larger cells: those of equal number `group` (c,), 0, 1, ... as one, its force distributed evenly over their area."""
+    """Larger cells: those of equal number `group` (c,), 0, 1, ... as one, its force spread evenly over their area."""
     group = np.asarray(group)
     count = int(group.max()) + 1
     area = np.bincount(group, cells.area, count)
