@@ -6,8 +6,8 @@ Axes along y, the lower roller about the origin, the upper one above it. The spe
     lower   V,      upper   V (1 - xi),      and the upper one moves along y with  -eta V,
 
 so that xi and eta are the creepages of the first body once twisting has ended. An upper axle tilted by
-gamma about x rotates by W sin(gamma) about the normal, at W = V/R: a spin of -sin(gamma)/R [1/m] and no more, since
-axle and point of contact lie in one plane.
+gamma about x rotates by W sin(gamma) about the normal, at W = V/R: a spin of -sin(gamma)/R [1/m] and nothing else,
+since axle and point of contact lie in one plane.
 """
 
 from __future__ import annotations

@@ -7,8 +7,8 @@ In-plane bending of a thin ring without extension, n waves around, u_r = W cos n
     omega_n^2 = E I/(rho A R^4) n^2 (n^2 - 1)^2/(n^2 + 1),      d theta_0/dt = -2 Omega/(n^2 + 1) relative to it.
 
 In modes: a pair (q_1, q_2) of equal frequency is coupled by Coriolis forces alone, 2 Omega gamma qdot with
-gamma = G_12.e, and z = q_1 + i q_2 rotates with Omega gamma: the frequencies are root(omega^2 + (Omega gamma)^2)
--+ Omega gamma. The reduced body's own rate (`exact_lag`) is that of the eigenvalues of
+gamma = G_12.e, and z = q_1 + i q_2 rotates with Omega gamma exactly: the frequencies are
+root(omega^2 + (Omega gamma)^2) -+ Omega gamma. The reduced body's own rate (`exact_lag`) is that of the eigenvalues of
 
     qddot_j + 2 Omega sum_i e.G_ij qdot_i + (omega_j^2 - Omega^2 e.J2_ij e) q_i = 0
 

@@ -37,8 +37,8 @@ def two_rings(
 
     inner, roller: reduced with the interface "bore" and the contact surface "rim"; outer: with the interface "outside"
     and the contact surface "bore", of a radius below that of `inner` and the roller's diameter; axes along y. rings:
-    one of them alone has the rollers fixed in place, with half the interference. Rollers are driven slower
-    than in rolling by `creepage` (a fraction). Raises `InputError` for counts below 1, too thin rollers, other rings.
+    one of them alone has the rollers fixed in place, with half the interference. The rollers are driven slower than in
+    pure rolling by `creepage` (a fraction). Raises `InputError` for a count below 1, too thin rollers, other rings.
     """
     count = require_count(count, "two_rings: count", 1)
     if not rings or set(rings) - set(BOTH):

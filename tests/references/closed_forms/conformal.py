@@ -26,7 +26,7 @@ The sum is H', H = sum p_n sin(n theta) the conjugate of p; integrated once, wit
     H = (1/pi) PV int p/(y - t) dt,   p_0 the mean of p,   p_1 = P'/(pi R).
 
 **Solution.** p = sqrt(1 - x^2) sum c_k U_2k(x), y = tan(eps/2) x: H = sum c_k T_(2k+1)(x); collocation. For small eps
-only dR/R theta remains on the right and the integral becomes negligible next to H: Hertz with 1/R_eff = dR/R^2.
+only dR/R theta remains on the right and the integral is negligible compared with H: Hertz with 1/R_eff = dR/R^2.
 
 **Like materials in closed form** (`persson`), b = tan(eps/2):
 

@@ -77,7 +77,7 @@ class JournalFilm:
         self.held, self.given = held.ravel(), given.ravel()
         self.carried_with = 0.5 * self.speed * self.radius
         self.outflow = self.grid.outflow(self.carried_with)
-        self.on_shaft = -(self.grid.value.T @ (self.grid.weights[:, None] * self.normal))  # (hats, 2): F = p.this
+        self.on_shaft = -(self.grid.value.T @ (self.grid.weights[:, None] * self.normal))  # (nodes, 2): F = p.this
 
     def gap(self, place: Array) -> Array:
         """h (points,) [m]. Raises `InputError` if the surfaces touch."""

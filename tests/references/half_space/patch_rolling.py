@@ -64,7 +64,7 @@ STILL, MOST = 1e-4, 30.0  # change of the share per half-width that counts as no
 DEPTH = 3.0  # half-widths at which a half-plane is fixed by default: above 2 SPAN, and transients are short
 TRIALS = 60
 OPEN = 1e-9  # of the approach: a smaller gap is closed
-FORCE_ERROR = 1e-9  # of the largest slip, where one is looked for
+FORCE_ERROR = 1e-9  # of the largest slip, if one is sought
 
 
 def lagrange(position: Array, count: int, order: int = 3) -> Array:

@@ -458,7 +458,7 @@ def _correction(system: System, e: Evaluation, solver: Solver) -> tuple[np.ndarr
 
 
 def _solve_small(S: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """S^-1 right of an equilibrated Schur complement, symmetric up to how the grids turn with the bodies."""
+    """S^-1 right of an equilibrated Schur complement, symmetric except for the rotation of the grids with the bodies."""
     d = 1.0 / np.sqrt(np.abs(np.diag(S)))
     scaled = S * d[:, None] * d[None, :]
     if np.abs(scaled - scaled.T).max() < SYMMETRIC:

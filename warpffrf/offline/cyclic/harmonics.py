@@ -27,8 +27,8 @@ theta_a, in its own cylindrical axes, without the phase of the wave, with the ci
     u_a = e^{i k theta_a} (v_r e_r + i v_theta e_theta + v_z e_z)      u = Q_k v,  Q_k unitary.
 
 The reflection theta -> -theta maps the wave k to the wave -k and changes the sign of u_theta; complex conjugation
-reverses this. Both together leave each v unchanged if each node is mapped to itself (theta_a = 0, phi/2 modulo phi),
-so `Q_k^H K_k Q_k` is its own conjugate: real and symmetric, a quarter of the work and half of the memory. With
+reverses this. Both together leave every v unchanged if each node maps to itself (theta_a = 0 or phi/2, modulo phi), so
+`Q_k^H K_k Q_k` is its own conjugate: real and symmetric, a quarter of the work and half of the memory. With
 `delta = theta_b - theta_a` (the angle between the nodes themselves, of whatever sectors) an entry K_ab between them
 contributes, K_ab in cylindrical axes,
 

@@ -106,7 +106,7 @@ class Multifrontal(Factor):
                 where = "at a rigid interface" if place is None else "near ({:.4g}, {:.4g}, {:.4g}) m".format(*place)
                 raise not_definite(f"noticed {where}") from None
             (trtri,) = get_lapack_funcs(("trtri",), (L11,))
-            F11 = trtri(L11.T, lower=0, overwrite_c=1)[0].T  # of the transposed, which lies as LAPACK wants it
+            F11 = trtri(L11.T, lower=0, overwrite_c=1)[0].T  # of the transpose, in the storage order of LAPACK
             if len(border):
                 F21 = F21 @ F11.conj().T
                 F22 -= F21 @ F21.conj().T

@@ -174,7 +174,7 @@ def _with_one(slopes: Array) -> Array:
 
 
 def _seen_inverse(A: Array, seen: float) -> Array:
-    """Least-squares inverses (g, t, q) of A (g, q, t), without what it shows less than `seen` of the most."""
+    """Least-squares inverses (g, t, q) of A (g, q, t), without singular values below `seen` of the largest."""
     square, modes = np.linalg.eigh(A.swapaxes(1, 2) @ A)
     told = square > seen**2 * square[:, -1:]
     inverse = np.where(told, 1.0 / np.where(told, square, 1.0), 0.0)
