@@ -230,6 +230,7 @@ def reduce(
 
 def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Progress) -> ReducedBody:
     """The reduction itself; `given` is the user's mesh."""
+    # mesh, materials, shapes and interfaces; choice of the cyclic or the general path
     with stages.stage("mesh check"):
         given.check()
         mesh, found = _periodic(given, settings)
@@ -244,6 +245,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     expected = expected_grids(mesh, choice.shapes, settings)
     product = _product(mesh, assignment, settings, joints, choice, expected, recovery, checkpoint, stages)
 
+    # report of the path
     report = _report(product, choice, given, settings, stages)
     formulations, locking = formulation_notes(assignment, bool(settings.stress))
     report["notes"] += formulations
@@ -256,6 +258,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         report["notes"] += notes
         report["warnings"] += warnings
     report["notes"] += [*found.notes, *(note for plan in plans for note in plan.notes)]
+    # contact surfaces with their assessment, sampling points and far fields
     surfaces: dict[str, ContactSurface] = {}
     for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
         report["contact"][name], warnings = _judged(mesh, name, shape, s, settings)
@@ -298,6 +301,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
                 "the skin for pictures follows the laps by the global modes only, to keep the file small"
             )
         report["warnings"] += product.laps.warnings
+    # coupling of surfaces, materials behind them
     for cross in product.cross:
         share = coupling(cross, surfaces[cross.target], surfaces[cross.source])
         report["contact"][cross.target]["coupling"][cross.source] = share

@@ -1,6 +1,6 @@
 r"""Pressure functions of a film, with the points where its equation is evaluated.
 
-`Hats`: all free nodes of a grid, each with a cavity volume of its own. `Strips`: hat functions around times polynomials along,
+`Hats`: all free nodes of a grid, each with its own cavity volume. `Strips`: hat functions around, polynomials along,
 
     phi_jm = psi_j(theta) (1 - zeta^2) (zeta^m - c_m),      zeta = -1 .. 1 along,   m = 0, 2, ..., or 0, 1, 2, ...
 

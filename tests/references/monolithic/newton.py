@@ -330,10 +330,10 @@ def _complementary(system: System, e: Evaluation) -> bool:
 
 
 def _renewed(system: System, e: Evaluation, *, settle: bool) -> tuple[np.ndarray, list[dict[int, float]], bool, int]:
-    """A correction with a new factor, and the number of factorisations it took.
+    """A correction with a new factor, and the number of factorisations.
 
-    With an assembled contact stiffness every correction of the active set is a new matrix: where the set is to
-    `settle`, the nodes whose linearised gap is closed carry `s = -(g + dg)/E` in the next one.
+    With an assembled contact stiffness every correction of the active set requires a new matrix: if the set is to
+    `settle`, the nodes with closed linearised gap have `s = -(g + dg)/E` in the next one.
     """
     sets = [s > 0.0 for s in e.pressures]
     for count in range(1, MAX_CORRECTIONS + 1):
@@ -389,7 +389,7 @@ def _dense(system: System, e: Evaluation, turnings: list[Any], stiffness: list[A
 
 
 def _correction(system: System, e: Evaluation, solver: Solver) -> tuple[np.ndarray, list[dict[int, float]], bool]:
-    """Changes (size,) of the unknowns, the new multipliers, and whether the active set has settled."""
+    """Changes (size,) of the unknowns, the new multipliers, and whether the active set is stationary."""
     free = solver.solve(-(with_constants(e.residual, e.pairs) if system.nodal else e.residual))
     if system.assembled or not e.pairs:
         return free, [{} for _ in e.pairs], True
@@ -458,7 +458,7 @@ def _correction(system: System, e: Evaluation, solver: Solver) -> tuple[np.ndarr
 
 
 def _solve_small(S: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """S^-1 right of an equilibrated Schur complement, symmetric except for the rotation of the grids with the bodies."""
+    """S^-1 `right` of an equilibrated Schur complement, symmetric except for rotations of the grids with the bodies."""
     d = 1.0 / np.sqrt(np.abs(np.diag(S)))
     scaled = S * d[:, None] * d[None, :]
     if np.abs(scaled - scaled.T).max() < SYMMETRIC:

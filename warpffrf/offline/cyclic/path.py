@@ -88,6 +88,7 @@ def reduce_cyclic(
     mass of the normal local modes. `inertia_modes`: number of modes with inertia terms (None: `invariants.MODES`);
     `centrifugal`: also attachment modes of rotation.
     """
+    # matrices of one sector, interfaces on the axis, and contact grids
     with progress.stage("sector"):
         sector = assemble_sector(mesh, assignment, axes_of(mesh))
         N, nn = sector.count, sector.nodes
@@ -103,6 +104,7 @@ def reduce_cyclic(
         skin_dofs = (3 * skin[:, None] + np.arange(3)).ravel()
     looking = [selected_dofs(SKIN, skin_dofs, 3 * nn), *observers]
 
+    # vibration modes by harmonic
     mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
     height = float((center - sector.origin) @ sector.axes[:, 2])
     found, facts = vibrations(harmonics, limits, progress)
@@ -113,6 +115,7 @@ def reduce_cyclic(
     turned: dict[int, tuple[TurningWaves, TurningResponse]] = {}
     dropped = 0
     worst: list[float] = []
+    # each harmonic: global modes, responses to the loads of rotation, residual responses to the unit loads
     for k in progress.track(range(N // 2 + 1), "static responses"):
         omega, Phi = np.zeros(0), np.zeros((0, 0))
         Q = harmonics.waves.basis(k)
@@ -151,6 +154,7 @@ def reduce_cyclic(
             along = None if around is None else sp.csr_matrix(T.conj().T @ around.load(k))
             result.add(k, loads, views, flexibility, omega, Phi, M, along, F[:i])
 
+    # real modes and inertia terms of the whole body
     modes = RealModes(N, modes_of)
     facts.update(
         modes.facts(),

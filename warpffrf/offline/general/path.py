@@ -92,6 +92,7 @@ def reduce_general(
     Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
     not installed.
     """
+    # contact grids and observers; results that exceed the memory limit are refused first
     checkpoint = checkpoint or Checkpoint()
     limit = DEFAULT_MEMORY if memory_limit is None else memory_limit
     with progress.stage("contact grids"):
@@ -112,6 +113,7 @@ def reduce_general(
             beside_laps = lapped.observers(seen[0], observers)
             lapped.require_room(beside_laps, limit)
 
+    # constrained model: K and M of the nodes, rigid interfaces eliminated by T, one factorisation
     with progress.stage("assembly"):
         K, M = fe_matrices(mesh, assignment)
     middle = mesh.points.mean(axis=0)
@@ -131,6 +133,7 @@ def reduce_general(
         watched = [(o.name, o.rows, o.dtype.str) for o in seen]
         checkpoint.begin({"solver": factor.name, "observers": watched, "massed": massed})
 
+    # global modes, and the inertia terms of the lowest `kept` of them
     with progress.stage("global modes"):
         turning = np.asarray(T.T @ (nodal_mass @ centrifugal_acceleration(mesh.points, center)))
         basis = _global_modes(options, model, system, limits, turning if centrifugal else None, mesh, checkpoint)
@@ -147,6 +150,7 @@ def reduce_general(
         facts["centrifugal_left_out"] = lacking(float(omega[kept - 1]) if kept else 0.0)
         U = T @ Phi[:, :kept]
         terms = inertia_terms(nodal_mass, U, mesh.points, center)
+    # geometric stiffness of these modes, and their membrane energy
     membrane: MembraneTerms | None = None
     if stiffening:
         with progress.stage("geometric stiffness"):
@@ -167,6 +171,7 @@ def reduce_general(
         terms = replace(terms, stiffening=stiffness)
     del nodal_stiffness, nodal_mass, U
 
+    # unit loads of all contact surfaces, the accuracy of their responses, and the residual compliances
     with progress.stage("unit loads"):
         B = [s.loads() for s in contacts]
         loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b), n) for s, b, n in zip(contacts, B, massed, strict=True)]

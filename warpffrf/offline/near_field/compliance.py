@@ -69,9 +69,7 @@ REACH = 3.0
 SAME_REACH, FARTHEST_REACH, FEW_WINDOWS = 0.24, 12.0, 16
 COVERED = 0.02  # relative area at which a function counts as inside a window: the error of a kinked quadrature
 CLUSTER = 48  # functions per window, at most
-WIDEST = (
-    0.25  # of the smaller radius of curvature: half the width of a cluster; with NOTHING below a quarter revolution
-)
+WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster; with NOTHING below 90 degrees
 
 
 @dataclass(frozen=True, eq=False)

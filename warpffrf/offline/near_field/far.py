@@ -92,6 +92,7 @@ def find_far_field(
 ) -> FoundField:
     """The far field of the surface `name` with its nodal compliance `lags`, also that of its `tangential` part if it
     exists and its tractions are on cells."""
+    # cases without a far field
     if grid.kind != "hats":
         return FoundField(None, notes=[_none(name, "its tractions are constant on cells; use traction='hats'")])
     if material is None or mesh.matrices is not None:
@@ -118,6 +119,7 @@ def find_far_field(
     if ends:
         with progress.stage("quarter space"):
             quarter = QuarterSpace(min(material.poisson_ratio, LARGEST_RATIO))
+    # near compliance on windows of the mesh; the remainder of the compliance as splines
     sectors = len(lags)
     try:
         near = near_compliance(functions, sectors, material, assignment, ends, quarter, checkpoint, progress)
@@ -142,6 +144,7 @@ def find_far_field(
             f"a finer "
             "mesh at the surface"
         )
+    # accuracy with the wall behind the surface
     wall_error, thin = _thin_wall(mesh, name, shape, grid, assignment, functions.edge)
     warnings += [thin] if thin else []
     facts = {

@@ -308,7 +308,7 @@ class StressPlan:
         return sp.csr_matrix(total)
 
     def _without_traction(self) -> tuple[Array, Array]:
-        """A = 1 - Q N at (node, material) pairs (K, 6, 6) and at points (p, 6, 6); the identity off the contact surfaces."""
+        """A = 1 - Q N at (node, material) pairs (K, 6, 6) and points (p, 6, 6); the identity off contact surfaces."""
         at_slots = np.tile(np.eye(6), (len(self.slots), 1, 1))
         at_points = np.tile(np.eye(6), (len(self.points), 1, 1))
         for surface in self.on.values():
