@@ -17,7 +17,7 @@ materials is preserved: the unit is a (node, material) pair, called *slot* here.
 value of quadratic cells, or that of hex8 if there are none.
 
 For a mixed material the trace is not that of e but the projected dilatation (`offline.fe.dilatation`) at the nodes of
-the cell: lambda times it is the cell's own pressure, whereas lambda tr(e) oscillates with an amplitude of lambda/mu.
+the cell: lambda times it is the cell's own pressure, whereas lambda tr(e) oscillates in proportion to lambda/mu.
 
 **Traction.** On a surface with unit normal n the traction `t = sigma n` is known, but finite elements do not satisfy it
 exactly: the derivative across the surface is inaccurate, not those along it. With e_ab the strains in the surface and
