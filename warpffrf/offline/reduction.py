@@ -125,7 +125,7 @@ def reduce(
         all up to 60. `report["inertia"]` states the number.
     stiffening: True: also compute the geometric stiffness of these modes due to prestress from rotation and from
         interface loads; on the general path. "membrane": also the membrane energy of plates, frames and shells with
-        deflections of the order of their thickness or larger, `warpffrf.model.reduced.inertia`; requires cells that do
+        deflections of their thickness or more, `warpffrf.model.reduced.inertia`; requires cells that do
         not lock in bending, and enough bending modes.
     membrane_modes: number of modes, lowest first, with membrane energy; None: up to 20. n modes require n (n + 1)/2
         static responses.
