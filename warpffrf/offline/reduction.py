@@ -139,8 +139,8 @@ def reduce(
     memory_limit [byte]: bound on factors, dense operators and blocks of right-hand sides of the general path together;
         None: 8 GiB.
     sampling_error: also choose a small set of sampling points on each contact surface for
-        `Contact(evaluation="hyper")`, so that the integrals of training patches have at most this relative error;
-        None: no such points. 0.01 requires a third of the points of evaluation "semi", see
+        `Contact(evaluation="hyper")`, so that the error of the integrals of training patches is at most this
+        fraction of their size; None: no such points. 0.01 requires a third of the points of evaluation "semi", see
         `warpffrf.offline.contact.cubature`.
     contact_fixed: also compute the data for pressures on a contact-fixed grid, which travels with the patch and is much
         finer than the mesh (`warpffrf.model.reduced.far_field`). None: for contact surfaces whose mesh is too coarse
