@@ -16,7 +16,7 @@ def membrane_energy(forms: Array, q: Array) -> float:
 
 
 def membrane_gradient(forms: Array, q: Array) -> Array:
-    """dV4/dq (k,) [N], what stands beside omega^2 q; the force on the modes is the opposite."""
+    """dV4/dq (k,) [N], the term added to omega^2 q; the force on the modes is the opposite."""
     y = forms @ q[: forms.shape[1]]
     return (0.5 * y @ q[: forms.shape[1]]) @ y
 

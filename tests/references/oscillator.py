@@ -27,7 +27,7 @@ def amplification(coefficients: Coefficients, frequency: float, ratio: float = 0
     right = np.array([[1.0, 1.0, 0.5 - beta], [0.0, 1.0, 1.0 - gamma], [0.0, 0.0, -alpha_m]])
     left[2] -= (1.0 - alpha_f) * force
     right[2] += alpha_f * force
-    scale = np.array([1.0, 1.0, 1.0 / max(1.0, W * W)])[:, None]  # rows of like size at any frequency
+    scale = np.array([1.0, 1.0, 1.0 / max(1.0, W * W)])[:, None]  # rows of similar size at any frequency
     return np.linalg.solve(scale * left, scale * right)
 
 

@@ -1,20 +1,20 @@
-r"""Force and torque on the first body, summed again from the recorded pressure and tractions on its true surface.
+r"""Force and torque on the first body, recomputed from the recorded pressure and tractions on its true surface.
 
 An independent check of the recorded `force` and `torque`, and of the torque of frictionless contact about the axle. On
 a surface of revolution with point `c` on the axis, `x = c + z e_a + R(z) e_r(theta)` and
-`n dA = side (e_r - R' e_a) R dtheta dz`, so for a hat `psi_j(theta) zeta_k(z)` of angular spacing h, with
+`n dA = side (e_r - R' e_a) R dtheta dz`, so for a shape function `psi_j(theta) zeta_k(z)` of angular spacing h, with
 `int psi_j e_r dtheta = 2 (1 - cos h)/h e_r(theta_j)` exactly,
 
     F = -side sum_jk p_jk [ 2 (1 - cos h)/h e_r(theta_j) int zeta_k R dz  -  h e_a int zeta_k R R' dz ]
     T_c = -side sum_jk p_jk 2 (1 - cos h)/h  (e_a x e_r(theta_j)) int zeta_k (z + R R') R dz
 
-and T_c has no component along the axis: pressure alone cannot drive a surface of revolution. On a plane with normal n
+and T_c has no axial component: pressure alone cannot drive a surface of revolution. On a plane with normal n
 
     F = -n h sum_jk p_jk int zeta_k dz,      T_c = -h sum_jk p_jk (theta_j e_1 int zeta_k dz + e_a int zeta_k z dz) x n.
 
-On cells that travel with the patch, which span h, 2 (1 - cos h)/h becomes 2 sin(h/2), and zeta_k is 1 on its row.
+On contact-fixed cells, which span h, 2 (1 - cos h)/h becomes 2 sin(h/2), and zeta_k is 1 on its row.
 
-Tractions are constant per cell of area A, and their forces act at its node, or in the middle of a cell that travels:
+Tractions are constant per cell of area A, and their forces act at its node, or in the middle of a contact-fixed cell:
 
     F = sum_jk A_k (tau_1 e_theta + tau_2 t_z),      T = sum_jk x_jk x A_k (tau_1 e_theta + tau_2 t_z).
 """
@@ -53,7 +53,7 @@ def _revolution(contact: Any, shape: Any, theta: np.ndarray) -> tuple[np.ndarray
 
 
 def _plane(contact: Any, shape: Any, theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The same of a plane, about its origin; theta (T, columns) m."""
+    """The same for a plane, about its origin; theta (T, columns) m."""
     _, around, rings = contact.pressure_resultants()
     loads, _, first = around[:, None] * np.einsum("tjk,tnk->ntj", contact.history.pressure, rings)
     force = -loads.sum(axis=1)[:, None] * shape.e_0

@@ -1,12 +1,12 @@
-r"""A mass on a belt, held by a spring, with a coefficient of friction that depends on the slip speed, event by event.
+r"""A mass on a belt, attached to a spring, with a friction coefficient that depends on the slip speed, event by event.
 
-With x the way of the mass from where the spring is slack, V the speed of the belt, N the load, u = V - xdot
+With x the displacement of the mass from the slack spring, V the speed of the belt, N the load, u = V - xdot
 
     m xddot = -k x + mu(u) N,      u > 0 (slip);      xdot = V while k x < mu(0) N (stick).
 
-From where it breaks away, k x = mu(0) N and xdot = V, it slips until xdot is V again, and sticks until it breaks away:
-after one slip the motion repeats itself, whatever it began with. Slip is integrated to 1e-10 and ends at an event; the
-turning points are events too. For mu constant after the start, mu_k < mu_s, and r = (mu_s - mu_k) N/k, amplitude and
+From breakaway, k x = mu(0) N and xdot = V, it slips until xdot is V again, and sticks until the next breakaway:
+after one slip the motion is periodic, for any initial state. Slip is integrated to 1e-10 and ends at an event; the
+turning points are events too. For constant mu_k < mu_s after breakaway and r = (mu_s - mu_k) N/k, amplitude and
 period are
 
     r_0 = sqrt(r^2 + (V/omega)^2),      T = 2 (pi - arctan(r omega/V))/omega + 2 r/V,      omega^2 = k/m.
@@ -21,7 +21,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 ACCURACY = 1e-10  # of the integration
-PERIODS = 20.0  # of the free oscillation: longest slip that is waited for
+PERIODS = 20.0  # of the free oscillation: maximum duration of a slip phase
 
 
 @dataclass(frozen=True)
@@ -34,8 +34,8 @@ class BeltOscillator:
     speed: float
 
     def cycle(self, coefficient: Callable[[float], float]) -> tuple[float, float]:
-        """Amplitude [m], half of the way between the turning points, and period [s] for mu = coefficient(slip speed);
-        (0, 0) where the mass comes to rest beside the running belt and sticks no more."""
+        """Amplitude [m], half of the distance between the turning points, and period [s] for mu = coefficient(slip
+        speed); (0, 0) if the mass comes to rest relative to the spring on the running belt and never sticks again."""
         m, k, N, V = self.mass, self.stiffness, self.load, self.speed
         away = coefficient(0.0) * N / k
 

@@ -1,1 +1,1 @@
-"""Bodies and scenes that comparisons, studies, tests and benches share."""
+"""Bodies and scenes shared by comparisons, studies, tests and benches."""

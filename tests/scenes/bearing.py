@@ -1,7 +1,7 @@
-"""A bearing of light rigid rollers between two flexible rings, run up under a radial load.
+"""A bearing with light rigid rollers between two flexible rings, run up under a radial load.
 
-Shaft and cage are driven from rest to speed; the load hangs on the shaft, which slides on soft springs. Each roller
-stands in a pocket of the cage, on a soft spring that keeps it on one ring where it is not pressed.
+Shaft and cage are driven from rest to speed; the load acts on the shaft, which slides on soft springs. Each roller
+is in a pocket of the cage, on a soft spring that keeps it in contact with one ring when it is unloaded.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from warpffrf.offline import reduce
 
 STEEL = Material(210e9, 0.3, 7850.0)
 INNER, BORE, WIDTH, WALL = 0.020, 0.012, 0.012, 0.010  # m: radius of the raceway and of the shaft, width, outer ring
-WAY, HALVINGS = 0.5, 50  # rad, more than the shaft ever gives way sideways; halved to round-off
+WAY, HALVINGS = 0.5, 50  # rad, more than any lateral displacement angle of the shaft; halved to round-off
 LOAD, SPEED, RAMP = 10e3, 2.0 * np.pi * 1000.0 / 60.0, 0.05  # N, rad/s, s
 
 
@@ -43,7 +43,7 @@ class Bearing:
 
     @property
     def cage_ratio(self) -> float:
-        """Speed of the cage over that of the shaft, of rollers that roll."""
+        """Speed of the cage over that of the shaft, for pure rolling."""
         return INNER / (INNER + self.outer)
 
 
@@ -64,7 +64,7 @@ def rings(bearing: Bearing, half_width: float, *, contact_fixed: bool | None = N
 
 
 def run_up(bearing: Bearing, bodies: tuple[ReducedBody, ReducedBody], ramp: float = RAMP) -> Scene:
-    """The scene around the rings `bodies`, inner and outer, which reaches its speed in `ramp` [s]; pairs "in 0",
+    """The scene around the rings `bodies`, inner and outer, with the full speed after `ramp` [s]; pairs "in 0",
     "out 0", ..."""
     inner, outer = bodies
     scene = Scene(gravity=(0.0, 0.0, -9.81))
@@ -110,12 +110,12 @@ def angles(bearing: Bearing) -> np.ndarray:
 
 def sjovall(psi: np.ndarray) -> np.ndarray:
     """Roller loads (..., count) [N] at angles `psi` from the load without clearance: cos^(10/9) (psi - phi), line
-    contact (Sjoevall 1933), where the shaft gives way at the angle phi from the load, so that nothing pushes it
-    sideways; phi is 0 where the rollers stand evenly about the load."""
+    contact (Sjoevall 1933), with the shaft displaced at the angle phi from the load, so that the lateral force
+    vanishes; phi is 0 if the rollers are symmetric about the load."""
     low, high = np.full(psi.shape[:-1], -WAY), np.full(psi.shape[:-1], WAY)
     for _ in range(HALVINGS):
         phi = 0.5 * (low + high)
         shape = np.clip(np.cos(psi - phi[..., None]), 0.0, None) ** (10.0 / 9.0)
-        pushed = np.sum(shape * np.sin(psi), axis=-1) > 0.0  # towards phi: it has gone too far
+        pushed = np.sum(shape * np.sin(psi), axis=-1) > 0.0  # towards phi: it is too large
         low, high = np.where(pushed, low, phi), np.where(pushed, phi, high)
     return LOAD * shape / np.sum(shape * np.cos(psi), axis=-1, keepdims=True)

@@ -1,4 +1,4 @@
-"""A block that slides along a guide under a load: on a floor, or on a belt that it is tied beside by a spring."""
+"""A block that slides along a guide under a load: on a floor, or on a belt with the block attached to a spring."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ RADIUS, MASS, LOAD, STIFFNESS, SPEED = 0.05, 4.0, 200.0, 2e4, 0.1  # m, kg (of t
 
 
 def wheel_body(sectors: int = 720) -> ReducedBody:
-    """A wheel, used as a block that does not turn."""
+    """A wheel, used as a block that does not rotate."""
     mesh = roller(RADIUS, 0.015, 0.01, sectors=sectors, layers=4, axial=1, grading=1.8, order=1)
     return reduce(
         mesh, STEEL, interfaces={"bore": "rigid"}, contact={"rim": surfaces.Cylinder()}, max_frequency=12e3,
@@ -25,7 +25,7 @@ def wheel_body(sectors: int = 720) -> ReducedBody:
 
 
 def block(body: ReducedBody, speed: float, load: float = LOAD) -> tuple[Scene, Any, Any]:
-    """A scene with a block under a load [N] that slides along x at `speed` [m/s], and the joint that it slides in."""
+    """A scene with a block under a load [N] that slides along x at `speed` [m/s], and its sliding joint."""
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     start: dict[str, Any] = {"position": (0.0, 0.0, RADIUS), "velocity": (speed, 0.0, 0.0)}
     wheel = scene.add_body(body, name="block", **start)

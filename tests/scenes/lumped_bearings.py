@@ -1,7 +1,7 @@
 """Bearings of rigid rings and rigid rolling elements in lumped contact, and the same by the equations of bearings.
 
 The outer ring is the ground; the inner one slides along the load, z; each rolling element slides along its radius, as
-in a pocket of a cage that stands."""
+in a pocket of a cage at rest."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ AXIS, ORIGIN = (0.0, 1.0, 0.0), (0.0, 0.0, 0.0)
 @dataclass(frozen=True)
 class Bearing:
     """`count` elements of radius `radius`, raceways of radii `inner` and `outer` [m] under `load` [N] along +z; element
-    0 stands under the load. `inner_force`, `outer_force`: force [N] against approach [m] of one contact."""
+    0 is under the load. `inner_force`, `outer_force`: force [N] against approach [m] of one contact."""
 
     count: int
     radius: float
@@ -61,8 +61,7 @@ class Bearing:
         return scene
 
     def solved(self) -> tuple[float, np.ndarray]:
-        """Deflection [m] of the inner ring and outer forces (count,) [N], by root finding, one element after the
-        other."""
+        """Deflection [m] of the inner ring and outer forces (count,) [N], by root finding for each element."""
 
         def element(shift: float, angle: float) -> tuple[float, float]:
             """Its outer force, and the force on the inner ring along -z."""

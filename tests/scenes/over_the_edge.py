@@ -1,4 +1,4 @@
-"""Patches that run off a body: a ball over the edges of a slab, a tilted roller over its own end. Friction, all places
+"""Patches that leave a body: a ball over the edges of a slab, a tilted roller over its own end. Friction, all positions
 prescribed."""
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ def long_roller_body() -> ReducedBody:
 
 def roller_off_its_end(body: ReducedBody) -> Scene:
     """Tilted by TILT, 60 um deep, the roller slides along its axis until it has left the barrel below over its end, and
-    turns, within DURATION."""
+    rotates, within DURATION."""
     scene = Scene()
     tilted = (np.sin(0.5 * TILT), 0.0, 0.0, np.cos(0.5 * TILT))
     turning = scene.add_body(body, name="roller", rotation=tilted)

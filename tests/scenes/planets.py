@@ -1,7 +1,7 @@
-"""A driven roller between others around it: one contact surface that serves many pairs.
+"""A driven roller between others around it: one contact surface shared by many pairs.
 
-The rollers stand at equal angles about the middle one, each pressed against it along a guide with the same load, and
-roll on it. All are one body, so that by symmetry every pair carries the same force, and on the middle one they cancel.
+The rollers are at equal angles about the middle one, each pressed against it along a guide with the same load, and
+roll on it. All use one body, so that by symmetry every pair has the same force, and on the middle one they cancel.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def planets(body: ReducedBody, count: int, load: float, *, friction: float = 0.0
 
     body: a roller reduced with the interface "bore" and the contact surface "rim", its axis along y. All axles are
     driven: the sun's at SPEED [rad/s], the others' against it, slower by `creepage` (a fraction). Raises `InputError`
-    for a count below 1 or numbers that are none.
+    for a count below 1 or non-numeric arguments.
     """
     count, load = require_count(count, "planets: count", 1), require_number(load, "planets: load", positive=True)
     radius = body.contact_surfaces["rim"].shape.radius

@@ -1,9 +1,8 @@
-"""The two rollers that the studies measure on: bodies, and a pair whose approach and angles are prescribed.
+"""The two rollers of the studies: bodies, and a pair with prescribed approach and angles.
 
 A prescribed pair has no dynamics: the lower axle is fixed, the upper one sits in a carriage on a vertical guide, and
-guide
-and axles follow tables of a path parameter that takes the place of time. State `i` of the path is the static state
-at `time = i`; it is found from its neighbour, so that neighbours should lie close together.
+guide and axles follow tables of a path parameter that replaces time. State `i` of the path is the static state
+at `time = i`; it is computed from its neighbour, so that neighbours should be close together.
 """
 
 from __future__ import annotations
@@ -30,12 +29,10 @@ from warpffrf.output.result import Result
 STEEL = Material(210e9, 0.3, 7850.0, name="steel")
 PAIR = "lower-upper"  # name of the contact pair
 CARRIAGE_MASS = 5.0  # kg
-CARRIAGE_INERTIA = (0.01, 0.01, 0.01)  # kg m2; it never turns
+CARRIAGE_INERTIA = (0.01, 0.01, 0.01)  # kg m2; it never rotates
 # s: the proximal term is then 1e-9 of the stiffness of a steel bore, and the joint equations stay well conditioned
 STATIC_STEP = 1.0
-CORRECTIONS = (
-    2  # static solves a state: the second removes what the first leaves in the joints (1e-9 m) and the proximal term
-)
+CORRECTIONS = 2  # static solves per state: the second removes the residual of the joints (1e-9 m) and the proximal term
 
 
 def roller_body(
@@ -57,7 +54,7 @@ def roller_body(
     cache: bool = True,
 ) -> ReducedBody:
     """A hollow roller (lengths in m, frequencies in Hz) with a rigid bore and a contact rim, reduced for pressures on
-    its contact grid, with `contact_fixed` on cells that travel; tangential: for friction."""
+    its contact grid, with `contact_fixed` on contact-fixed cells; tangential: for friction."""
     mesh = roller(
         outer_radius, inner_radius, width, crown_radius=crown_radius, sectors=sectors, layers=layers, axial=axial,
         grading=grading, order=order,
@@ -91,7 +88,7 @@ class Path:
 def _stacked(
     scene: Scene, first: ReducedBody, second: ReducedBody, tilt: float, friction: Any = 0.0
 ) -> tuple[Any, Any, Contact]:
-    """Two rollers above each other along z, touching; `tilt` [rad] turns the upper one's axis about x."""
+    """Two rollers above each other along z, touching; `tilt` [rad] rotates the upper one's axis about x."""
     radii = sum(b.contact_surfaces["rim"].shape.radius for b in (first, second))
     rotation = (np.sin(0.5 * tilt), 0.0, 0.0, np.cos(0.5 * tilt))
     lower = scene.add_body(first, name="lower")
@@ -103,7 +100,7 @@ def _stacked(
 
 
 def prescribed_pair(first: ReducedBody, second: ReducedBody, path: Path, *, tilt: float = 0.0) -> Scene:
-    """The pair on prescribed axles; state i of `path` at time i. tilt [rad] turns the upper axle about x."""
+    """The pair on prescribed axles; state i of `path` at time i. tilt [rad] rotates the upper axle about x."""
     scene = Scene()
     lower, upper, _ = _stacked(scene, first, second, tilt)
     place = upper["bore"].world_point()
@@ -159,7 +156,7 @@ def guided_pair(
 
 
 class StaticPath:
-    """Static states of a scene at the times 0, 1, 2, ...: what a prescribed pair goes through."""
+    """Static states of a scene at the times 0, 1, 2, ...: the states of a prescribed pair."""
 
     def __init__(self, scene: Scene, *, settings: Settings | None = None) -> None:
         self.engine = Engine(scene, settings=settings)
@@ -183,5 +180,5 @@ class StaticPath:
 def solve_path(
     first: ReducedBody, second: ReducedBody, path: Path, *, tilt: float = 0.0, settings: Settings | None = None
 ) -> Result:
-    """Static states of a prescribed pair along `path`, one row a state."""
+    """Static states of a prescribed pair along `path`, one row per state."""
     return Result(StaticPath(prescribed_pair(first, second, path, tilt=tilt), settings=settings).solve(len(path)))

@@ -1,13 +1,13 @@
-r"""Two rollers on coarse meshes that roll, shift or slide on each other with friction on cells of the patch, everything
-prescribed at their bores.
+r"""Two rollers on coarse meshes that roll, shift or slide on each other with friction on contact-fixed cells, with the
+motion of their bores prescribed.
 
 Axes along y, the lower roller about the origin, the upper one above it. The speeds of the rims are
 
     lower   V,      upper   V (1 - xi),      and the upper one moves along y with  -eta V,
 
-so that xi and eta are the creepages of the first body once nothing twists any more. An upper axle that is tilted by
-gamma about x turns by W sin(gamma) about the normal, at W = V/R: a spin of -sin(gamma)/R [1/m] and nothing else, since
-axle and point of contact lie in one plane.
+so that xi and eta are the creepages of the first body once twisting has ended. An upper axle tilted by
+gamma about x rotates by W sin(gamma) about the normal, at W = V/R: a spin of -sin(gamma)/R [1/m] and nothing else,
+since axle and point of contact lie in one plane.
 """
 
 from __future__ import annotations
@@ -66,11 +66,11 @@ def reduced(mesh: Mesh, material: Material = STEEL, *, crowned: bool = False, **
 
 @dataclass(frozen=True)
 class Drives:
-    """What is prescribed. creepage xi, lateral creepage eta [-]; tilt of the upper axle [rad]; speed V [m/s].
+    """Prescribed quantities. creepage xi, lateral creepage eta [-]; tilt of the upper axle [rad]; speed V [m/s].
 
-    speeds: signals of the lower and the upper rim over V, in the place of 1 and 1 - xi. way, along: signal [m] of a
-    carriage under the lower roller and the axis along which it moves. lateral: a signal [m/s] in the place of -eta V.
-    free: the upper axle turns freely.
+    speeds: signals of the lower and the upper rim over V, instead of 1 and 1 - xi. way, along: signal [m] of a
+    carriage under the lower roller and the axis along which it moves. lateral: a signal [m/s] instead of -eta V.
+    free: the upper axle rotates freely.
     """
 
     creepage: float = 0.0
@@ -127,12 +127,12 @@ def pair(
 
 
 def constant(value: float) -> signals.Table:
-    """A signal that stays."""
+    """A constant signal."""
     return signals.Table([0.0, LASTS], [value, value])
 
 
 def run(scene: Scene, steps: int, step: float, **options: Any) -> Result:
-    """From the static state; raises `InputError` where the run fails."""
+    """From the static state; raises `InputError` if the run fails."""
     result = simulate(scene, steps * step, step=step, **{"start": "equilibrium", "progress": False, **options})
     if result.status != "completed":
         raise InputError(f"rolling pairs: {result.message}")
@@ -157,7 +157,7 @@ def roll(
     scene: Scene, half_width: float, cells: int, per_step: float, crossings: float, *, speed: float = SPEED,
     friction: float = FRICTION,
 ) -> Rolled:  # fmt: skip
-    """Rolls by `crossings` of the patch, half_width a [m], at about `per_step` of its `cells` strips a step."""
+    """Rolls by `crossings` of the patch, half_width a [m], at about `per_step` of its `cells` strips per step."""
     step = per_step * 2.0 * span_of(cells) * half_width / cells / speed
     each = max(1, round(2.0 * half_width / speed / step))
     result = run(scene, int(np.ceil(crossings * each)), step)

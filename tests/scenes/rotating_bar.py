@@ -1,10 +1,10 @@
-r"""A bar that turns about its end (case D1), where each inertia level has its closed form.
+r"""A bar rotating about its end (case D1), where each inertia level has its closed form.
 
-A bar 0 <= x <= L, no lateral contraction, held at x = 0 and driven with omega about z: with k^2 = rho omega^2/E
+A bar 0 <= x <= L, no lateral contraction, fixed at x = 0 and driven with omega about z: with k^2 = rho omega^2/E
 
     u'' + k^2 (x + u) = 0,   u(0) = 0, u'(L) = 0:      u(L) = tan(k L)/k - L.
 
-The levels leave out parts of the kinetic energy omega^2/2 int (x + u)^2 dm in a frame in the centre of mass. With the
+The levels omit parts of the kinetic energy omega^2/2 int (x + u)^2 dm in a frame in the centre of mass. With the
 mean U = int u dm/m, c = L/2, and the deformation in that frame u - U it is omega^2/2 times
 
     m (c + U)^2  +  2 int (x - c)(u - U) dm  +  int (u - U)^2 dm  +  constant,
@@ -17,15 +17,15 @@ so that u'' + k^2 s = 0 with the lever s, and U follows from its own definition 
     constant (no J1, J2)    s = c + U:    U = (k^2/6)/(1 - k^2/3),      u(1) = k^2 (c + U)/2
     "linear"                s = x:        u(1) = k^2/3
 
-The centre of mass moves outwards at every level: the "linear" value of a frame that is fixed at the axis is none of
-theirs. In the steady state there are no Coriolis and Euler forces: full is deformed.
+The centre of mass moves outwards at every level: the "linear" value of a frame fixed at the axis is none of
+theirs. In the steady state there are no Coriolis and Euler forces: full equals deformed.
 
-*Stationary state of a reduced model* (independent of kernels and integrator): with the axial motion p of the held
+*Stationary state of a reduced model* (independent of kernels and integrator): with the axial motion p of the fixed
 interface per modal coordinate, kinetic minus strain energy is stationary,
 
     V = omega^2/2 (J1_zz.q + q.J2_zz q + m s^2) - q.(Omega^2 + omega^2 Kc_zz) q/2,      s = c - p.q + q.Kf_x q/2,
 
-where Kc, Kf (geometric stiffness by turning and by the force at the interface) are there with stiffening only. The bar
+where Kc, Kf (geometric stiffness due to rotation and to the force at the interface) exist with stiffening only. The bar
 is stable while V is at a maximum.
 """
 
@@ -49,12 +49,12 @@ from warpffrf.online import History, run
 Array = np.ndarray
 ALUMINIUM = Material(70e9, 0.0, 2700.0, name="aluminium without lateral contraction")
 LENGTH, SPEED = 1.0, 1000.0  # m, rad/s
-THICK = 0.3  # m: bending in the plane of turning is stable at this speed without geometric stiffening
+THICK = 0.3  # m: bending in the plane of rotation is stable at this speed without geometric stiffening
 SLENDER = 0.05  # m: without it, this bar buckles
 DAMPING = 1.0  # ratio of all modes
-SPIN_UP, SETTLING = 0.06, 0.04  # s: at rest up to SPEED, and until nothing moves in the turning frame
-ALL = 1000  # modes that carry inertia: more than there are
-CORRECTIONS = 20  # of the stationary state: Newton's method, which stops changing after four
+SPIN_UP, SETTLING = 0.06, 0.04  # s: from rest to SPEED, and until the bar is at rest in the rotating frame
+ALL = 1000  # modes with inertia terms: more than there are
+CORRECTIONS = 20  # of the stationary state: Newton's method, which is stationary after four
 
 K2 = ALUMINIUM.density * SPEED**2 / ALUMINIUM.youngs_modulus  # (k L)^2
 
@@ -125,7 +125,7 @@ class Stationary:
 
 
 def stationary(body: ReducedBody, level: str, *, stiffening: bool = False) -> Stationary:
-    """The state in which the bar turns steadily, by Newton's method on the module's V."""
+    """The state of steady rotation, by Newton's method on the module's V."""
     terms: Any = body.inertia_terms
     J1, J2, _ = (part[..., 2, 2] if i < 2 else part for i, part in enumerate(terms.kept(level)))
     m, p, c = body.mass, axial_motion(body, "root"), body.center_of_mass[0]
@@ -160,12 +160,12 @@ def spun_up(body: ReducedBody, level: str, step: float, *, stiffening: bool = Fa
 
 
 def settled(start: History, step: float) -> History:
-    """Goes on from `start` until the bar has settled in steps of another size `step` [s]."""
+    """Continues from `start` until the bar has settled in steps of another size `step` [s]."""
     return run(start.scene, SETTLING, step=step, start=start, save_every=10, progress=False)
 
 
 def settled_sequence(body: ReducedBody, level: str, steps: Sequence[float]) -> Array:
-    """Elongation (n,) [m] in the turning frame for each of `steps` [s]."""
+    """Elongation (n,) [m] in the rotating frame for each of `steps` [s]."""
     history, found = spun_up(body, level, steps[0]), []
     for step in steps:
         history = settled(history, step)

@@ -1,4 +1,4 @@
-r"""A disc that turns about its axis (case D2): an annulus in plane stress, its own centrifugal load and nothing else.
+r"""A disc rotating about its axis (case D2): an annulus in plane stress under its own centrifugal load.
 
 Radii b <= r <= a, angular velocity w, free edges (Timoshenko and Goodier, Theory of Elasticity, 1970, art. 32):
 
@@ -9,8 +9,8 @@ for b -> 0, at r = a: u = (1 - nu) rho w^2 a^3/(4 E). Thickness t changes the st
 deformed disc by order w^2 over the square of its lowest radial frequency: here both 1e-4.
 
 The body's modes span radial fields r, 1/r, r^2, r^3, r^5 and the contraction of the thickness that goes with them:
-attachment modes need interfaces, and free-free modes of an axisymmetric shape are few and far between. No inertia level
-but "constant" leaves the centrifugal load out; "constant" leaves the disc undeformed.
+attachment modes require interfaces, and free-free modes of an axisymmetric shape are few and far apart. No inertia
+level but "constant" omits the centrifugal load; "constant" leaves the disc undeformed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Array = np.ndarray
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 OUTER, INNER, THICKNESS = 0.1, 0.02, 0.002  # m
 SPEED = 1000.0  # rad/s
-PLACES = np.array([0.025, 0.04, 0.06, 0.08, 0.095])  # m, radii where stress is looked at
+PLACES = np.array([0.025, 0.04, 0.06, 0.08, 0.095])  # m, radii at which stress is evaluated
 DURATION, STEP = 1e-3, 1e-5  # s: fifteen periods of the lowest mode, which is damped critically
 
 
@@ -74,8 +74,8 @@ class Spin:
 
 
 def spin(body: ReducedBody, level: str) -> Spin:
-    """The free disc, started undeformed at SPEED; the closed form is taken at the speed in the end, which the growth of
-    the disc has lowered."""
+    """The free disc, started undeformed at SPEED; the closed form is evaluated at the final speed, which is lower due
+    to the expansion of the disc."""
     scene = Scene()
     scene.add_body(body, name="disc", inertia=level, damping=1.0, angular_velocity=(0.0, SPEED, 0.0))
     history = run(scene, DURATION, step=STEP, progress=False)

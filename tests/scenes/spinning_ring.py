@@ -1,24 +1,24 @@
-r"""A thin ring that vibrates and spins slowly (case D3): its pattern falls behind the material.
+r"""A thin ring that vibrates and spins slowly (case D3): its vibration pattern lags behind the material.
 
 In-plane bending of a thin ring without extension, n waves around, u_r = W cos n(theta - theta_0), u_theta =
 -(W/n) sin n(theta - theta_0) (Love, Treatise on the Mathematical Theory of Elasticity, 1927, art. 293; the lag: Bryan
 1890):
 
-    omega_n^2 = E I/(rho A R^4) n^2 (n^2 - 1)^2/(n^2 + 1),      d theta_0/dt = -2 Omega/(n^2 + 1) beside the material.
+    omega_n^2 = E I/(rho A R^4) n^2 (n^2 - 1)^2/(n^2 + 1),      d theta_0/dt = -2 Omega/(n^2 + 1) relative to it.
 
 In modes: a pair (q_1, q_2) of equal frequency is coupled by Coriolis forces alone, 2 Omega gamma qdot with
-gamma = G_12.e, and z = q_1 + i q_2 turns with Omega gamma exactly: the frequencies are root(omega^2 + (Omega gamma)^2)
--+ Omega gamma. The reduced body's own rate (`exact_lag`) is that of the eigenvalues of
+gamma = G_12.e, and z = q_1 + i q_2 rotates with Omega gamma exactly: the frequencies are
+root(omega^2 + (Omega gamma)^2) -+ Omega gamma. The reduced body's own rate (`exact_lag`) is that of the eigenvalues of
 
     qddot_j + 2 Omega sum_i e.G_ij qdot_i + (omega_j^2 - Omega^2 e.J2_ij e) q_i = 0
 
-over all modes; what an integrator of order p makes of it is off by order p in the step.
+over all modes; the result of an integrator of order p deviates by order p in the step.
 
 *Measured* in time: one mode of the pair is given a displacement at the start of a free spin. The n-th Fourier
 coefficient Z(t) of the radial displacement over the skin is the sum of two exponentials, so that Z_{k+2} - s Z_{k+1} +
 d Z_k = 0 for equally spaced samples (Prony 1795); s and d by least squares, the exponents from the roots, the rate of
-theta_0 as minus the half sum of their imaginary parts over n. `exact_lag` does so with the two eigenvalues that Z has
-a part in.
+theta_0 as minus the half sum of their imaginary parts over n. `exact_lag` does so with the two eigenvalues in which Z
+participates.
 """
 
 from __future__ import annotations
@@ -41,8 +41,8 @@ STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 RADIUS, WALL, WIDTH = 0.1, 2e-3, 10e-3  # m
 SPIN = 50.0  # rad/s, about y: 6 % of the lowest frequency
 AMPLITUDE = 1e-6  # m kg^0.5: linear vibrations
-DURATION, SAMPLE = 0.06, 2e-4  # s: the pattern of two waves turns by 69 degrees; 4 samples a period of four waves
-FORGET = 20  # samples before which the method's own transient still shows
+DURATION, SAMPLE = 0.06, 2e-4  # s: the pattern of two waves rotates by 69 degrees; 4 samples per period of four waves
+FORGET = 20  # samples before which the method's own transient is still visible
 
 
 def thin_ring(n: int) -> float:
@@ -53,7 +53,7 @@ def thin_ring(n: int) -> float:
 
 
 def thin_lag(n: int, spin: float = SPIN) -> float:
-    """Rate [rad/s] at which the pattern of n waves turns beside the material."""
+    """Rate [rad/s] of rotation of the pattern of n waves relative to the material."""
     return -2.0 * spin / (n**2 + 1)
 
 
@@ -99,7 +99,7 @@ def exact_lag(body: ReducedBody, n: int, level: str, spin: float = SPIN) -> floa
 
 def bent_start(scene: Scene, body: str, q: Array) -> History:
     """A start for `run`: `scene` in its initial motion, with the modal coordinates `q` (m,) of `body` released from
-    rest; the start of the run finds the accelerations that belong to them."""
+    rest; the start of the run computes the corresponding accelerations."""
     first = run(scene, SAMPLE, step=SAMPLE, progress=False)
     state = Engine(scene).state.to_numpy()
     state["ctl"]["mode"] = int(k.STATIC)  # positions only: rates are to be set
@@ -121,7 +121,7 @@ def spinning(
 
 
 def measured_lag(body: ReducedBody, n: int, history: History) -> float:
-    """The rate [rad/s] at which the pattern turns beside the material, see the module."""
+    """The rate [rad/s] of rotation of the pattern relative to the material, see the module."""
     Z = (history.bodies["ring"].modal @ waves(body, n))[FORGET:]
     found = np.linalg.lstsq(np.stack([Z[1:-1], -Z[:-2]], axis=1), Z[2:], rcond=None)[0]
     roots = np.roots([1.0, -found[0], found[1]])

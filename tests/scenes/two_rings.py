@@ -1,7 +1,7 @@
 """Rollers between two rings, a roller bearing with its cage at rest: many pairs on few surfaces.
 
-The rollers stand at equal angles, each on a radial guide, thicker by an interference than the space between the rings,
-so that all pairs carry load at all times. Rings and rollers are driven so that they roll on each other.
+The rollers are at equal angles, each on a radial guide, thicker by an interference than the space between the rings,
+so that all pairs are loaded at all times. Rings and rollers are driven so that they roll on each other.
 """
 
 from __future__ import annotations
@@ -37,8 +37,8 @@ def two_rings(
 
     inner, roller: reduced with the interface "bore" and the contact surface "rim"; outer: with the interface "outside"
     and the contact surface "bore", of a radius below that of `inner` and the roller's diameter; axes along y. rings:
-    one of them alone has the rollers held where they stand, with half the interference. The rollers are driven slower
-    than they roll by `creepage` (a fraction). Raises `InputError` for a count below 1, rollers too thin, other rings.
+    one of them alone has the rollers fixed in place, with half the interference. The rollers are driven slower than in
+    pure rolling by `creepage` (a fraction). Raises `InputError` for a count below 1, too thin rollers, other rings.
     """
     count = require_count(count, "two_rings: count", 1)
     if not rings or set(rings) - set(BOTH):

@@ -1,4 +1,4 @@
-"""Meshes as users bring them, made of those that the package makes: other elements on the same nodes, and a file."""
+"""Meshes as supplied by users, made from those of the package: other elements on the same nodes, and a file."""
 
 from __future__ import annotations
 
@@ -18,15 +18,15 @@ SIX = ((0, 1, 2, 6), (0, 2, 3, 6), (0, 3, 7, 6), (0, 7, 4, 6), (0, 4, 5, 6), (0,
 
 
 def gmsh_roller() -> Mesh:
-    """The roller (R 50, bore 15, width 20 mm) of quadratic tetrahedra of 4 mm that comes with the demos."""
+    """The roller (R 50, bore 15, width 20 mm) of quadratic tetrahedra of 4 mm supplied with the demos."""
     return read(GMSH_ROLLER, length_unit="mm")
 
 
 def cut_into_tets(mesh: Mesh) -> Mesh:
-    """The body of hex27 and its facet sets in tet10, six a cell, alike in every cell; mid nodes are those of the edges,
+    """The body of hex27 and its facet sets in tet10, six per cell, equal in every cell; mid nodes are of the edges,
     faces and middles of the hexahedra."""
     hexahedron = cell_kind("hex27").nodes
-    shares = cell_kind("tet4").shape(cell_kind("tet10").nodes)[0]  # (10, 4) of the corners in the place of each node
+    shares = cell_kind("tet4").shape(cell_kind("tet10").nodes)[0]  # (10, 4) weights of the corners at each node
     place = {tuple(np.round(x, 9)): k for k, x in enumerate(hexahedron)}
     nodes = [[place[tuple(np.round(x, 9))] for x in shares @ hexahedron[list(cut)]] for cut in SIX]
     return _of_cells(mesh, {"tet10": mesh.cells["hex27"][:, np.array(nodes)].reshape(-1, 10)})
@@ -43,7 +43,7 @@ def straight(mesh: Mesh) -> Mesh:
 
 
 def _of_cells(mesh: Mesh, cells: dict[str, Array]) -> Mesh:
-    """`mesh` with other cells on its nodes, those that are not used left out, and facet sets of the same places."""
+    """`mesh` with other cells on its nodes, without unused ones, and facet sets at the same positions."""
     used = np.unique(np.concatenate([c.ravel() for c in cells.values()]))
     number = np.full(len(mesh.points), -1)
     number[used] = np.arange(len(used))

@@ -1,4 +1,4 @@
-"""Finite-element mesh and material to `ReducedBody`: NumPy, SciPy and scikit-fem, nothing from the simulation."""
+"""Finite-element mesh and material to `ReducedBody`, with NumPy, SciPy and scikit-fem only."""
 
 from warpffrf.offline.reduction import reduce
 

@@ -1,8 +1,8 @@
 """The cache of reduced bodies: an unchanged input is never reduced twice.
 
 The key is a sha256 over the mesh's content, material, all settings, and the schema and code versions; moving one node
-by 1 nm changes it. Entries are ordinary reduced-body files, which say of which key they are; one that cannot be read,
-or is of another key, is reported, dropped and made again.
+by 1 nm changes it. Entries are ordinary reduced-body files that state their key. An entry that cannot be read, or has
+another key, is reported, deleted and recomputed.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from warpffrf.model.reduced.file import SCHEMA
 from warpffrf.offline.general.checkpoint import SUFFIX
 
 logger = logging.getLogger("warpffrf.offline")
-METHOD = 14  # raised whenever the reduction gives other numbers for the same input
+METHOD = 14  # incremented whenever the reduction gives other numbers for the same input
 VARIABLE = "WARPFFRF_CACHE"
 
 
 def cache_folder() -> Path:
-    """Folder of the cache: `WARPFFRF_CACHE` where set, else the platform's folder for caches."""
+    """Folder of the cache: `WARPFFRF_CACHE` if set, otherwise the platform's cache folder."""
     if chosen := os.environ.get(VARIABLE):
         return Path(chosen)
     if sys.platform == "win32":
@@ -45,12 +45,12 @@ def cache_key(settings: dict[str, Any]) -> str:
 
 
 def work_file(key: str) -> Path:
-    """Where the finished parts of an interrupted reduction are kept."""
+    """File with the finished parts of an interrupted reduction."""
     return cache_folder() / f"{key}{SUFFIX}"
 
 
 def load_cached(key: str) -> ReducedBody | None:
-    """The cached body, or None where there is none, it cannot be read, or it is of another key."""
+    """The cached body, or None if it does not exist, cannot be read, or has another key."""
     path = cache_folder() / f"{key}.h5"
     if not path.is_file():
         return None
@@ -69,7 +69,7 @@ def load_cached(key: str) -> ReducedBody | None:
 
 
 def store(key: str, body: ReducedBody) -> str | None:
-    """Put `body` into the cache; returns why not where that fails (a full or read-only disk must not lose the
+    """Store `body` in the cache; returns the reason if that fails (a full or read-only disk must not lose the
     result)."""
     folder = cache_folder()
     try:

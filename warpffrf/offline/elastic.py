@@ -1,20 +1,20 @@
 r"""A free elastic body (or one rotational harmonic of it) and its flexibility under inertia relief.
 
 With rigid modes `R`, M-orthonormalised (`R^H M R = 1`), the inertia-relief projector is `P = 1 - M R R^H`: it adds the
-rigid-body inertia forces that balance a load. `K` is singular on `R`; on self-equilibrated loads any generalised
-inverse gives the same deformation up to rigid motion, and holding as many dofs as there are rigid modes, in a
-statically determinate way, is such an inverse: the reactions vanish. So
+rigid-body inertia forces that balance a load. `K` is singular on `R`. On self-equilibrated loads any generalised
+inverse gives the same deformation up to rigid motion. A statically determinate constraint of as many dofs as there are
+rigid modes is such an inverse: the reactions vanish. So
 
     flexibility(F) = P^H K^+ P F = P^H (K with pinned dofs)^-1 P F
 
 is exact, symmetric, and independent of which dofs are pinned; its range is M-orthogonal to rigid motion.
 
-Only some rows of the response to sparse loads F are wanted where loads come by the thousand (`StaticResponse`). Then P
-need not fill the loads up: with `X = K_p^-1 F` and `W = K_p^-1 M R` (K_p: pinned),
+For thousands of sparse loads F only some rows of the response are required (`StaticResponse`). Then P need not fill the
+loads up: with `X = K_p^-1 F` and `W = K_p^-1 M R` (K_p: pinned),
 
     flexibility(F) = (1 - R R^H M) (X - W R^H F) = X - W a - R (W^H F - (R^H M W) a),     a = R^H F,
 
-since `R^H M X = W^H F`. Every term is a row of X, W or R times small matrices. In X and W alone the pinned dofs carry
+since `R^H M X = W^H F`. Every term is a row of X, W or R times small matrices. In X and W alone the pinned dofs have
 reactions, which cancel; measured on 100,000 dofs this costs no digit (1e-14 between the two ways, 2e-13 of both).
 """
 
@@ -31,16 +31,16 @@ import scipy.sparse as sp
 from warpffrf.offline.solvers import Factor, factorise
 
 Array = np.ndarray
-# Normwise backward error |K x - f|/(|K| |x| + |f|) of a solve above which all get one step of refinement. Elimination
-# of a definite matrix is backward stable: on meshes 1e-16 is seen, whatever the solver.
+# Normwise backward error |K x - f|/(|K| |x| + |f|) of a solve above which all solves get one step of refinement.
+# Elimination of a definite matrix is backward stable: on meshes 1e-16 is observed, with every solver.
 REFINED_ABOVE = 1e-13
 
 
 @dataclass
 class ElasticModel:
-    """K, M (n, n) sparse, rigid modes R (n, r), M-orthonormal (r may be 0), and `solve` with the pinned dofs held.
+    """K, M (n, n) sparse, rigid modes R (n, r), M-orthonormal (r may be 0), and `solve` with the pinned dofs fixed.
 
-    A model of `free_model` also knows its `factor` of the dofs `free` (n - r,) that are not held, and the
+    A model of `free_model` also has the `factor` of the unconstrained dofs `free` (n - r,), and the
     `backward_error` of a solve.
     """
 
@@ -71,7 +71,7 @@ class ElasticModel:
 
 
 class StaticResponse:
-    """Chosen `rows` (r,) of the flexible response of a `free_model` to sparse loads, without the part in K-orthogonal
+    """Chosen `rows` (r,) of the flexible response of a `free_model` to sparse loads, excluding the part in K-orthogonal
     M-orthonormal modes `Phi` (n, m) of frequencies `omega` (m,) [rad/s]:
 
     rows of `flexibility(F) - Phi omega^-2 Phi^H F`, see the module docstring.
@@ -85,7 +85,7 @@ class StaticResponse:
         self.model = model
         position = np.full(model.size, -1)
         position[model.free] = np.arange(len(model.free))
-        self.place = position[rows]  # among the dofs that are not held; -1: held, at rest
+        self.place = position[rows]  # among the free dofs; -1: constrained, at rest
         R = model.R
         W = model.solve(model.M @ R)
         self.inertia = R.conj().T @ (model.M @ W)
@@ -122,8 +122,8 @@ def orthonormal_rigid(M: Any, R: Array) -> Array:
 
 
 def pinned_dofs(R: Array, preferred: Array | None = None) -> Array:
-    """As many dofs as rigid modes (r,), whose holding is statically determinate: the `preferred` ones (a rigid
-    interface's), else the rows of R (n, r) that a pivoted QR picks, which keeps the pinned matrix well conditioned."""
+    """As many dofs as rigid modes (r,) for a statically determinate constraint: the `preferred` ones (a rigid
+    interface's), else the rows of R (n, r) chosen by a pivoted QR, which keeps the pinned matrix well conditioned."""
     r = R.shape[1]
     if preferred is not None and len(preferred) == r:
         return np.sort(preferred)
@@ -145,8 +145,8 @@ def free_model(
 ) -> ElasticModel:
     """Model of a free body by one sparse factorisation of K without its pinned dofs.
 
-    `coordinates` (n, 3) [m], place of each dof (NaN: none), let large systems be dissected; `solver` and `memory_limit`
-    as in `solvers.factorise`. Raises `InputError` as that does.
+    `coordinates` (n, 3) [m], position of each dof (NaN: none), enable nested dissection of large systems; `solver` and
+    `memory_limit` as in `solvers.factorise`. Raises `InputError` as that does.
     """
     R = orthonormal_rigid(M, R)
     n = M.shape[0]

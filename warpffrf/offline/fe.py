@@ -9,35 +9,35 @@ With scalar shape functions `N_a` and `g_ab^ij = int dN_a/dx_i dN_b/dx_j dV` the
 and the consistent mass `M_(a,i),(b,j) = delta_ij rho int N_a N_b dV`: everything follows from *scalar* integrals,
 batched over components and cells. Dofs are node-interleaved, `3*node + component`, in mesh numbering.
 
-Dilatation. The dilatation of cells whose material hardly changes its volume, so that they do not lock.
+Dilatation. The dilatation of nearly incompressible cells, treated so that they do not lock.
 
-At nu -> 1/2 the energy `lambda/2 int (div u)^2 dV` allows only motion without any change of volume, and a cell has too
-few of those: it locks, and is too stiff by as much as lambda exceeds mu. In the mixed formulation with a displacement u
+At nu -> 1/2 the energy `lambda/2 int (div u)^2 dV` allows only isochoric motion, and a cell has too few such motions:
+it locks, and is too stiff by the ratio of lambda to mu. In the mixed formulation with a displacement u
 and a pressure p (Herrmann 1965, AIAA J. 3, 1896), find the stationary point of
 
     int mu e:e dV + int p div u dV - int p^2/(2 lambda) dV,
 
-p of each cell a polynomial of its own, `p = sum_i psi_i p_i`. Its equation gives `p = lambda P div u`, P the projection
-on that polynomial, so that p never enters the system (Malkus and Hughes 1978, Comput. Methods Appl. Mech. Eng. 15, 63):
+p a polynomial in each cell, `p = sum_i psi_i p_i`. Its equation gives `p = lambda P div u`, P the projection onto that
+polynomial, so that p is eliminated (Malkus and Hughes 1978, Comput. Methods Appl. Mech. Eng. 15, 63):
 
     K = int 2 mu e:e + lambda (P div u)^2 dV,     P div u = psi^T H^-1 sum_a b_a.u_a,
     H = int psi psi^T dV,     b_(a,c) = int psi dN_a/dx_c dV.
 
-Where div u lies in the span of psi, P changes nothing: constant strain is exact in every cell. psi is written in x, the
-place relative to the middle of the cell, not in the reference coordinates, so that this holds for cells of any shape
+If div u lies in the span of psi, P changes nothing: constant strain is exact in every cell. psi is written in x, the
+position relative to the middle of the cell, not in the reference coordinates, so that this holds for cells of any shape
 (Arnold, Boffi and Falk 2002, Math. Comput. 71, 909). The polynomial of each kind of cell is its `CellKind.dilatation`:
-a constant of trilinear hexahedra, quadratic wedges and quadratic tetrahedra, linear of quadratic hexahedra. Of linear
-tetrahedra and wedges there is none: a mesh of them has two to six times as many cells as nodes, so that with a constant
-pressure of each cell there are more conditions than can be borne, and they lock all the same.
+constant for trilinear hexahedra, quadratic wedges and quadratic tetrahedra, linear for quadratic hexahedra. Linear
+tetrahedra and wedges have none: such a mesh has two to six times as many cells as nodes, so that a constant pressure
+per cell imposes too many conditions, and they lock all the same.
 
-Materials. Which material each cell of a mesh is made of.
+Materials. The material of each cell of a mesh.
 
 Reference. Quadrature on reference cells and facets, with the shape functions of `warpffrf.model.mesh.elements` at its
 points.
 
-The points and weights are scikit-fem's. Those of hexahedra and quadrilaterals are moved from its [0, 1] to the [-1, 1]
-of the elements here; a wedge takes its triangle's points times its line's (scikit-fem's own rule for wedges has
-weights that sum to half the volume).
+The points and weights are scikit-fem's. Those of hexahedra and quadrilaterals are mapped from its [0, 1] to the [-1, 1]
+of the elements here; a wedge uses the product of its triangle's and its line's points (scikit-fem's own rule for wedges
+has weights that sum to half the volume).
 """
 
 from __future__ import annotations
@@ -57,11 +57,11 @@ from warpffrf.model.mesh.elements import CELL_KINDS, FACET_KINDS, cell_kind, det
 from warpffrf.model.mesh.elements.kinds import monomials
 
 Sparse = Any  # a scipy.sparse csr matrix; the stubs of scipy lose its type on every product and slice
-CHUNK_BYTES = 1 << 26  # element matrices worked on together: 64 MiB keeps the peak far below that of a factorisation
+CHUNK_BYTES = 1 << 26  # element matrices processed together: 64 MiB keeps the peak far below that of a factorisation
 
 
 def fe_matrices(mesh: Mesh, assignment: Assignment) -> tuple[Sparse, Sparse]:
-    """K [N/m] and M [kg] of the body: those that the mesh carries, or those of its cells."""
+    """K [N/m] and M [kg] of the body: the mesh's own matrices, or those assembled from its cells."""
     if mesh.matrices is not None:
         return mesh.matrices.stiffness, mesh.matrices.mass
     return assemble(mesh.points, mesh.cells, assignment)
@@ -121,17 +121,17 @@ def _mass(x: np.ndarray, kind: str, density: float) -> np.ndarray:
 
 Array = np.ndarray
 PROJECTED = tuple(kind for kind in CELL_KINDS if cell_kind(kind).dilatation is not None)
-WAVERING = "tet10"  # displacements converge, the mean stress hardly: measured 41 % off where hex20 cells are 6 %
+WAVERING = "tet10"  # displacements converge, the mean stress hardly: measured error 41 %, that of hex20 cells 6 %
 
 
 def is_mixed(kind: str, material: Material) -> bool:
-    """Whether cells of `kind` made of `material` take the projected dilatation."""
+    """Whether cells of `kind` made of `material` use the projected dilatation."""
     return material.mixed and kind in PROJECTED
 
 
 def formulation_notes(assignment: Assignment, stresses: bool) -> tuple[list[str], list[str]]:
-    """Notes on the materials whose cells take the mixed formulation, and warnings of cells that lock, or whose
-    `stresses`, where these are wanted, waver."""
+    """Notes on materials whose cells use the mixed formulation, and warnings of cells that lock, or whose requested
+    `stresses` oscillate."""
     notes, warnings = [], []
     for i, material in enumerate(assignment.materials):
         label = f"material {material.name!r}" if material.name else "material"
@@ -177,8 +177,8 @@ def projected_dilatation(x: Array, kind: str, values: Array | None = None) -> Ar
 
 
 def projection(x: Array, kind: str, values: Array | None = None) -> Array:
-    """P (e, p, q): values at the points at which stiffness is integrated to those of the nearest polynomial, of cells
-    with node coordinates x (e, k, 3) [m], at points with shape functions `values` (p, k); None: at the same points."""
+    """P (e, p, q): values at the stiffness quadrature points to those of the nearest polynomial, of cells with node
+    coordinates x (e, k, 3) [m], at points with shape functions `values` (p, k); None: at the same points."""
     r = rule(kind, STIFFNESS_DEGREE[kind])
     _, weight = physical_gradients(x, kind)
     psi = _pressures(x, kind, r.values)
@@ -209,8 +209,8 @@ class Assignment:
 def assign(mesh: Mesh, material: Material | Mapping[str, Material] | None) -> Assignment:
     """Spread one material, or {cell set: material}, over the cells of `mesh`.
 
-    Raises `InputError` for an unknown cell set, a cell without material or with two, and where a mesh of cells gets
-    none. A mesh that carries its own matrices needs no material; one that is given serves results only.
+    Raises `InputError` for an unknown cell set, a cell without material or with two, and if a mesh of cells has no
+    material. A mesh with its own matrices needs no material; if given, it is used for results only.
     """
     if material is None:
         if mesh.matrices is None:
@@ -245,14 +245,14 @@ def assign(mesh: Mesh, material: Material | Mapping[str, Material] | None) -> As
 
 
 def facet_material(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> Material | None:
-    """The material under most of the facets; None for a mesh without materials."""
+    """The material below most of the facets; None for a mesh without materials."""
     if len(assignment.materials) < 2:
         return assignment.materials[0] if assignment.materials else None
     return assignment.materials[int(np.argmax(_cells_behind(mesh, facets, assignment)))]
 
 
 def other_material(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> float:
-    """Share (0 to 1) of the cells behind the facets that are not of `facet_material`."""
+    """Share (0 to 1) of the cells behind the facets whose material is not `facet_material`."""
     if len(assignment.materials) < 2:
         return 0.0
     behind = _cells_behind(mesh, facets, assignment)
@@ -272,7 +272,7 @@ def _cells_behind(mesh: Mesh, facets: FacetSet, assignment: Assignment) -> np.nd
 
 # Polynomial degree that the rule integrates exactly, per kind: stiffness and mass. Degrees count per direction for
 # quadrilaterals, hexahedra and the axis of wedges. Stiffness: full integration. Mass: hex8 and hex20 by 2 x 2 x 2 and
-# 3 x 3 x 3 points, as FE programs do it, so that their frequencies come out on the same mesh; the others N_a N_b det J.
+# 3 x 3 x 3 points, as FE programs do, so that frequencies on the same mesh agree; the others N_a N_b det J.
 STIFFNESS_DEGREE = {"hex8": 3, "hex20": 5, "hex27": 5, "wedge6": 3, "wedge15": 5, "tet4": 1, "tet10": 4}
 MASS_DEGREE = {"hex8": 3, "hex20": 5, "hex27": 7, "wedge6": 4, "wedge15": 7, "tet4": 2, "tet10": 6}
 FACET_DEGREE = {"quad4": 7, "quad8": 7, "quad9": 7, "tri3": 5, "tri6": 6}
@@ -291,7 +291,7 @@ class Rule:
 def rule(kind: str, degree: int, pieces: int = 1) -> Rule:
     """Quadrature of `degree` on the reference cell of `kind`, split into `pieces` along each edge (facets only).
 
-    Splitting serves integrands with kinks inside the cell, like the hats of a contact grid over a facet.
+    Splitting is for integrands with kinks inside the cell, such as the shape functions of a contact grid over a facet.
     """
     element = facet_kind(kind) if kind in FACET_KINDS else cell_kind(kind)
     X, W = _points(element.domain, degree)

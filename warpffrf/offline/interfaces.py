@@ -1,34 +1,34 @@
-r"""Interfaces of a body: what moves with them, and their unit loads.
+r"""Interfaces of a body: their motion and their unit loads.
 
-Kinds. Interfaces of a body: how the nodes of a facet set are held together, and how the set moves as a whole.
+Kinds. How the nodes of a facet set are constrained to each other, and how the motion of the set is defined.
 
 Every kind has six coordinates, translation and rotation at a reference point X_P, and `X (3 k, 6)`, the rigid motions
 about X_P of its k nodes.
 
-*rigid* (RBE2): the nodes follow the six coordinates, `u_a = t + theta x (X_a - X_P)`. A constraint `u = T u^`, so that
-modes, attachment modes and responses all live in the constrained model and the interface never deforms.
+*rigid* (RBE2): the nodes follow the six coordinates, `u_a = t + theta x (X_a - X_P)`. This is a constraint `u = T u^`:
+modes, attachment modes and responses all belong to the constrained model, and the interface never deforms.
 
 *average* (RBE3): the nodes deform freely, the coordinates are the rigid motion nearest to theirs over the area,
 
     minimise int |N u - x|^2 dA over rigid motions x    =>    (t, theta) = S u,    S = (X^T W X)^-1 X^T W,
 
-`W (3 k, 3 k)` the mass matrix of the facets at unit density, which is definite for every kind of facet (nodal areas of
-quadratic facets are zero or negative at corners). `S X = 1`: a rigid motion is found exactly. A force and moment on the
-interface load it by the transpose, `S^T (f, m)`: the work is the same, and the load is that of a traction that varies
-linearly over the facets.
+`W (3 k, 3 k)` is the mass matrix of the facets at unit density, which is definite for every kind of facet (nodal areas
+of quadratic facets are zero or negative at corners). `S X = 1`: a rigid motion is reproduced exactly. A force and
+moment on the interface are applied by the transpose, `S^T (f, m)`: the work is the same, and the load is that of a
+traction that varies linearly over the facets.
 
-*free*: every node keeps its own three unit loads and attachment modes; `S` gives its motion as a whole.
+*free*: every node keeps its own three unit loads and attachment modes; `S` defines the motion of the set as a whole.
 
-X_P is the area centroid of the set; where the nodes lie on a circular cylinder, its foot on the cylinder's axis,
-because a joint turns about X_P and an irregular mesh must not make it eccentric.
+X_P is the area centroid of the set; if the nodes lie on a circular cylinder, it is projected onto the cylinder's axis,
+because a joint rotates about X_P and an irregular mesh must not make it eccentric.
 
-System. The constrained model of a body with interfaces: what the reduction needs to know of them, in its coordinates.
+System. The constrained model of a body with interfaces, as used by the reduction, in its coordinates.
 
     u = T u^,     K^ = T^T K T,     M^ = T^T M T,     f^ = T^T f,
 
-with the dofs of all nodes but those of rigid interfaces first, then six of each rigid interface (`interfaces.py`). The
-unit loads of all interfaces are the columns of `loads` F: six unit loads on the coordinates of a rigid interface, `S^T`
-of an averaging one, one on each dof of a free one. Their work is conjugate to the interface coordinates `F^T u^`, so
+with the dofs of all nodes except those of rigid interfaces first, then six of each rigid interface (`interfaces.py`).
+The unit loads of all interfaces are the columns of `loads` F: six unit loads on the coordinates of a rigid interface,
+`S^T` of an averaging one, one on each dof of a free one. They are conjugate to the interface coordinates `F^T u^`, so
 that attachment modes `G F` in the span of the global modes keep all of these at rest under residual loads.
 """
 
@@ -49,11 +49,11 @@ from warpffrf.model.reduced.data import Interface
 from warpffrf.model.surfaces import Cylinder
 from warpffrf.offline.fe import FACET_DEGREE, Sparse, rule
 
-# Extent across their longest direction, over their longest, below which nodes count as lying on a line: the rotation
-# about it would be known to this fraction only.
+# Transverse extent over the longest extent, below which nodes count as collinear: the rotation about the line would be
+# determined to this relative accuracy only.
 COLLINEAR = 1e-6
-# Nodes of a free interface: each brings three attachment modes, and dense algebra of three times as many columns grows
-# with the third power; 200 nodes, 600 modes, take seconds.
+# Limit of nodes of a free interface: each adds three attachment modes, and the cost of the dense algebra grows with the
+# third power of the columns; 200 nodes, 600 modes, take seconds.
 MOST_FREE_NODES = 200
 
 
@@ -66,11 +66,11 @@ class BodyInterface:
     point: np.ndarray
 
     kind: ClassVar[str] = ""
-    slaved: ClassVar[bool] = False  # its nodes follow the six coordinates and lose their own dofs
+    slaved: ClassVar[bool] = False  # whether its nodes follow the six coordinates and lose their own dofs
 
     @classmethod
     def of(cls, mesh: Mesh, name: str) -> BodyInterface:
-        """The interface on the facet set `name`; raises `InputError` where the set does not suit."""
+        """The interface on the facet set `name`; raises `InputError` if the set is unsuitable."""
         nodes = mesh.facets(name).node_set
         require_spread(mesh.points[nodes], name)
         return cls(name, nodes, reference_point(mesh, name))
@@ -91,20 +91,20 @@ class RigidInterface(BodyInterface):
 
 @dataclass(frozen=True, eq=False)
 class AverageInterface(BodyInterface):
-    """Its motion is the mean rigid motion `S` (6, 3 k) of nodes that deform freely."""
+    """The mean rigid motion `S` (6, 3 k) of nodes that deform freely."""
 
     S: np.ndarray
     kind: ClassVar[str] = "average"
 
     @classmethod
     def of(cls, mesh: Mesh, name: str) -> AverageInterface:
-        """The interface on the facet set `name`; raises `InputError` where the set does not suit."""
+        """The interface on the facet set `name`; raises `InputError` if the set is unsuitable."""
         plain = BodyInterface.of(mesh, name)
         return cls(name, plain.nodes, plain.point, mean_motion(mesh, name, plain.point))
 
     @cached_property
     def loads(self) -> np.ndarray:
-        """Nodal loads (3 k, a) of its unit loads: here of three forces and three moments."""
+        """Nodal loads (3 k, a) of its unit loads, here three forces and three moments."""
         return self.S.T
 
 
@@ -174,7 +174,7 @@ def _refuse_many(name: str, nodes: np.ndarray) -> None:
 
 
 def require_spread(points: np.ndarray, name: str) -> None:
-    """Raises `InputError` where the nodes at `points` (k, 3) of interface `name` leave a rotation undetermined."""
+    """Raises `InputError` if the nodes at `points` (k, 3) of interface `name` leave a rotation undetermined."""
     extent = np.linalg.svd(points - points.mean(axis=0), compute_uv=False) if len(points) else np.zeros(1)
     if len(points) < 3 or extent[1] <= COLLINEAR * extent[0]:
         raise InputError(
@@ -213,7 +213,7 @@ def mean_motion(mesh: Mesh, name: str, point: np.ndarray) -> np.ndarray:
 
 
 def reference_point(mesh: Mesh, name: str) -> np.ndarray:
-    """Reference point (3,) [m] of the facet set: area centroid, moved onto the axis where the set is a cylinder."""
+    """Reference point (3,) [m] of the facet set: area centroid, projected onto the axis if the set is a cylinder."""
     _, total, moment = _facet_mass(mesh, name)
     center = moment / total
     points = mesh.points[mesh.facets(name).node_set]
@@ -222,7 +222,7 @@ def reference_point(mesh: Mesh, name: str) -> np.ndarray:
     except InputError:
         return center
     size = float(np.max(np.ptp(points, axis=0)))
-    if float(shape.radius_at(0.0)) > size:  # a plane set fits a cylinder of any huge radius
+    if float(shape.radius_at(0.0)) > size:  # a plane set fits any cylinder of very large radius
         return center
     return shape.axis_point + np.dot(center - shape.axis_point, shape.e_a) * shape.e_a
 
@@ -259,7 +259,7 @@ class InterfaceSystem:
 
     @property
     def T(self) -> Sparse:
-        """(3 n, n^): displacements of all nodes from the model's coordinates."""
+        """(3 n, n^): displacements of all nodes from the coordinates of the model."""
         return self._constraint[0]
 
     @property
@@ -274,17 +274,17 @@ class InterfaceSystem:
 
     @property
     def rigid_interfaces(self) -> list[BodyInterface]:
-        """Those with six coordinates of their own, in their order among the coordinates."""
+        """The interfaces with six coordinates of their own, in the order of the coordinates."""
         return [i for i in self.interfaces if i.slaved]
 
     @property
     def pinned(self) -> Array | None:
-        """Coordinates (6,) whose holding is statically determinate: those of the first rigid interface, if any."""
+        """Coordinates (6,) of a statically determinate support: those of the first rigid interface, if any."""
         return 3 * len(self.free) + np.arange(6) if self.rigid_interfaces else None
 
     @property
     def coordinates(self) -> Array:
-        """Place (n^, 3) [m] of each coordinate; NaN for those of rigid interfaces, which touch many nodes."""
+        """Position (n^, 3) [m] of each coordinate; NaN for those of rigid interfaces, which involve many nodes."""
         places = np.full((self.size, 3), np.nan)
         places[: 3 * len(self.free)] = np.repeat(self.points[self.free], 3, axis=0)
         return places
@@ -310,8 +310,8 @@ class InterfaceSystem:
         return np.concatenate(parts, axis=1)
 
     def wrenches(self) -> dict[str, Array]:
-        """Loads (n^, 6) of each interface by name: of unit forces [N] and moments [N m] at its point, in the way that
-        its kind spreads them; a free one like an averaging one."""
+        """Loads (n^, 6) of each interface by name: unit forces [N] and moments [N m] at its point, distributed
+        according to its kind; a free one like an averaging one."""
         found = {}
         first = 3 * len(self.free)
         for interface in self.interfaces:
@@ -355,7 +355,7 @@ class InterfaceSystem:
         return found
 
     def from_nodes(self, U: Array) -> Array:
-        """Coordinates (n^, t) nearest to nodal displacements U (3 n, t): a rigid interface takes the rigid motion that
-        fits its nodes best."""
+        """Coordinates (n^, t) nearest to nodal displacements U (3 n, t): a rigid interface takes the best-fitting
+        rigid motion of its nodes."""
         T = self.T
         return sp.linalg.spsolve(sp.csc_matrix(T.T @ T), T.T @ U).reshape(self.size, -1)

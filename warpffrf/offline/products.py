@@ -1,4 +1,4 @@
-"""What both reduction paths return, before it is dressed as a `ReducedBody`; and the mass properties of a body.
+"""The common result of both reduction paths, from which a `ReducedBody` is built; and the mass properties of a body.
 
 Paths. Resolve contact shapes on their facets, and choose the cyclic or the general path.
 """
@@ -27,7 +27,7 @@ from warpffrf.offline.fe import Assignment
 
 @dataclass(frozen=True)
 class Limits:
-    """Which vibration modes are wanted: the first `count`, those up to `omega_max` [rad/s], or the fewer of both.
+    """Requested vibration modes: the first `count`, those up to `omega_max` [rad/s], or the fewer of both.
     Both None: none."""
 
     count: int | None
@@ -35,19 +35,19 @@ class Limits:
 
     @property
     def none(self) -> bool:
-        """True when no vibration mode is wanted."""
+        """True if no vibration mode is requested."""
         return self.count == 0 or (self.count is None and self.omega_max is None)
 
 
 @dataclass
 class SurfaceProduct:
-    """Operators of one contact surface, see `ContactSurface`, and what the independence check looks at: the flexible
-    compliance `(B psi)^T G (B psi)` of a window of hats, with (`window`) and without (`residual_window`) the global
-    modes' part.
+    """Operators of one contact surface, see `ContactSurface`, and the input of the independence check: the flexible
+    compliance `(B psi)^T G (B psi)` of a window of grid functions, with (`window`) and without (`residual_window`) the
+    contribution of the global modes.
 
     `observed`, `observed_tangential`: transfer of each observer, by name, of normal and of tangential forces. The grid
-    begins at `first_column` of the `whole_columns` that its plan has. `traces`: the eigenvalue ratio of the traces
-    of its functions on the mesh (`contact.independence`).
+    begins at `first_column` of the `whole_columns` of its plan. `traces`: the eigenvalue ratio of the traces of its
+    functions on the mesh (`contact.independence`).
     """
 
     grid: ContactGrid
@@ -68,8 +68,8 @@ class SurfaceProduct:
 
 @dataclass
 class LapProduct:
-    """The laps of a body by name, the `compliance` (N, N) [m/N] among all their forces, the transfer (rows, N) of each
-    observer by name, and what the report says of them."""
+    """The joint interfaces of a body by name, the `compliance` (N, N) [m/N] among all their forces, the transfer
+    (rows, N) of each observer by name, and the entries of the report."""
 
     surfaces: dict[str, LapSurface]
     compliance: np.ndarray
@@ -78,7 +78,7 @@ class LapProduct:
     warnings: list[str]
 
     def by_force(self, observer: str, components: int) -> np.ndarray | None:
-        """What an observer sees of each force (N, places, components), None where it was not asked."""
+        """Response of an observer to each force (N, points, components), None if it was not requested."""
         if observer not in self.observed:
             return None
         seen = self.observed[observer]
@@ -92,7 +92,7 @@ class MembraneTerms:
     `forms` L (R, k, k) [sqrt(J)/m^2], of k modes the first of which have entries; with the `modes` U (3 n, k),
     `products` (R, k, k) and `motion` (3 n, R) [m/sqrt(J)] the strain of second order is
     E2 = sum_r e_r (eps(motion_r) + sum_ij products_rij sym(H_i^T H_j)/2), `offline.inertia.membrane`.
-    `second_order`: the motion of second order of all points, on the `shapes` (3 n, S). `facts`: what the report says.
+    `second_order`: the second-order motion of all points, on the `shapes` (3 n, S). `facts`: entries of the report.
     """
 
     forms: np.ndarray
@@ -106,8 +106,8 @@ class MembraneTerms:
 
 @dataclass
 class PathProduct:
-    """Everything that a path computes. `observed_modes`: what each observer sees of the global modes, (rows, m), or on
-    the cyclic path `ObservedModes`."""
+    """All results of a path. `observed_modes`: the global modes at each observer, (rows, m), or on the cyclic path
+    `ObservedModes`."""
 
     mass: float
     center: np.ndarray  # (3,) m
@@ -142,12 +142,12 @@ def mass_properties(J: np.ndarray, origin: np.ndarray) -> tuple[float, np.ndarra
     return mass, origin + c, 0.5 * (inertia + inertia.T)
 
 
-COAXIAL = 1e-9  # of the radius: a shape this close to the axis of periodicity turns into itself, far below any gap
-# What is tried where no shape is given. A plane comes first, since a cylinder of a huge radius fits it too, a sphere
-# before the crowns that it is one of.
+COAXIAL = 1e-9  # of the radius: a shape this close to the axis of periodicity maps onto itself, far below any gap
+# Shapes tried if none is given. The plane comes first, since a cylinder of very large radius fits it too; the sphere
+# comes before the crowned shapes of which it is a special case.
 PLAIN_SHAPES = (Plane, Cylinder, Bore, Sphere, Cup, CrownedCylinder, Ring, Groove, Cone, ConicalBore)
-STRAIGHT = (Cylinder.kind, Bore.kind)  # no place along the axis to be fitted
-TAPERED = (Cone.kind, ConicalBore.kind)  # place and radius are one unknown
+STRAIGHT = (Cylinder.kind, Bore.kind)  # no axial position to be fitted
+TAPERED = (Cone.kind, ConicalBore.kind)  # axial position and radius are one unknown
 LEAST_SECTORS = 3  # harmonics 0 and 1 must differ from each other and from N/2 for the rigid motions to separate
 
 
@@ -161,9 +161,9 @@ class PathChoice:
 
 
 def resolve_shapes(mesh: Mesh, shapes: dict[str, Any]) -> dict[str, Any]:
-    """Fit what is open in each shape to the nodes of its facet set; None: the first of `PLAIN_SHAPES` that fits.
+    """Fit the open parameters of each shape to the nodes of its facet set; None: the first of `PLAIN_SHAPES` that fits.
 
-    Raises `InputError` naming the set where it does not fit, or where the facets look to the side of the material.
+    Raises `InputError` naming the set if it does not fit, or if the facets face the side of the material.
     """
     resolved = {}
     for name, shape in shapes.items():
@@ -181,8 +181,8 @@ def _fitted(mesh: Mesh, shape: Any, points: np.ndarray, normals: np.ndarray) -> 
 
 
 def _oriented(mesh: Mesh, shape: Any) -> Any:
-    """The shape with the mesh's axis of periodicity where its own direction is to be fitted: it is known exactly, and a
-    straight profile has its whole axis from it."""
+    """The shape with the mesh's axis of periodicity if its own direction is to be fitted: it is known exactly, and
+    defines the whole axis of a straight profile."""
     if mesh.cyclic is None or getattr(shape, "axis_direction", "none of its own") is not None:
         return shape
     candidate = replace(shape, axis_direction=mesh.cyclic.axis_direction)
@@ -193,7 +193,7 @@ def _oriented(mesh: Mesh, shape: Any) -> Any:
 
 
 def _any(mesh: Mesh, points: np.ndarray, normals: np.ndarray) -> Any:
-    """The first of `PLAIN_SHAPES` that the nodes lie on and whose free side the facets look to."""
+    """The first of `PLAIN_SHAPES` that fits the nodes and whose free side the facets face."""
     for shape in PLAIN_SHAPES:
         try:
             return _fitted(mesh, shape(), points, normals)
@@ -210,9 +210,9 @@ def choose_path(
     assignment: Assignment | None = None,
     reason: str | None = None,
 ) -> PathChoice:
-    """Cyclic where mesh, interfaces and surfaces repeat from sector to sector, else general; never silently.
+    """Cyclic if mesh, interfaces and surfaces repeat from sector to sector, otherwise general; never silently.
 
-    `reason`: why the general path is taken in any case; None where it need not be.
+    `reason`: why the general path is required in any case; None if it is not.
     """
     fault = reason or periodicity_fault(mesh, interface_sets, assignment)
     patterns: dict[str, FacetPattern] = {}

@@ -1,10 +1,10 @@
-"""Progress of a reduction: a bar with the time left on a terminal, log lines elsewhere.
+"""Progress of a reduction: a bar with the remaining time on a terminal, log lines elsewhere.
 
-Threads. How many threads share work that NumPy does outside the interpreter's lock.
+Threads. The number of threads for work that NumPy does outside the interpreter's lock.
 
-The threads of a BLAS spin while they wait for each other: on a machine that others use too they made a factorisation
-eight times slower. Here a BLAS has one thread, and whole tasks (blocks of loads, subtrees of an elimination) are given
-to threads of our own, which nothing but the end of the work joins.
+The threads of a BLAS spin while they wait for each other: on a shared machine they made a factorisation eight times
+slower. The BLAS therefore has one thread, and whole tasks (blocks of loads, subtrees of an elimination) are distributed
+over our own threads, which are joined only at the end.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from typing import TypeVar
 
 from warpffrf.model.messages.progress import Progress as Bar
 
-LONG = 1.0  # s: stages that take as long are worth a line to everybody
+LONG = 1.0  # s: stages that take this long are logged at the level shown to every user
 logger = logging.getLogger("warpffrf.offline")
 Item = TypeVar("Item")
 
 
 class Progress:
-    """`track` shows how far a loop is, unless `shown` is False; times of stages are logged in any case."""
+    """`track` shows the progress of a loop, unless `shown` is False; times of stages are logged in any case."""
 
     def __init__(self, shown: bool) -> None:
         self.shown = shown
         self.seconds: dict[str, float] = {}
 
     def track(self, items: Sequence[Item], stage: str) -> Iterator[Item]:
-        """Yield `items`, timing the loop as `stage`; an interrupted loop closes its bar and raises as usual."""
+        """Yield `items`, timing the loop as `stage`; an interrupted loop closes its bar and raises."""
         start = time.perf_counter()
         bar = Bar(f"reduce: {stage}", len(items), enabled=self.shown, unit="part")
         try:
@@ -52,7 +52,7 @@ class Progress:
             self.add(name, time.perf_counter() - start)
 
     def add(self, stage: str, seconds: float) -> None:
-        """Count `seconds` for `stage`."""
+        """Add `seconds` to `stage`."""
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
         logger.log(logging.INFO if seconds > LONG else logging.DEBUG, "reduce: %s took %.2f s", stage, seconds)
 

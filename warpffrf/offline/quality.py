@@ -1,47 +1,48 @@
-r"""How good a reduced body is: figures that are measured or derived, never hoped for. `quality` collects them as plain
-data for `ReducedBody.report["quality"]`.
+r"""Quality of a reduced body: quantities that are measured or derived. `quality` collects them as plain data for
+`ReducedBody.report["quality"]`.
 
-**Frequencies covered.** A basis that holds the vibration modes `V` of the FE model exactly and is M-orthonormalised has
-them among its Ritz pairs, and the rest of its span is M-orthogonal to them, so every other Ritz frequency lies above
-the first vibration mode that was left out. The lowest `v` frequencies of the body are therefore the FE model's own, and
-the range is covered up to `max_frequency`, or up to the last of them where the number of modes was the limit.
+**Frequencies covered.** A basis that contains the vibration modes `V` of the FE model exactly and is M-orthonormalised
+has them among its Ritz pairs. The rest of its span is M-orthogonal to them, so every other Ritz frequency lies above
+the first omitted vibration mode. The lowest `v` frequencies of the body are therefore the FE model's own, and the
+range is covered up to `max_frequency`, or up to the last of them if the number of modes was the limit.
 
-**Mass captured.** Hold an interface and shake the body with it. The relative motion is approximated in the space that
+**Mass captured.** The body is base-excited at an interface. The relative motion is approximated in the space that
 keeps the interface at rest: with rigid motion `a` about the interface point and modes `q`,
 
     a + Phi_I q = 0   =>   (a, q) = V q,   V = [-Phi_I; 1],   Phi_I (6, m) interface motion of the modes,
     M_r = diag(J, 1),   J (6, 6) rigid mass matrix about the interface point.
 
 A rigid motion `r` of the base excites `Gamma = V^T M_r (r, 0) = -Phi_I^T J r`; the part of the body's inertia `r^T J r`
-that the space moves is the sum of its effective masses,
+represented by the space is the sum of its effective masses,
 
     captured = Gamma^T (V^T M_r V)^-1 Gamma / (r^T J r) = 1 - r^T (J^-1 + Phi_I Phi_I^T)^-1 r / (r^T J r),
 
-the second form by the Woodbury identity. It needs 6x6 matrices only and says what is missing: `(J^-1 + Phi_I
-Phi_I^T)^-1` is the mass that the interface feels at infinite frequency. With all modes of the mesh it is the mass of
-the interface itself (Craig and Kurdila 2006, "Fundamentals of Structural Dynamics", 17.6, for effective masses). Of
-interfaces that deform ("average", "free") it is the mean motion that is held.
+the second form by the Woodbury identity. It requires 6x6 matrices only and shows what is missing: `(J^-1 + Phi_I
+Phi_I^T)^-1` is the effective mass at the interface at infinite frequency. With all modes of the mesh it is the mass of
+the interface itself (Craig and Kurdila 2006, "Fundamentals of Structural Dynamics", 17.6, for effective masses). For
+interfaces that deform ("average", "free") it is the mean motion that is constrained.
 
-**Static completeness.** The response `u` to a unit load `f` is exact in theory; `|P f - K u| / |P f|` says what the
-solver and the inertia relief leave of that. A path measures it on a sample of loads (`sampled_residual`) and reports
-the worst as the fact `worst_load_residual`. What would be lost without local modes is the
-share of a hat's own compliance, `C_res,ii / C_ii`, that global modes do not have.
+**Static completeness.** The response `u` to a unit load `f` is exact in theory; `|P f - K u| / |P f|` is the error of
+the solver and of the inertia relief. A path measures it on a sample of loads (`sampled_residual`) and reports the
+largest as the fact `worst_load_residual`. The loss without local modes is the share of a grid node's own compliance,
+`C_res,ii / C_ii`, that the global modes do not represent.
 
-**Coupling of contact surfaces.** Own and foreign residual compliances are one Gram matrix, so that an entry between
-hats i and j of two surfaces is at most the mean (geometric) of their own: the largest ratio, 0 to 1, says how much the
-surfaces feel of each other beyond the global modes.
+**Coupling of contact surfaces.** Own and cross residual compliances are one Gram matrix, so that an entry between
+nodes i and j of two contact grids is at most the geometric mean of their own. The largest ratio, 0 to 1, measures the
+coupling of the surfaces beyond the global modes.
 
-**Error of the contact grid.** Hertz's pressure `p = sqrt(1 - (x/a)^2)` across the columns, the same in all rows, given
-by hats of the present spacing (cells: their means), is replaced by the combination of hats (cells) of twice the spacing
-that is nearest in energy; these are combinations of the fine ones, the columns of `P`. The energy lost,
+**Error of the contact grid.** Hertz's pressure `p = sqrt(1 - (x/a)^2)` across the columns, the same in all rows,
+interpolated by the shape functions of the present spacing (cells: their means), is replaced by the combination of
+functions of twice the spacing that is nearest in energy; these are combinations of the fine ones, the columns of `P`.
+The energy lost,
 
     e = 1 - b^T (P^T C P)^-1 b / (p^T C p),   b = P^T C p,
 
 is measured with the body's own compliance `C` of a window. The error at the present spacing is estimated as `e/4`: the
-energy error falls with the third power of the spacing (square-root ends of p in the norm of order -1/2), eight times
-per halving, of which the fine functions' own coarseness hides about half. On a half-plane, four spacings to the
-half-width, the estimate is 1.1 to 1.2 times the true error of the same position; of cells the worst position has 1.5
-times that of the best. It is about the grid alone: errors of the mesh come on top.
+energy error decreases with the third power of the spacing (square-root ends of p in the norm of order -1/2), by a
+factor of eight per halving, of which the fine functions' own coarseness hides about half. On a half-plane, with four
+spacings to the half-width, the estimate is 1.1 to 1.2 times the true error of the same position; for cells the worst
+position has 1.5 times the error of the best. Only the grid is assessed: errors of the mesh are additional.
 """
 
 from __future__ import annotations
@@ -58,19 +59,19 @@ from warpffrf.offline.bases.modes import SAME_FREQUENCY, whole_multiples
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.products import Limits, SurfaceProduct
 
-# bases whose span holds the vibration modes of the free body, so that a covered range can be stated
+# bases that contain the vibration modes of the free body, so that a covered range can be stated
 HOLDS_VIBRATIONS = ("free_free", "craig_chang", "trial_vector_derivatives")
-HALF_WIDTH = 4  # spacings to the half-width of the pressure that the grid is judged with: a usual, well resolved patch
-LEAST_COLUMNS = 7  # of a window: three coarse hats and their feet; a grid with fewer is not judged
-SAMPLED = 16  # unit loads of a surface whose residual is measured: they cost one block of solves
-HELD = 1e-12  # of the largest compliance of a pair of hats: below it is round-off of hats that a rigid interface holds
-HALVING = 4.0  # energy lost by doubling the spacing over the error at the present one (module docstring)
+HALF_WIDTH = 4  # spacings per half-width of the pressure used to assess the grid: a typical, well resolved patch
+LEAST_COLUMNS = 7  # of a window: three coarse hat functions with their supports; a grid with fewer is not assessed
+SAMPLED = 16  # unit loads of a surface whose residual is measured: they cost one block of solutions
+HELD = 1e-12  # of the largest compliance of a pair of nodes: smaller values are round-off (nodes on a rigid interface)
+HALVING = 4.0  # energy lost by doubling the spacing, relative to the error at the present one (module docstring)
 
 
 def quality(body: ReducedBody, surfaces: Sequence[SurfaceProduct], limits: Limits) -> dict[str, Any]:
     """Plain data for `body.report["quality"]`; `surfaces` in the order of `body.contact_surfaces`.
 
-    Reads `dependent_directions_dropped`, `worst_load_residual`, `basis` and `inertia` in `body.report`, where they are.
+    Reads `dependent_directions_dropped`, `worst_load_residual`, `basis` and `inertia` in `body.report`, if present.
     """
     named = list(zip(body.contact_surfaces.values(), surfaces, strict=True))
     frequencies = covered_frequencies(body, limits)
@@ -89,9 +90,9 @@ def quality(body: ReducedBody, surfaces: Sequence[SurfaceProduct], limits: Limit
 
 
 def covered_frequencies(body: ReducedBody, limits: Limits) -> dict[str, Any]:
-    """What the basis holds of the FE model's vibration modes (module docstring), frequencies in Hz.
+    """The vibration modes of the FE model that the basis contains (module docstring), frequencies in Hz.
 
-    `covered` is None where the basis is of a kind that does not hold vibration modes, 0 where none were wanted.
+    `covered` is None if the basis does not contain vibration modes by construction, 0 if none were requested.
     """
     f = body.frequencies
     asked = None if limits.omega_max is None else limits.omega_max / (2.0 * np.pi)
@@ -112,10 +113,10 @@ def covered_frequencies(body: ReducedBody, limits: Limits) -> dict[str, Any]:
     if asked is not None:
         below = min(below, int(np.sum(f <= asked * (1.0 + SAME_FREQUENCY))))
     kept = below if limits.count is None else whole_multiples(f[:below], limits.count)
-    kept = min(body.report.get("basis", {}).get("vibration_modes", kept), len(f))  # where the basis counted them
+    kept = min(body.report.get("basis", {}).get("vibration_modes", kept), len(f))  # if the basis counted them
     found["vibration_modes"] = kept
     found["last_vibration"] = float(f[kept - 1]) if kept else None
-    # nothing was cut by the number of modes: all up to max_frequency are there
+    # not limited by the number of modes: all modes up to max_frequency are present
     found["covered"] = asked if asked is not None and kept == below else (found["last_vibration"] or 0.0)
     return found
 
@@ -133,10 +134,10 @@ def rigid_mass(body: ReducedBody, point: Array) -> Array:
 
 def captured(body: ReducedBody, name: str) -> dict[str, list[float]]:
     """Fractions of the mass (x, y, z) and of the moments of inertia about the interface point (x, y, z) that move in
-    the reduced model while interface `name` is held (module docstring)."""
+    the reduced model with interface `name` constrained (module docstring)."""
     interface = body.interfaces[name]
     J = rigid_mass(body, interface.point)
-    scale = 1.0 / np.sqrt(np.diag(J))  # kg and kg m2 made comparable before anything is inverted
+    scale = 1.0 / np.sqrt(np.diag(J))  # makes kg and kg m2 comparable before the inversion
     B = interface.modes / scale  # columns to coordinates with unit diagonal mass
     unit = J * np.outer(scale, scale)
     felt = np.linalg.inv(np.linalg.inv(unit) + B.T @ B)
@@ -146,7 +147,7 @@ def captured(body: ReducedBody, name: str) -> dict[str, list[float]]:
 
 def load_residual(model: ElasticModel, loads: Array, response: Array) -> float:
     """Largest `|P f - K u| / |P f|` over the columns f of `loads` (n, h) and u of `response` (n, h), the whole static
-    response of the reduced model: of its global and its local modes."""
+    response of the reduced model by its global and local modes."""
     balanced = model.self_equilibrated(loads)
     size = np.linalg.norm(balanced, axis=0)
     rest = np.linalg.norm(balanced - model.K @ response, axis=0)
@@ -158,8 +159,8 @@ def sampled_residual(
 ) -> float:
     """`load_residual` of `count` evenly spread columns of `loads` (n, h), dense or sparse.
 
-    Their whole response is `flexibility(loads)` (None: the model's own), which is what the residual local modes are
-    made of: the part that the global modes have is taken out of it and added again.
+    Their whole response is `flexibility(loads)` (None: the model's own), from which the residual local modes are
+    formed: the part of the global modes is subtracted from it and added again.
     """
     chosen = np.unique(np.linspace(0, loads.shape[1] - 1, min(count, loads.shape[1])).round().astype(int))
     f = loads[:, chosen]
@@ -168,14 +169,14 @@ def sampled_residual(
 
 
 def local_share(window: Array, residual_window: Array) -> float:
-    """Largest share (0 to 1) of a hat's own compliance that the local modes carry: `window` (h, h) with and
-    `residual_window` (h, h) without the global modes' part."""
+    """Largest share (0 to 1) of a node's own compliance contributed by the local modes: `window` (h, h) with and
+    `residual_window` (h, h) without the part of the global modes."""
     return float(np.max(np.diag(residual_window) / np.diag(window)))
 
 
 def coupling(cross: CrossCompliance, target: ContactSurface, source: ContactSurface) -> float:
-    """Largest |D_ts,ij| / sqrt(D_tt,ii D_ss,jj) of hats on two contact surfaces: from 0, where their local modes know
-    nothing of each other, to 1, of hats on the same facets. Hats that hardly move, on a rigid interface, do not count.
+    """Largest |D_ts,ij| / sqrt(D_tt,ii D_ss,jj) of grid nodes of two contact surfaces: from 0, where their local modes
+    are uncoupled, to 1, for nodes on the same facets. Nodes that hardly move, on a rigid interface, do not count.
     """
     own = []
     for side, s in ((1, target), (2, source)):
@@ -189,8 +190,8 @@ def coupling(cross: CrossCompliance, target: ContactSurface, source: ContactSurf
 def grid_error(
     window: Array, rows: int, *, kind: str = "hats", half_width: int = HALF_WIDTH
 ) -> tuple[float, int] | None:
-    """Estimated relative error of the compliance energy of Hertz's pressure on this grid, and the half-width in
-    spacings that it holds for: `half_width`, or less where the window is narrower. None for a window of fewer than
+    """Estimated relative error of the compliance energy of Hertz's pressure on this grid, and the corresponding
+    half-width in spacings: `half_width`, or less if the window is narrower. None for a window of fewer than
     `LEAST_COLUMNS` columns.
 
     `window` (w rows, w rows): compliance of neighbouring columns of functions of `kind`, per coefficient. See the
@@ -209,8 +210,8 @@ def grid_error(
 
 
 def _coarser_hats(columns: int, half_width: int) -> tuple[Array, Array, int]:
-    """Hertz's pressure at the nodes (n,) of the first `columns` or one less, hats of twice the spacing (n, m) whose
-    supports lie inside, and the half-width in spacings."""
+    """Hertz's pressure at the nodes (n,) of the first `columns` or one less, hat functions of twice the spacing (n, m)
+    with supports inside, and the half-width in spacings."""
     middle = (columns - 1) // 2
     half = min(half_width, middle - 1)
     offset = np.arange(-middle, middle + 1)
@@ -235,7 +236,7 @@ COARSER = {"hats": _coarser_hats, "cells": _coarser_cells}
 
 
 def _judged_grid(surface: ContactSurface, product: SurfaceProduct) -> dict[str, float] | None:
-    """Estimated error, the half-width [m] it holds for and the spacing [m] of the columns; None where not judged."""
+    """Estimated error, the corresponding half-width [m] and the spacing [m] of the columns; None if not assessed."""
     found = grid_error(product.window, surface.grid.rows, kind=surface.grid.kind)
     if found is None:
         return None
@@ -251,7 +252,7 @@ def memory(body: ReducedBody) -> dict[str, int]:
 
 
 def _truncated(body: ReducedBody, limits: Limits, frequencies: dict[str, Any]) -> list[str]:
-    """What the reduced body leaves out of the FE model, and why."""
+    """The parts of the FE model that the reduced body omits, and the reasons."""
     texts = []
     if limits.none:
         texts.append("all vibration modes, because neither max_frequency nor modes asked for any")

@@ -1,4 +1,4 @@
-"""`reduce`: from a mesh, a material, interfaces and contact surfaces to a `ReducedBody`."""
+"""`reduce`: computes a `ReducedBody` from a mesh, a material, interfaces and contact surfaces."""
 
 from __future__ import annotations
 
@@ -60,10 +60,10 @@ from warpffrf.offline.stress.plan import stress_plans
 
 logger = logging.getLogger("warpffrf.offline")
 LIBRARIES = ("warpffrf", "numpy", "scipy", "scikit-fem")
-# Small dense systems by the thousand: the threads of a BLAS wait for each other. The vibration modes of a roller of
-# 302,400 dofs took 0.09 s with one thread and 0.52 s with two. Threads work on harmonics, subtrees and blocks instead.
+# For thousands of small dense systems, BLAS threads only add overhead: the vibration modes of a roller with 302,400
+# dofs took 0.09 s with one thread and 0.52 s with two. Threads run over harmonics, subtrees and blocks instead.
 BLAS_THREADS = 1
-SPACING_NOTED = 0.1  # of the spacing asked for: a difference that a user wants to know of
+SPACING_NOTED = 0.1  # relative to the requested spacing: larger differences are noted in the report
 
 
 @named_arguments
@@ -101,64 +101,66 @@ def reduce(
     Parameters
     ----------
     mesh: the body; its frame is the body's user frame.
-    material: one material, or {cell set: Material} that covers every cell once (`mesh.materials` where a file brought
-        them). A mesh made of matrices needs none.
+    material: one material, or {cell set: Material} that covers every cell once (`mesh.materials` if they were read from
+        a file). Not required for a mesh made of matrices.
     interfaces: {facet set: kind}. "rigid": the nodes move as one rigid body (RBE2); "average": the interface is the
         mean motion of nodes that deform freely (RBE3); "free": every node keeps its own displacement.
-    contact: {facet set: shape}, a `warpffrf.surfaces` shape, or None to have a cylinder or crowned cylinder fitted.
-    basis: where the global modes come from: a name or options of `warpffrf.bases`. "free_free": vibration modes of the
+    contact: {facet set: shape}: a `warpffrf.surfaces` shape, or None to fit a cylinder or crowned cylinder.
+    basis: source of the global modes: a name or options object of `warpffrf.bases`. "free_free": vibration modes of the
         free body and inertia-relief attachment modes of the interfaces.
-    max_frequency [Hz], modes: for "free_free" vibration modes up to this frequency, or this many, or the fewer of both;
-        neither: none, the attachment modes alone. A pair of equal frequencies is never split (`report["notes"]` says
-        so). The other bases say what they mean there.
-    traction_spacing [m]: spacing of the contact grid; None: the surface nodes of a structured mesh, else the longest
-        facet edge.
-    expected_half_width [m], contact_error: instead of a spacing, the half-width of the smallest patch that matters and
-        the error of the contact force that the grid may make there; see `contact_spacing` for the rule.
-    traction, tangential: functions of the normal tractions on that grid, "hats" or "cells", and of two tangential
-        directions: False (none), True ("cells"), "hats" or "cells".
-    stress: {name: points} where stresses can be asked for later (`Result.stress`): points (p, 3) [m], the name of a
+    max_frequency [Hz], modes: for "free_free", vibration modes up to this frequency, or this number of modes, or the
+        fewer of the two if both are given; if neither is given, attachment modes only. Pairs of equal frequencies are
+        never split (see `report["notes"]`). The other bases define the meaning of both arguments.
+    traction_spacing [m]: spacing of the contact grid; None: the surface nodes of a structured mesh, otherwise the
+        longest facet edge.
+    expected_half_width [m], contact_error: alternative to a spacing: the half-width of the smallest contact patch of
+        interest and the admissible grid error of the contact force; the rule is given in `contact_spacing`.
+    traction, tangential: shape functions of the normal tractions on that grid, "hats" or "cells", and of the two
+        tangential directions: False (none), True ("cells"), "hats" or "cells".
+    stress: {name: points} at which stresses can be recovered (`Result.stress`): points (p, 3) [m], the name of a
         facet set, "skin", "all", or `StressPoints` for one side of an interface between materials.
-    local_dynamics: True: the mass of the local modes, too, with which they can be dynamic modes
-        (`warpffrf.model.reduced.local_modes`); one more solve for each unit load on the general path.
-    inertia_modes: how many of the global modes, the lowest, get inertia terms (`warpffrf.model.reduced.inertia`): None:
-        all up to 60. `report["inertia"]` says how many.
-    stiffening: True: also the stiffness that these modes get from prestress by turning and by loads on the interfaces;
-        on the general path. "membrane": also the membrane energy of plates, frames and shells that deflect by their
-        thickness or more, `warpffrf.model.reduced.inertia`; cells that do not lock in bending, and enough bending
-        modes, are needed for it.
-    membrane_modes: how many modes, the lowest, have membrane energy; None: up to 20. n take n (n + 1)/2 static
-        responses.
-    centrifugal: True: also the attachment modes of turning, the static responses to the products of the components of
-        the angular velocity, so that growing and bending under the body's own rotation is exact at any number of modes.
-        For rotors, discs, rings and blades that turn fast: the vibration modes of a round body hardly hold that shape.
-        Six modes more; where `inertia_modes` is left out, as many modes have inertia terms as this takes.
-    periodic: None: rotational periodicity is used, and looked for in meshes that do not state it; False: never.
-    solver: a name of the installed direct solvers for large systems; None: the default, `report["solver"]`.
-    memory_limit [byte]: bound for factors, dense operators and blocks of right-hand sides of the general path together;
+    local_dynamics: True: also compute the mass of the local modes, required for dynamic local modes
+        (`warpffrf.model.reduced.local_modes`); one additional solution per unit load on the general path.
+    inertia_modes: number of global modes, lowest first, with inertia terms (`warpffrf.model.reduced.inertia`); None:
+        all up to 60. `report["inertia"]` states the number.
+    stiffening: True: also compute the geometric stiffness of these modes due to prestress from rotation and from
+        interface loads; on the general path. "membrane": also the membrane energy of plates, frames and shells with
+        deflections of their thickness or more, `warpffrf.model.reduced.inertia`; requires cells that do
+        not lock in bending, and enough bending modes.
+    membrane_modes: number of modes, lowest first, with membrane energy; None: up to 20. n modes require n (n + 1)/2
+        static responses.
+    centrifugal: True: also include the attachment modes of rotation, the static responses to the products of the
+        components of the angular velocity. Expansion and bending under the body's own rotation are then exact for any
+        number of modes. Intended for fast rotors, discs, rings and blades: the vibration modes of a round body hardly
+        represent that shape. Adds six modes; if `inertia_modes` is omitted, inertia terms extend to as many modes as
+        these need.
+    periodic: None: rotational periodicity is used, and detected in meshes that do not declare it; False: never used.
+    solver: name of an installed direct solver for large systems; None: the default, see `report["solver"]`.
+    memory_limit [byte]: bound on factors, dense operators and blocks of right-hand sides of the general path together;
         None: 8 GiB.
-    sampling_error: also choose few sampling points on each contact surface for `Contact(evaluation="hyper")`, by which
-        the integrals of training patches err by at most this fraction of their size; None: no such points. 0.01 takes
-        a third of the points of evaluation "semi", see `warpffrf.offline.contact.cubature`.
-    contact_fixed: None: for contact surfaces whose mesh is too coarse for pressures on a grid of its own, also what
-        contacts need whose pressures stand on a grid that travels with the patch, much finer than the mesh
-        (`warpffrf.model.reduced.far_field`), where that can be had; True: for all, or an error that says why not;
-        False: for none. With `tangential=` on cells it serves friction, too. It costs the solution of some hundred to
-        thousand dofs for every few dozen functions of the contact grid (of one sector). The cells near the surface must
-        be of one material.
-    laps: {name: ("facet set", "facet set")}: faces of this body that slide a little on each other, or
-        {name: "facet set"}: a face that will lie on another body's; `LapCells` in their place says how large the cells
-        are. On the general path.
-    cache: look the result up in, and put it into, the user's cache. An interrupted reduction leaves a work file there,
-        and goes on from it when called again.
-    progress: what is being done, on stderr: bars on a terminal, lines elsewhere. Warnings come in any case.
+    sampling_error: also choose a small set of sampling points on each contact surface for
+        `Contact(evaluation="hyper")`, so that the error of the integrals of training patches is at most this
+        fraction of their size; None: no such points. 0.01 requires a third of the points of evaluation "semi", see
+        `warpffrf.offline.contact.cubature`.
+    contact_fixed: also compute the data for pressures on a contact-fixed grid, which travels with the patch and is much
+        finer than the mesh (`warpffrf.model.reduced.far_field`). None: for contact surfaces whose mesh is too coarse
+        for pressures on its own grid, where possible; True: for all, with an error that states why if impossible;
+        False: for none. With `tangential=` on cells it also serves friction. The cost is the solution of some hundred
+        to thousand dofs for every few dozen functions of the contact grid (of one sector). The cells near the surface
+        must be of one material.
+    laps: small-sliding contact (joint interfaces): {name: ("facet set", "facet set")} for faces of this body that slide
+        slightly on each other, or {name: "facet set"} for a face in contact with another body's; a `LapCells` as value
+        also sets the cell size. On the general path.
+    cache: look the result up in the user's cache and store it there. An interrupted reduction leaves a work file in
+        the cache and is resumed by the next call.
+    progress: report progress on stderr: bars on a terminal, lines elsewhere. Warnings are issued in any case.
 
     The static response to every load in the span of the traction functions and on the interfaces is exact for any
-    number of modes. A rotationally periodic mesh is reduced harmonic by harmonic, any other by one factorisation;
-    `report["path"]` tells which, and why. `report["quality"]` holds what is known of the body's quality. What makes a
-    result doubtful, such as cells too deep for the contact grid, is put into `report["warnings"]` and logged. Raises
-    `InputError` for bad settings, unknown sets, facets that do not fit their shape, a contact grid finer than the mesh,
-    a memory limit too small for one unit load.
+    number of modes. A rotationally periodic mesh is reduced harmonic by harmonic, any other mesh by one factorisation;
+    `report["path"]` states which, and why. `report["quality"]` contains the quality measures of the body. Conditions
+    that make a result doubtful, such as cells too deep for the contact grid, are added to `report["warnings"]` and
+    logged. Raises `InputError` for invalid settings, unknown sets, facets that do not fit their shape, a contact grid
+    finer than the mesh, and a memory limit too small for one unit load.
 
     With `mesh` and `steel` as in `mesh.roller` and `Material`:
 
@@ -212,7 +214,7 @@ def reduce(
             return body
         logger.info("reduce: %s, %d nodes, %d contact surfaces", name, len(mesh.points), len(settings.contact))
         doubts = input_doubts(mesh, settings)
-        warn(doubts)  # before the work begins
+        warn(doubts)  # before the computation begins
         with one_thread(), Checkpoint(body_cache.work_file(key) if cache else None) as checkpoint:
             body = _reduced(mesh, settings, checkpoint, Progress(progress))
             body.provenance.update(settings=described, key=key, versions=library_versions(LIBRARIES))
@@ -227,7 +229,8 @@ def reduce(
 
 
 def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Progress) -> ReducedBody:
-    """The reduction itself; `given` is the mesh as the user has it."""
+    """The reduction itself; `given` is the user's mesh."""
+    # mesh, materials, shapes and interfaces; choice of the cyclic or the general path
     with stages.stage("mesh check"):
         given.check()
         mesh, found = _periodic(given, settings)
@@ -242,6 +245,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     expected = expected_grids(mesh, choice.shapes, settings)
     product = _product(mesh, assignment, settings, joints, choice, expected, recovery, checkpoint, stages)
 
+    # report of the path
     report = _report(product, choice, given, settings, stages)
     formulations, locking = formulation_notes(assignment, bool(settings.stress))
     report["notes"] += formulations
@@ -254,6 +258,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         report["notes"] += notes
         report["warnings"] += warnings
     report["notes"] += [*found.notes, *(note for plan in plans for note in plan.notes)]
+    # contact surfaces with their assessment, sampling points and far fields
     surfaces: dict[str, ContactSurface] = {}
     for (name, shape), s in zip(choice.shapes.items(), product.surfaces, strict=True):
         report["contact"][name], warnings = _judged(mesh, name, shape, s, settings)
@@ -296,6 +301,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
                 "the skin for pictures follows the laps by the global modes only, to keep the file small"
             )
         report["warnings"] += product.laps.warnings
+    # coupling of surfaces, materials behind them
     for cross in product.cross:
         share = coupling(cross, surfaces[cross.target], surfaces[cross.source])
         report["contact"][cross.target]["coupling"][cross.source] = share
@@ -344,14 +350,14 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
 
 @dataclass(frozen=True)
 class _Found:
-    """What the search for periodicity says: why there is none, and notes where there is one."""
+    """Result of the search for periodicity: the reason if none was found, notes otherwise."""
 
     reason: str | None = None
     notes: tuple[str, ...] = ()
 
 
 def _periodic(mesh: Mesh, settings: Settings) -> tuple[Mesh, _Found]:
-    """The mesh numbered by sectors where periodicity may be used and is found, else the mesh itself."""
+    """The mesh renumbered by sectors if periodicity is admissible and found, otherwise the mesh itself."""
     if mesh.cyclic is not None or not mesh.cells or settings.general_reason is not None:
         return mesh, _Found()
     materials = settings.material if isinstance(settings.material, Mapping) else {}
@@ -373,7 +379,7 @@ def _product(
     checkpoint: Checkpoint,
     stages: Progress,
 ) -> PathProduct:
-    """What the chosen path computes."""
+    """Run the chosen path."""
     how: dict[str, Any] = {
         "traction": settings.traction,
         "tangential": settings.tangential,
@@ -417,7 +423,7 @@ def _with_far_field(
     stages: Progress,
     report: dict[str, Any],
 ) -> ContactSurface:
-    """The surface with its far field, where that is wanted and there is one; the `report` says what came of it."""
+    """The surface with its far field, if requested and available; notes and figures are added to the `report`."""
     name, shape, grid = surface.name, surface.shape, surface.grid
     if settings.contact_fixed is False:
         return surface
@@ -441,7 +447,7 @@ def _with_far_field(
 
 @contextmanager
 def one_thread() -> Iterator[None]:
-    """Hold the BLAS of NumPy and SciPy to `BLAS_THREADS` inside the block; other work of the process too."""
+    """Limit the BLAS of NumPy and SciPy to `BLAS_THREADS` inside the block, for the whole process."""
     import scipy.linalg  # noqa: F401  SciPy brings a BLAS of its own, which must be loaded to be limited
     from threadpoolctl import threadpool_limits
 
@@ -452,7 +458,7 @@ def one_thread() -> Iterator[None]:
 def _judged(
     mesh: Mesh, name: str, shape: Any, s: SurfaceProduct, settings: Settings
 ) -> tuple[dict[str, Any], list[str]]:
-    """Figures of a contact surface for the report, and warnings; raises `InputError` where its hats depend."""
+    """Figures of a contact surface for the report, and warnings; raises `InputError` if its functions are dependent."""
     edge = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart.edge
     held = held_nodes(mesh, name, settings.interfaces)
     ratio = check_compliance(s.window, name, edge, held)
@@ -484,7 +490,7 @@ def _judged(
 
 
 def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
-    """Notes on what the compliance between contact surfaces leaves out."""
+    """Notes on the couplings that the compliance between contact surfaces neglects."""
     notes = []
     if product.laps is not None and product.surfaces:
         notes.append(
@@ -504,7 +510,7 @@ def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
 
 
 def _not_used(settings: Settings, cyclic: bool) -> list[str]:
-    """Notes on settings that the path taken has no use for."""
+    """Notes on settings that the chosen path does not use."""
     if not cyclic:
         return []
     given = {"solver": settings.solver, "memory_limit": settings.memory_limit}
@@ -517,7 +523,7 @@ def _not_used(settings: Settings, cyclic: bool) -> list[str]:
 
 
 def _other_spacing(name: str, shape: Any, s: SurfaceProduct, settings: Settings) -> list[str]:
-    """A note where the columns of the grid are not as far apart as was asked for."""
+    """A note if the column spacing of the grid differs from the requested one."""
     wanted = settings.traction_spacing
     actual = s.grid.pitch * largest_radius(shape, s.grid.z)
     if wanted is None or abs(actual - wanted) <= SPACING_NOTED * wanted:

@@ -1,10 +1,10 @@
-"""What `reduce` was asked for, checked: everything that decides the numbers of a reduced body.
+"""The checked arguments of `reduce`: everything that determines the numbers of a reduced body.
 
-Doubts. Input of a reduction that is hardly meant: said before the work begins, and once more in its report.
+Doubts. Implausible input of a reduction: warned of before the computation begins, and repeated in the report.
 
-Units and shape of the mesh are judged by `warpffrf.model.mesh.report`. Here are the numbers of the contact and of the
-basis: a half-width that no contact on such a surface has, because it is in mm, and a frequency below which no mode
-lies, because it is in kHz.
+Units and shape of the mesh are checked by `warpffrf.model.mesh.report`. This module checks the numbers of the contact
+and of the basis: a half-width that is impossible on such a surface (given in mm), and a frequency below which there is
+no mode (given in kHz).
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from warpffrf.offline.products import Limits, resolve_shapes
 from warpffrf.offline.solvers import require_solver
 from warpffrf.offline.stress.plan import stress_settings
 
-TANGENTIAL = "cells"  # of `tangential=True`: friction is solved in cells, hats were measured to be worse
-CYCLIC_BASES = ("free_free", "craig_chang")  # whose span is that of free vibration and attachment modes
+TANGENTIAL = "cells"  # for `tangential=True`: friction is solved in cells; hats were measured to be less accurate
+CYCLIC_BASES = ("free_free", "craig_chang")  # their span is that of free vibration and attachment modes
 
 
 @dataclass(frozen=True, eq=False)
 class Settings:
-    """Arguments of `reduce`; see there. `check` raises `InputError` for what cannot be used."""
+    """Arguments of `reduce`; see there. `check` raises `InputError` for inadmissible values."""
 
     material: Material | Mapping[str, Material] | None
     interfaces: dict[str, str]
@@ -91,7 +91,7 @@ class Settings:
         laps: Mapping[str, Any] | None = None,
         membrane_modes: int | None = None,
     ) -> Settings:
-        """The settings behind the arguments of `reduce`, checked as far as they can be without the mesh."""
+        """The settings for the arguments of `reduce`, checked as far as possible without the mesh."""
         options = basis_options(basis)
         options.check_limits(max_frequency, modes)
         if max_frequency is not None:
@@ -125,7 +125,7 @@ class Settings:
             raise InputError(
                 f"reduce: contact_fixed must be True, False or None (where the mesh is coarse), got {contact_fixed!r}"
             )
-        stress_settings(stress or {})  # refuses what is no {name: points}
+        stress_settings(stress or {})  # raises unless it is {name: points}
         if not isinstance(tangential, (bool, type(None))) and str(tangential) not in KINDS:
             raise InputError(
                 f"reduce: tangential must be True, False or one of {', '.join(map(repr, KINDS))}, got {tangential!r}"
@@ -159,7 +159,7 @@ class Settings:
         )
 
     def check_against(self, mesh: Mesh) -> None:
-        """Raises `InputError` for what the mesh does not have or cannot be combined."""
+        """Raises `InputError` for sets that the mesh does not have and for inadmissible combinations."""
         for name in self.basis.facet_sets:
             mesh.facets(name)
         for name, kind in self.interfaces.items():
@@ -182,13 +182,13 @@ class Settings:
 
     @property
     def limits(self) -> Limits:
-        """Which modes are wanted."""
+        """The requested modes."""
         omega = None if self.max_frequency is None else 2.0 * np.pi * self.max_frequency
         return Limits(self.modes, omega)
 
     @property
     def general_reason(self) -> str | None:
-        """Why these settings need the general path whatever the mesh, or None."""
+        """The reason why these settings require the general path for any mesh, or None."""
         if self.periodic is False:
             return "periodic=False"
         if self.laps:
@@ -203,7 +203,7 @@ class Settings:
         return None
 
     def describe(self, mesh: Mesh) -> dict[str, Any]:
-        """Plain data for provenance and the key of the cache. How it is computed (solver, threads) does not count."""
+        """Plain data for provenance and the cache key, excluding how it is computed (solver, threads)."""
         return {
             "mesh": mesh.content_hash(),
             "material": _numbers(self.material),
@@ -232,7 +232,7 @@ class Settings:
 
 
 def _by_set(value: Any, what: str, example: str) -> dict[str, Any]:
-    """`value` as a dict with names of sets; raises `InputError` for anything else."""
+    """`value` as a dict keyed by set names; raises `InputError` for anything else."""
     if value is None:
         return {}
     if not isinstance(value, Mapping) or not all(isinstance(name, str) for name in value):
@@ -241,7 +241,7 @@ def _by_set(value: Any, what: str, example: str) -> dict[str, Any]:
 
 
 def _refuse_sampling(error: float, traction: str) -> None:
-    """Raises `InputError` for an error that is no fraction, and for tractions that have no sampling points."""
+    """Raises `InputError` for an error of 1 or more, and for tractions without sampling points."""
     if error >= 1.0:
         raise InputError(f"reduce: sampling_error is a fraction below 1, got {error:g}; for one per cent give 0.01")
     if traction == "cells":
@@ -251,7 +251,7 @@ def _refuse_sampling(error: float, traction: str) -> None:
 
 
 def _membrane_modes(modes: Any, stiffening: bool | str) -> int:
-    """The number of modes with membrane energy; raises `InputError` for none, and where there is no such energy."""
+    """The number of modes with membrane energy; raises `InputError` for zero, and without membrane stiffening."""
     if stiffening != MEMBRANE:
         raise InputError(f"reduce: membrane_modes is a number of modes of stiffening={MEMBRANE!r}; ask for that, too")
     count = _count(modes, "membrane_modes")
@@ -269,18 +269,18 @@ def _count(modes: Any, name: str) -> int:
 
 
 def _numbers(material: Material | Mapping[str, Material] | None) -> Any:
-    """What of a material decides numbers: not its name."""
+    """The properties of a material that affect numbers; its name does not."""
     if isinstance(material, Material):
         return [material.youngs_modulus, material.poisson_ratio, material.density, material.mixed]
     return None if material is None else {name: _numbers(one) for name, one in material.items()}
 
 
-HALF_WIDTH = 0.5  # of radius or extent: a patch of this size is no small contact, and no grid resolves less
-FACETS = 50.0  # longest facet edge over the half-width: coarser meshes are not meant for it
+HALF_WIDTH = 0.5  # of radius or extent: a patch of this size is not a small contact, and no grid resolves less
+FACETS = 50.0  # longest facet edge over the half-width: coarser meshes are not suited to it
 
 
 def input_doubts(mesh: Mesh, settings: Settings) -> list[str]:
-    """Doubts about mesh, materials, and what was asked for: texts that name the thing and the likely slip."""
+    """Doubts about mesh, materials and requested results: texts that name the item and the likely mistake."""
     known = settings.material if isinstance(settings.material, Material | Mapping) else None
     return [*mesh.report(known).warnings, *_half_width_doubts(mesh, settings)]
 
@@ -312,8 +312,7 @@ def _half_width_doubts(mesh: Mesh, settings: Settings) -> list[str]:
 
 
 def too_low(omega: Any, settings: Settings) -> list[str]:
-    """A doubt where `max_frequency` was asked for and no vibration mode lies below it; `omega` (m,) [rad/s] of the
-    basis."""
+    """A doubt if `max_frequency` was given and no vibration mode lies below it; `omega` (m,) [rad/s] of the basis."""
     asked = settings.max_frequency
     if asked is None or settings.modes == 0:
         return []

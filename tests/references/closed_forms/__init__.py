@@ -1,5 +1,5 @@
-"""Closed forms of contact that simulations are held against: Hertz, Cattaneo-Mindlin, Carter, impact, conformal pin,
-joints that slide a little, large deflections.
+"""Closed-form contact solutions to compare simulations with: Hertz, Cattaneo-Mindlin, Carter, impact, conformal
+pin, joints with small sliding, large deflections.
 
 None of these files imports the engine, the kernels or the reduction.
 """

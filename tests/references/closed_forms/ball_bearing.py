@@ -1,18 +1,19 @@
 r"""Rigid-ring ball bearings by the equations of ISO/TS 16281:2008, solved by root finding.
 
 With the groove radii r_i, r_e, A = r_i + r_e - D, the free contact angle cos alpha_0 = 1 - s/(2 A) of a diametral
-clearance s, and R_i = d_pw/2 + (r_i - D/2) cos alpha_0, a ball at the angle phi from the radial load takes
+clearance s, and R_i = d_pw/2 + (r_i - D/2) cos alpha_0, the deflection and load of a ball at the angle phi from the
+radial load are
 
     X = A cos alpha_0 + delta_r cos phi,      Y = A sin alpha_0 + delta_a + R psi cos phi,
     delta = sqrt(X^2 + Y^2) - A,              Q = c_P delta^1.5,    tan alpha = Y/X,
 
-and sum Q cos alpha cos phi = F_r, sum Q sin alpha = F_a, sum Q sin alpha cos phi = 0 of a ring that tilts freely. The
-lever R of the tilt psi is R_i; a published program takes d_pw/2. c_P is that of both contacts in series, by Hertz's
+and sum Q cos alpha cos phi = F_r, sum Q sin alpha = F_a, sum Q sin alpha cos phi = 0 for a ring that tilts freely. The
+lever R of the tilt psi is R_i; a published program uses d_pw/2. c_P is that of both contacts in series, by Hertz's
 formulas in complete elliptic integrals.
 
-**Exact kinematics.** The equations are of first order in the tilt and in the motion of the inner ring across. In
-`exact` the circle of the inner groove centres is moved and turned as a whole, cut with the meridian plane of each ball,
-and the potential sum (2/5) c_P delta^(5/2) less the work of the loads is made stationary.
+**Exact kinematics.** The equations are of first order in the tilt and in the transverse motion of the inner ring. In
+`exact` the circle of the inner groove centres is translated and rotated as a whole and intersected with the meridian
+plane of each ball; the potential sum (2/5) c_P delta^(5/2) less the work of the loads is made stationary.
 """
 
 from __future__ import annotations
@@ -107,7 +108,7 @@ class BallBearing:
         return found.x, taken(found.x)[0]
 
     def exact(self, radial: float, axial: float, guess: tuple[float, float, float]) -> tuple[np.ndarray, np.ndarray]:
-        """The same of a ring that tilts freely, by exact kinematics."""
+        """The same for a ring that tilts freely, by exact kinematics."""
         outer = 0.5 * self.pitch - (self.outer - 0.5 * self.diameter) * np.cos(self.free_angle)
 
         def taken(x: np.ndarray) -> np.ndarray:

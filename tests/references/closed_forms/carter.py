@@ -1,12 +1,12 @@
-r"""Carter's steady rolling of two like cylinders with friction (F. W. Carter, Proc. R. Soc. A 112, 1926, 151).
+r"""Carter's steady rolling of two identical cylinders with friction (F. W. Carter, Proc. R. Soc. A 112, 1926, 151).
 
-The patch |x| <= a stands, material runs through it from the leading edge x = a to the trailing one x = -a. Stick
-begins where material enters, so that the stick zone a - 2 c <= x <= a touches the leading edge (K. L. Johnson, Contact
+The patch |x| <= a is fixed, material flows through it from the leading edge x = a to the trailing one x = -a. Material
+sticks on entry, so that the stick zone a - 2 c <= x <= a touches the leading edge (K. L. Johnson, Contact
 Mechanics, 1985, section 8.3):
 
     q = mu p0 (sqrt(1 - x^2/a^2) - (c/a) sqrt(1 - (x - d)^2/c^2)),     d = a - c,     (c/a)^2 = 1 - Q/(mu P).
 
-Both parts stretch the surfaces evenly in the stick zone; the relative strain that is left is the creepage, the
+Both parts stretch the surfaces uniformly in the stick zone; the remaining relative strain is the creepage, the
 difference of the surface speeds over the rolling speed, with R the effective radius:
 
     xi = (mu a/R)(1 - c/a).
@@ -62,7 +62,7 @@ class CarterRolling:
 
     @property
     def stick_end(self) -> float:
-        """a - 2 c [m], where slip begins; the stick zone reaches from there to the leading edge a."""
+        """a - 2 c [m], where slip begins; the stick zone extends from there to the leading edge a."""
         return self.contact.half_width * (1.0 - 2.0 * self.stick_ratio)
 
     def traction(self, x: Array) -> Array:

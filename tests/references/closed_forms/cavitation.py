@@ -1,20 +1,20 @@
-r"""Films that cavitate and fill again, with solutions by quadrature: a parabolic slider, plates that part and meet.
+r"""Films with rupture and reformation, with solutions by quadrature: a parabolic slider, plates with oscillating gap.
 
-Where the pressure is zero the film carries a void volume D per area, so that h - D is oil (B. Jakobsson and L. Floberg,
+At zero pressure the film has a cavity volume D per area, so that h - D is oil (B. Jakobsson and L. Floberg,
 Chalmers Tekniska Hoegskola 190, 1957; K.-O. Olsson 1965: mass is conserved at both ends of a cavity).
 
 **Slider.** One surface slides with U over another at rest, h(x) between, so that the flux q = U h/2 - h^3/(12 mu) p' is
-one number. The film ruptures at x_r, behind its narrowest place, where p = p' = 0, so that q = U h(x_r)/2; and fills
-again at x_f > x_r, where p = 0 and p rises to the pressure at the outlet:
+constant. The film ruptures at x_r, behind its narrowest point, where p = p' = 0, so that q = U h(x_r)/2; it reforms
+at x_f > x_r, where p = 0 and p rises to the pressure at the outlet:
 
     p(x) = int 6 mu U (h(y) - h(x_r))/h(y)^3 dy,     from 0 to x_r, p(0) = p_in, and from x_f to L, p(L) = p_out.
 
-**Plates** of half-width a, gap h(t), pressure p_a outside. While they part the middle ruptures to |x| < s,
+**Plates** of half-width a, gap h(t), pressure p_a outside. While they separate the middle ruptures to |x| < s,
 
     p'' = 12 mu h'/h^3,     p(s) = p'(s) = 0,  p(a) = p_a:      a - s = root(p_a h^3/(6 mu h')),
 
-as long as s grows. Where it has opened, the film keeps h_r(x), the gap then, of oil. When the front comes back it fills
-up what is void, with the flux that the pressure gradient drives there,
+as long as s grows. In the cavity the oil height stays h_r(x), the gap at rupture. When the front returns it
+refills the cavity with the flux due to the pressure gradient there,
 
     -(h - h_r(s)) s' = h^3/(12 mu) p'(s),     p'(s) = p_a/(a - s) - 6 mu h' (a - s)/h^3.
 """
@@ -31,13 +31,13 @@ from scipy.optimize import root_scalar
 from warpffrf.model.errors import InputError
 
 Array = np.ndarray
-NEAR = 1e-4  # of the length: how close to the narrowest place a front is looked for
-LEAST_VOID = 1e-9  # of the gap: the front begins to come back with no void before it
+NEAR = 1e-4  # of the length: distance from the narrowest point within which a front is sought
+LEAST_VOID = 1e-9  # of the gap: the front starts to return from a cavity of this size
 
 
 @dataclass(frozen=True)
 class RupturedSlider:
-    """What the quadrature gives: x_r, x_f [m] (x_f is the length where nothing fills), flux q [m2/s], force [N/m]."""
+    """Results: x_r, x_f [m] (x_f is the length if the film does not reform), flux q [m2/s], force [N/m]."""
 
     rupture: float
     refill: float
@@ -50,7 +50,7 @@ def ruptured_slider(
     outlet: float,
 ) -> RupturedSlider:  # fmt: skip
     """Slider with the gap h(x) [m] over [0, length], narrowest at x = `narrowest`; pressures [Pa] at both ends. Raises
-    `InputError` where it does not rupture behind the narrowest place."""
+    `InputError` if it does not rupture behind the narrowest point."""
 
     def slope(x: float, h_r: float) -> float:
         return 6.0 * viscosity * speed * (gap(x) - h_r) / gap(x) ** 3
@@ -104,15 +104,15 @@ class PartingPlates:
         return -self.amplitude * w * np.sin(w * np.asarray(t, dtype=float))
 
     def opening(self, t: Array | float) -> Array:
-        """s [m] of a cavity that grows; 0 where there is none, or the plates approach."""
+        """s [m] of a growing cavity; 0 if there is none, or the plates approach."""
         h, v = self.gap(t), self.rate(t)
         with np.errstate(divide="ignore"):
             s = self.half_width - np.sqrt(self.ambient * h**3 / (6.0 * self.viscosity * np.maximum(v, 0.0)))
         return np.maximum(s, 0.0)
 
     def cavity(self, samples: int = 4001) -> tuple[Array, Array]:
-        """Times [s] and half-widths s [m] of the cavity from where it opens until it is filled, from t = T/2 on, where
-        the plates are nearest and all is oil. Raises `InputError` where none opens."""
+        """Times [s] and half-widths s [m] of the cavity from its opening until it is filled, from t = T/2 on, when
+        the plates are nearest and the film is full. Raises `InputError` if none opens."""
         t = np.linspace(0.5 * self.period, self.period, 20 * samples)
         s = self.opening(t)
         if not s.any():

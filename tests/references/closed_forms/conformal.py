@@ -1,9 +1,9 @@
 r"""A pin in a bore of nearly its own radius, frictionless, plane strain: the conformal problem of Persson.
 
 A disc of radius R, pressed by a force P' per length in its interior into a hole of radius R + dR in an infinite plate,
-touches it for |theta| < eps; eps need not be small. Sources: A. Persson, On the stress distribution of cylindrical
+is in contact for |theta| < eps; eps need not be small. Sources: A. Persson, On the stress distribution of cylindrical
 elastic bodies in contact, Dissertation, Chalmers, 1964; M. Ciavarella, P. Decuzzi, Int. J. Solids Structures 38 (2001)
-4507. The integral equation is derived here from Michell's harmonics, so that neither is taken on trust.
+4507. The integral equation is derived here independently from Michell's harmonics.
 
 **Harmonics.** The pressure p = sum p_n cos(n theta) on the rim. For n >= 2 the stress function (A r^n + B r^(n+2)) of
 the disc, (C r^-n + D r^(2-n)) of the plate, with sigma_rr = -p_n cos(n theta) and sigma_rtheta = 0 at r = R, gives with
@@ -11,9 +11,9 @@ kappa = 3 - 4 nu the radial displacements (over R cos(n theta))
 
     disc:   -(p_n/(4 G1)) (1/(n - 1) + kappa1/(n + 1)),      plate:   (p_n/(4 G2)) (1/(n + 1) + kappa2/(n - 1)),
 
-and for n = 0  -p_0 (kappa1 - 1)/(4 G1)  and  p_0/(2 G2). The harmonic n = 1 only moves both as rigid bodies, whatever
-carries the resultant inside. With delta the way of the disc the gap is dR - delta cos(theta) + u_plate - u_disc; the
-operator d2/dtheta2 + 1 removes delta and each n = 1. In the patch, with
+and for n = 0  -p_0 (kappa1 - 1)/(4 G1)  and  p_0/(2 G2). The harmonic n = 1 only moves both as rigid bodies, however
+the resultant is supported inside. With delta the displacement of the disc the gap is dR - delta cos(theta) + u_plate -
+u_disc; the operator d2/dtheta2 + 1 removes delta and each n = 1. In the patch, with
 
     S = (1 + kappa1)/(4 G1) + (1 + kappa2)/(4 G2) = 2/E*,   c = (kappa2 - 1)/(2 G2) - (kappa1 - 1)/(2 G1),
     d = (kappa1 - 1)/(4 G1) + 1/(2 G2)                                          (= 1/E* for like materials, c = 0)
@@ -26,7 +26,7 @@ The sum is H', H = sum p_n sin(n theta) the conjugate of p; integrated once, wit
     H = (1/pi) PV int p/(y - t) dt,   p_0 the mean of p,   p_1 = P'/(pi R).
 
 **Solution.** p = sqrt(1 - x^2) sum c_k U_2k(x), y = tan(eps/2) x: H = sum c_k T_(2k+1)(x); collocation. For small eps
-only dR/R theta is left of the right side and the integral fades beside H: Hertz with 1/R_eff = dR/R^2.
+only dR/R theta remains on the right and the integral is negligible compared with H: Hertz with 1/R_eff = dR/R^2.
 
 **Like materials in closed form** (`persson`), b = tan(eps/2):
 
@@ -36,7 +36,7 @@ only dR/R theta is left of the right side and the integral fades beside H: Hertz
 
 dR -> 0 at eps = 84.9 degrees, which no load exceeds as long as there is a clearance.
 
-The gap is linear in dR/R: geometry that is of second order in dR/R is left out here, but not in a finite element model.
+The gap is linear in dR/R: geometry of second order in dR/R is neglected here, but not in a finite element model.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ from warpffrf.model.material import Material
 Array = np.ndarray
 TERMS = 24  # of the pressure: the last coefficient is at most 1e-8 of the first up to 84 degrees
 POINTS = 200  # of a quadrature of the pressure over the patch: 1e-12
-ANGLES = (1e-3, 2.0)  # rad, where a half-angle is looked for; below the first one the contact is Hertz's to 1e-6
+ANGLES = (1e-3, 2.0)  # rad, bounds of the half-angle; below the first one the contact is Hertz's to 1e-6
 ANGLE_ERROR = 1e-13  # rad, of the half-angle at a given load
 
 
@@ -95,7 +95,7 @@ def conformal_by_half_angle(
 ) -> ConformalPin:
     """The state with half-angle eps [rad]; radius R and clearance dR [m]. `bore` None: the plate is rigid.
 
-    A load that comes out negative means that no load gives this half-angle.
+    A negative load means that no load gives this half-angle.
     """
     eps = require_number(half_angle, "half-angle of the patch", positive=True)
     slope = require_number(clearance, "clearance", positive=True) / require_number(radius, "radius", positive=True)

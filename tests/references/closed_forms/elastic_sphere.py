@@ -1,8 +1,8 @@
-r"""How much less a whole elastic sphere yields than Hertz's half-space, pressed at its pole in free fall.
+r"""Stiffening of a whole elastic sphere relative to Hertz's half-space, pressed at its pole in free fall.
 
 The sphere of radius R is loaded by Hertz's pressure over its pole and balanced by a uniform body force (gravity, or its
-own acceleration). What counts is the way of the pole against the mean displacement of the sphere's mass, which is the
-motion of its Tisserand frame. In Legendre series sigma_rr = sum S_n P_n(cos theta) on r = R, no shear (A. I. Lur'e,
+own acceleration). The approach is the displacement of the pole relative to the mean displacement of the sphere's mass,
+i.e. to its Tisserand frame. In Legendre series sigma_rr = sum S_n P_n(cos theta) on r = R, no shear (A. I. Lur'e,
 Three-Dimensional Problems of the Theory of Elasticity, 1964, chapter 6), for n >= 2
 
     u_r       = (A (n + 1)(n - 2 + 4 nu) r^(n+1) + B n r^(n-1)) P_n,
@@ -13,7 +13,7 @@ n = 0 is u_r = S_0 r (1 - 2 nu)/(2 G (1 + nu)), and for n = 1, with the body for
 
     u = c ((x.e) x - r^2 e/2),   c = S_1/(R (2 G + 3 lambda)),   at the pole less the mean: (3/5) c R^2.
 
-Of the displacement the mean over the pressure is taken, that of Hertz's half-space is 4/5 of its largest,
+The displacement is averaged with the pressure; the mean of Hertz's half-space is 4/5 of its maximum,
 pi p0 a/(2 E'): the series then converges fast beyond R/a terms.
 """
 
@@ -39,7 +39,7 @@ def harmonic(n: int, material: Material) -> tuple[float, float]:
 def approach_correction(half_width: float, radius: float, material: Material) -> float:
     """Approach of the sphere at a pressure of this `half_width` [m] over that of the half-space, less 1; negative.
 
-    radius [m]. Raises `InputError` where the patch is not small.
+    radius [m]. Raises `InputError` if the patch is not small.
     """
     a = require_number(half_width, "elastic sphere: half_width", positive=True)
     R = require_number(radius, "elastic sphere: radius", positive=True)

@@ -1,12 +1,12 @@
 r"""Hertz's contact of an elliptic patch (K. L. Johnson, Contact Mechanics, 1985, sections 3.5 and 4.1).
 
-The pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) moves the surface of a half-space by (L - M x^2 - N y^2)/(pi E*), with
+The pressure p0 sqrt(1 - x^2/a^2 - y^2/b^2) displaces the surface of a half-space by (L - M x^2 - N y^2)/(pi E*), with
 integrals that are Carlson's R_D and R_F:
 
     M = (pi p0 a b/2) int_0^oo dw/((a^2 + w) sqrt((a^2 + w)(b^2 + w) w)) = (pi p0 a b/3) R_D(0, b^2, a^2),
     N = (pi p0 a b/3) R_D(0, a^2, b^2),      L = pi p0 a b R_F(0, a^2, b^2).
 
-The gap x^2/(2 R_x) + y^2/(2 R_y) - delta is closed where M/(pi E*) = 1/(2 R_x), N/(pi E*) = 1/(2 R_y):
+The gap x^2/(2 R_x) + y^2/(2 R_y) - delta vanishes if M/(pi E*) = 1/(2 R_x), N/(pi E*) = 1/(2 R_y):
 
     R_D(0, 1, k^2)/R_D(0, k^2, 1) = R_x/R_y,  k = b/a;      P = (2/3) pi a b p0;
     a^3 = P R_x R_D(0, k^2, 1)/(pi E*),       delta = (3 P/(2 pi E* a)) R_F(0, 1, k^2).
@@ -24,7 +24,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import elliprd, elliprf
 
-LONGEST = 1e4  # ratio of the half-axes up to which an ellipse is looked for
+LONGEST = 1e4  # upper limit of the ratio of the half-axes
 
 
 @dataclass(frozen=True)

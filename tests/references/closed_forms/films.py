@@ -1,6 +1,6 @@
 r"""Films with closed forms: bearings long and short, sliders, squeezed plates, a cylinder on a plane.
 
-Viscosity mu [Pa s], speed U [m/s] of one surface along the other that stands, clearance c, radius R, length L (along
+Viscosity mu [Pa s], speed U [m/s] of one surface along the other at rest, clearance c, radius R, length L (along
 the axis, or across the sliding) [m], eccentricity ratio eps.
 
     long bearing, whole film    W = mu U L (R/c)^2 12 pi eps/((2 + eps^2) sqrt(1 - eps^2)),  across the line of centres
@@ -15,7 +15,7 @@ the axis, or across the sliding) [m], eccentricity ratio eps.
     rectangular plate a x b     F = 12 mu V/h^3 sum (64/pi^4) a b/(m^2 n^2 pi^2 (m^2/a^2 + n^2/b^2)),  m, n odd
     under a constant force      1/h^2 = 1/h_1^2 + 2 F t/(F h^3/V)
 
-The half-film forces of the short bearing in motion, with e = c eps along the line of centres, which turns by phi, and
+The half-film forces of the short bearing in motion, with e = c eps along the line of centres, which rotates by phi, and
 the shaft by omega, radial and transverse, on the shaft (J. F. Booker, J. Basic Eng. 87, 1965, 537):
 
     F_r = -(mu R L^3/(2 c^2)) (2 eps^2 (omega - 2 phi')/(1 - eps^2)^2 + pi eps' (1 + 2 eps^2)/(1 - eps^2)^(5/2))
@@ -52,7 +52,7 @@ class JournalBearing:
     speed: float
 
     def long(self, eccentricity: float) -> float:
-        """Force [N] of a whole film without end flow, cavitation left out; it stands across the line of centres."""
+        """Force [N] of a whole film without end flow or cavitation, perpendicular to the line of centres."""
         eps = _ratio(eccentricity)
         scale = self.viscosity * self.speed * self.length * (self.radius / self.clearance) ** 2
         return scale * 12.0 * np.pi * eps / ((2.0 + eps**2) * np.sqrt(1.0 - eps**2))
@@ -63,7 +63,7 @@ class JournalBearing:
         return float(np.hypot(radial, across)), float(np.arctan2(across, -radial))
 
     def short_forces(self, eccentricity: float, rate: float, turning: float) -> tuple[float, float]:
-        """F_r, F_t [N] on the shaft; rate eps' and turning phi' [1/s]."""
+        """F_r, F_t [N] on the shaft; rate eps' and rotation phi' [1/s]."""
         eps = _ratio(eccentricity)
         g, omega = 1.0 - eps**2, self.speed / self.radius
         scale = self.viscosity * self.radius * self.length**3 / (2.0 * self.clearance**2)
@@ -75,7 +75,7 @@ class JournalBearing:
 
 def stability_threshold(K: Array, D: Array) -> tuple[float, float]:
     """Largest m c omega^2/W of a mass on a bearing, and its whirl there over omega; K (2, 2), D (2, 2): derivatives of
-    -F by places and speeds, times c/W and c omega/W.
+    -F by position and velocity, times c/W and c omega/W.
 
     The characteristic polynomial of M s^2 + D s + K has a root i gamma where
 
@@ -91,7 +91,7 @@ def short_bearing_coefficients(eccentricity: float) -> tuple[Array, Array]:
     """K, D of `stability_threshold`, of a half film: along (0) and across (1) the line of centres.
 
     With g = 1 - eps^2 and F in units of mu R L^3 omega/(2 c^2), F_r = -2 eps^2/g^2 and F_t = pi eps/(2 g^1.5) at rest;
-    a turn of the line of centres turns the force with it.
+    a rotation of the line of centres rotates the force with it.
     """
     eps = _ratio(eccentricity)
     g = 1.0 - eps**2

@@ -17,7 +17,7 @@ and in plane strain sigma_y = nu (sigma_x + sigma_z). **Below a point contact** 
 sigma_theta = sigma_r, so that von Mises' stress is |sigma_r - sigma_z|.
 
 **Approach of a line contact** depends on the rest of the body. A solid cylinder of radius R0, loaded at both ends of a
-diameter over the half-width a: the axis comes closer to either end by P' (1 - nu^2)/(pi E) (2 ln(4 R0/a) - 1).
+diameter over the half-width a: the axis approaches either end by P' (1 - nu^2)/(pi E) (2 ln(4 R0/a) - 1).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def contact_modulus(first: Material, second: Material | None = None) -> float:
 
 
 def cylinder_approach(load: float, radius: float, half_width: float, material: Material) -> float:
-    """Way [m] of the axis of a solid cylinder towards either of its two loaded lines (Johnson, equation 5.57).
+    """Approach [m] of the axis of a solid cylinder to either of its two loaded lines (Johnson, equation 5.57).
 
     load P' [N/m]; radius R0 and half_width a [m]. Plane strain.
     """

@@ -1,7 +1,7 @@
 r"""Impacts with a closed form: Hertz's of two spheres, St Venant's of two bars.
 
-**Hertz** (K. L. Johnson, Contact Mechanics, 1985, section 11.4): both bodies are rigid but for the static compliance of
-the contact, P = K delta^(3/2), K = (4/3) E* sqrt(R), with 1/m = 1/m1 + 1/m2 and the approach speed v. Of the energy
+**Hertz** (K. L. Johnson, Contact Mechanics, 1985, section 11.4): both bodies are rigid except for the static compliance
+of the contact, P = K delta^(3/2), K = (4/3) E* sqrt(R), with 1/m = 1/m1 + 1/m2 and approach speed v. With the energy
 m v^2/2 = (2/5) K delta^(5/2) + m delta'^2/2, and with int_0^1 dx/sqrt(1 - x^(5/2)) = (2/5) B(2/5, 1/2),
 
     delta_max = (5 m v^2/(4 K))^(2/5),      T = (4/5) B(2/5, 1/2) delta_max/v = 2.94 delta_max/v.
@@ -87,5 +87,5 @@ class BarImpact:
 
     @property
     def impulse(self) -> float:
-        """Force times time [N s]: the momentum of one bar, all of which it hands over."""
+        """Impulse [N s]: the momentum of one bar, all of which is transferred."""
         return self.force * self.duration

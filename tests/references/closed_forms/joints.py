@@ -1,34 +1,34 @@
-r"""Joints that slide a little: two leaves, a bar on a base, a bolted joint, a press fit; damping from loss.
+r"""Joints with small sliding: two leaves, a bar on a base, a bolted joint, a press fit; equivalent damping.
 
-Coulomb friction of coefficient mu under given pressures; strains are small. A cycle follows Masing's rule where all
+Coulomb friction of coefficient mu under given pressures; strains are small. A cycle follows Masing's rule if all
 points of a joint slip under the same bounds both ways: with the first loading b(F), after a reversal at (F1, d1)
 
-    d = d1 - 2 b((F1 - F)/2)      (on the way down; up likewise),      loss per cycle = 4 F1 b(F1) - 8 int_0^F1 b dF.
+    d = d1 - 2 b((F1 - F)/2)      (unloading; reloading likewise),     loss per cycle = 4 F1 b(F1) - 8 int_0^F1 b dF.
 
 **Two leaves** (L. E. Goodman and J. H. Klumpp, J. Appl. Mech. 23 (1956) 421). Two strips L x b x h, clamped at x = 0,
-pressed together by p, carry the tip force P together. While they stick they are one beam, I = 8 I1, I1 = b h^3/12,
-whose shear traction at the joint is 3 P/(4 b h), the same everywhere. So all of it slips at once, from P_s = 4/3 S
-with S = mu p b h. Slipping, each leaf has half of P and the couple of the traction, mu p b h/2 a length:
+pressed together by p, share the tip force P. While they stick they are one beam, I = 8 I1, I1 = b h^3/12,
+whose shear traction at the joint is 3 P/(4 b h), uniform along it. So all of it slips at once, from P_s = 4/3 S
+with S = mu p b h. During slip, each leaf has half of P and the couple of the traction, mu p b h/2 per length:
 
     stuck  w = P L^3/(24 E I1),      slipping  w = (P - S) L^3/(6 E I1),
     slip(x) = 6 (P - P_s)/(E b h^2) (L x - x^2/2),
 
-of which the last is h w' less the strain of the leaves under the traction. The loop between -P and P is a parallelogram
-whose long sides are 2 S apart; its area, also the work 2 mu p b int 2 slip dx of the traction, is
+the last of which is h w' less the strain of the leaves under the traction. The loop between -P and P is a parallelogram
+with long sides 2 S apart; its area, also the work 2 mu p b int 2 slip dx of the traction, is
 
     D = 8 mu p L^3/(E h^2) (P - P_s),      largest for S = 3 P/8:  1.5 P^2 L^3/(E b h^3).
 
-Timoshenko's shear (h/L)^2 is left out, and Poisson's ratio at the clamp.
+Timoshenko's shear (h/L)^2 is neglected, and Poisson's ratio at the clamp.
 
 **Bar on a rigid base.** A bar of stiffness EA lies on a base that resists with at most t = mu p b [N/m]; F pulls at its
-end. Slip begins there and goes F/t deep, where strain ends, u'' = t/EA:
+end. Slip begins there and extends over F/t, where the strain ends, u'' = t/EA:
 
     b(F) = F^2/(2 EA t),      D = 2 F^3/(3 EA t):  loss with the third power of force, as of every joint whose slip
     zone grows from nothing.
 
-It ends where the whole length slips, F = t L.
+The range of validity ends when the whole length slips, F = t L.
 
-**Bolted joint.** A bolt k_b and clamped parts k_c in parallel, preload F0; a force F_A parts them. Until it opens
+**Bolted joint.** A bolt k_b and clamped parts k_c in parallel, preload F0; a force F_A separates them. Until it opens
 F_b = F0 + F_A k_b/(k_b + k_c) and F_c = F0 - F_A k_c/(k_b + k_c); at F_A = F0 (k_b + k_c)/k_c F_c is zero, then
 F_b = F_A (VDI 2230).
 
@@ -37,7 +37,7 @@ in radius, plane stress. The faces move by p R times
 
     hub    ((r_o^2 + R^2)/(r_o^2 - R^2) + nu)/E,      shaft  ((R^2 + r_i^2)/(R^2 - r_i^2) - nu)/E,
 
-whose sum makes d. Of like materials and a solid shaft p = E d/(2 R) (1 - R^2/r_o^2). Torque slips at 2 pi R^2 b mu p.
+whose sum is d. For like materials and a solid shaft p = E d/(2 R) (1 - R^2/r_o^2). Torque slips at 2 pi R^2 b mu p.
 
 **Equivalent damping.** A viscous damper of ratio zeta in resonance loses 2 pi (2 zeta) U in a cycle of peak strain
 energy U, so that 2 zeta = D/(2 pi U): `equivalent_damping` is zeta = D/(4 pi U).
@@ -57,7 +57,7 @@ Array = np.ndarray
 
 
 class Masing(ABC):
-    """First loading b(F) and what Masing's rule makes of it."""
+    """First loading b(F) and the resulting cycles by Masing's rule."""
 
     @abstractmethod
     def loading(self, force: Array | float) -> Array:
@@ -105,12 +105,12 @@ class TwoLeaves(Masing):
 
     @property
     def slip_force(self) -> float:
-        """P_s [N], from which on the leaves slip."""
+        """P_s [N], above which the leaves slip."""
         return 4.0 / 3.0 * self.bound
 
     @property
     def leaf_compliance(self) -> float:
-        """L^3/(6 E I1) [m/N] of two leaves that slip."""
+        """L^3/(6 E I1) [m/N] of two slipping leaves."""
         return 2.0 * self.length**3 / (self.youngs_modulus * self.width * self.thickness**3)
 
     def loading(self, force: Array | float) -> Array:
@@ -127,7 +127,7 @@ class TwoLeaves(Masing):
         return np.sign(force) * slope * (self.length * x - 0.5 * x**2)
 
     def cycle_loss(self, peak: float) -> float:
-        """Work [J] lost in a cycle between -peak and peak [N]; 0 where nothing slips."""
+        """Work [J] lost in a cycle between -peak and peak [N]; 0 without slip."""
         scale = 8.0 * self.friction * self.pressure * self.length**3 / (self.youngs_modulus * self.thickness**2)
         return float(scale * max(abs(peak) - self.slip_force, 0.0))
 
@@ -193,11 +193,11 @@ class BoltedJoint:
 
     @property
     def opening_force(self) -> float:
-        """Parting force [N] at which the clamped parts carry nothing any more."""
+        """Separating force [N] at which the clamped parts are unloaded."""
         return self.preload * (self.bolt + self.clamped) / self.clamped
 
     def bolt_force(self, force: Array | float) -> Array:
-        """Tension [N] of the bolt under the parting force [N] (negative: pressed together)."""
+        """Tension [N] of the bolt under the separating force [N] (negative: pressed together)."""
         F = np.asarray(force, dtype=float)
         return np.where(F < self.opening_force, self.preload + F * self.bolt / (self.bolt + self.clamped), F)
 

@@ -1,21 +1,21 @@
-r"""Deflections that are not small: a cantilever, a pinned beam that vibrates, clamped plates, a bar that is stretched.
+r"""Large deflections: a cantilever, vibration of a pinned beam, clamped plates, a stretched bar.
 
-**Elastica** (K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272). A cantilever that does not stretch, EI
+**Elastica** (K. E. Bisshopp and D. C. Drucker, Q. Appl. Math. 3 (1945) 272). An inextensible cantilever, EI
 along L, bends under a dead force P across its tip: EI theta'' = -P cos theta, theta(0) = 0, theta'(L) = 0. With theta_0
 at the tip, k^2 = (1 + sin theta_0)/2 and sin phi = 1/(k sqrt 2)
 
     sqrt(P L^2/EI) = K(k) - F(phi, k),
     w/L = 1 - 2 (E(k) - E(phi, k))/sqrt(P L^2/EI),        1 - u/L = sqrt(2 sin theta_0/(P L^2/EI)),
 
-w the tip's way along the force, u that back to the root.
+w the tip's displacement along the force, u that towards the root.
 
-**Pinned beam** (S. Woinowsky-Krieger, J. Appl. Mech. 17 (1950) 35). Both ends are held apart at L, so that the first
+**Pinned beam** (S. Woinowsky-Krieger, J. Appl. Mech. 17 (1950) 35). Both ends are fixed at distance L, so the first
 mode A sin(pi x/L) stretches the beam by (pi A/2 L)^2: with r the radius of gyration, x'' + w0^2 (x + x^3/(4 r^2)) = 0,
 
     f/f0 = pi sqrt(1 + b)/(2 K(m)),      b = (A/r)^2/4,      m = b/(2 (1 + b)).
 
 **Clamped square plate** (S. Levy, NACA Report 740 (1942), table of centre deflections). Pressure q, edge a, thickness
-t, nu = 0.316; the edges are held but may move along themselves; his error is at most 2 %.
+t, nu = 0.316; the edges are fixed but free to move in their own direction; his error is at most 2 %.
 
 **Clamped square plate that vibrates** (N. Yamaki, Z. angew. Math. Mech. 41 (1961) 501: one term, Duffing's equation).
 With w = (A/4)(1 + cos kx)(1 + cos ky), k = 2 pi/a, and the same edges as Levy's, the energies of bending and stretching
@@ -28,12 +28,12 @@ lap lap F = E (w_xy^2 - w_xx w_yy) term by term: S = sum c_mn^2/(m^2 + n^2)^2 <c
 c_10 = c_01 = c_12 = c_21 = c_20 = c_02 = 1/2 is 0.333125. The frequency is that of the pinned beam with
 b = 2 V_m/V_b. As the shape becomes flatter at large amplitudes the one term is too stiff there.
 
-**Bar** of St. Venant-Kirchhoff's material, stretched to L (1 + e), free to contract. The stress S across it is zero
-where its strain is -nu E, so that S = E_Y E along it, E = e + e^2/2, and the force on its undeformed section is
+**Bar** of St. Venant-Kirchhoff's material, stretched to L (1 + e), free to contract. The transverse stress S is zero
+if the transverse strain is -nu E, so that S = E_Y E along it, E = e + e^2/2, and the force on its undeformed section is
 
     P = A E_Y (1 + e) (e + e^2/2),      its least, a limit point, at 1 + e = 1/sqrt 3:  P = -A E_Y/(3 sqrt 3).
 
-A bar whose width is held has M = E_Y (1 - nu)/((1 + nu)(1 - 2 nu)) in the place of E_Y.
+A bar with fixed width has M = E_Y (1 - nu)/((1 + nu)(1 - 2 nu)) instead of E_Y.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from scipy.special import ellipe, ellipeinc, ellipk, ellipkinc
 
 from warpffrf.model.errors import require_number
 
-STEEPEST = 0.5 * np.pi - 1e-9  # rad, of the tip of a cantilever: it takes an infinite force to turn it to pi/2
+STEEPEST = 0.5 * np.pi - 1e-9  # rad, of the tip of a cantilever: pi/2 requires an infinite force
 LIMIT_STRETCH = 1.0 / np.sqrt(3.0)
 # of the plate: q a^4/(E t^4) -> w/t at its centre
 LEVY_CLAMPED_SQUARE = {
@@ -90,13 +90,13 @@ class Elastica:
 
     @property
     def deflection(self) -> float:
-        """w/L, the way of the tip along the force."""
+        """w/L, the displacement of the tip along the force."""
         m, phi = self._modulus(self.tip_angle)
         return float(1.0 - 2.0 * (ellipe(m) - ellipeinc(phi, m)) / np.sqrt(self.load))
 
     @property
     def shortening(self) -> float:
-        """u/L, the way of the tip towards the root."""
+        """u/L, the displacement of the tip towards the root."""
         return float(1.0 - np.sqrt(2.0 * np.sin(self.tip_angle) / self.load))
 
     @staticmethod

@@ -1,24 +1,23 @@
 r"""Straight leaves on top of each other, clamped at one end and loaded at the tip of the longest: half a leaf spring.
 
-Leaf 0 is the longest, of length l_0 from the clamp, and carries P at its tip; leaves 1, 2, ... are shorter and lie
-below. Bent, they touch at the tips of the shorter ones alone: just behind the tip of leaf i + 1 leaf i is more curved.
-There X_i is the force, pressing, and H_i the friction, outwards on the leaf above, whose lower face slides inwards as P
-grows. Of thickness h, all under their moments and axial forces
+Leaf 0 is the longest, of length l_0 from the clamp, with P at its tip; leaves 1, 2, ... are shorter and lie
+below. Bent leaves touch at the tips of the shorter ones alone: just behind the tip of leaf i + 1 leaf i has the larger
+curvature. There X_i is the contact force, and H_i the friction, outwards on the leaf above, whose lower face slides
+inwards as P grows. The moments and axial forces of leaves of thickness h are
 
     M_0 = P (l_0 - x) - [X_1 (l_1 - x) + H_1 h/2],        N_0 = H_1,
     M_i = [X_i (l_i - x) - H_i h/2] - [X_(i+1) (l_(i+1) - x) + H_(i+1) h/2],      N_i = H_(i+1) - H_i,
 
-brackets ending at the tip of the shorter leaf, with the energy sum int M^2/(2EI) + N^2/(2EA) dx = f^T C f/2 of the
-forces f = (P, X, H). Its derivatives are the tip's deflection w, how far contacts close, which is 0, and by how much
-they slide, u. Each contact sticks or slips, so that of increments
+with brackets ending at the tip of the shorter leaf, and the energy sum int M^2/(2EI) + N^2/(2EA) dx = f^T C f/2 of the
+forces f = (P, X, H). Its derivatives are the tip's deflection w, the closing of the contacts, which is 0, and their
+slip u. Each contact sticks or slips, so that for increments
 
     C_X df = 0,      stick: C_H df = 0,      slip: H = mu X sign(du) >= ...,
 
-a piecewise linear history. All of H = mu X while P grows, and H = -mu X while it falls, give two straight lines through
-the origin, the wings of a bow; between them, after a reversal, contacts stick at first. The loss in a cycle is the area
-of the loop.
+a piecewise linear history. H = mu X everywhere while P grows, and H = -mu X while it falls, give two straight lines
+through the origin; in between, after a reversal, contacts stick at first. The loss per cycle is the area of the loop.
 
-Left out: shear, some (h/l)^2, the ends of the leaves, which touch over a length of their own, and how a clamp yields.
+Neglected: shear, some (h/l)^2, the finite contact length at the ends of the leaves, and the compliance of the clamp.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array, require_number
 
 Array = np.ndarray
-ROUND_OFF = 1e-9  # of the largest force: friction at its bound
+ROUND_OFF = 1e-9  # of the largest force: tolerance of the friction bound
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ class LeafSpring:
         return C
 
     def _forces(self, load: float, sense: Array, begin: Array) -> Array:
-        """f at P = `load`, of contacts that slip in the `sense` (k,) of H and those that stick (0) since the state of
+        """f at P = `load`, of contacts that slip in the `sense` (k,) of H and those that stick (0) since the state
         f `begin`."""
         k, C = self.contacts, self.compliance
         pressing, sliding = np.arange(1, k + 1), np.arange(k + 1, 2 * k + 1)
@@ -104,12 +103,12 @@ class LeafSpring:
 
     @property
     def stuck_stiffness(self) -> float:
-        """dP/dw [N/m] where all contacts stick."""
+        """dP/dw [N/m] if all contacts stick."""
         k = self.contacts
         return 1.0 / float(self.compliance[0] @ self._forces(1.0, np.zeros(k), np.zeros(2 * k + 1)))
 
     def follow(self, loads: Array) -> tuple[Array, Array]:
-        """Deflection (n,) [m] and forces (n, 2 k + 1) [N] through `loads` (n,) [N], from none on, in steps of them."""
+        """Deflection (n,) [m] and forces (n, 2 k + 1) [N] through `loads` (n,) [N], from zero, in increments."""
         k = self.contacts
         f, found = np.zeros(2 * k + 1), []
         for load in np.asarray(loads, dtype=float):
@@ -132,7 +131,7 @@ class LeafSpring:
         return forces @ self.compliance[0], forces
 
     def cycle_loss(self, high: float, low: float, steps: int = 200) -> Array:
-        """Work [J] that each contact (k,) loses in a cycle between the loads `high` and `low` [N], by so many steps
+        """Work [J] lost by each contact (k,) in a cycle between the loads `high` and `low` [N], by this number of steps
         either way."""
         k = self.contacts
         fall = np.linspace(high, low, steps + 1)

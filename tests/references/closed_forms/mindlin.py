@@ -1,22 +1,22 @@
 r"""Cattaneo's and Mindlin's tangential loading of a Hertz contact at constant normal load.
 
-A tangential force Q < mu P makes slip begin at the edge. The traction is that of full slip over the patch (a) less the
+A tangential force Q < mu P causes slip at the edge. The traction is that of full slip over the patch (a) less the
 same shape over the stick zone (c), whose displacements inside c are both parabolic and cancel (K. L. Johnson, Contact
 Mechanics, 1985, sections 7.2 and 7.4):
 
     q = mu p0 (sqrt(1 - r^2/a^2) - (c/a) sqrt(1 - r^2/c^2)),      (c/a)^n = 1 - Q/(mu P),   n = 2 (line), 3 (point).
 
 **Point.** With S = sum (2 - nu)/G over the bodies, backbone b(Q) = (3 mu P/(16 a)) S (1 - (1 - Q/(mu P))^(2/3)). The
-slip of points off the direction of Q, of order nu/(4 - 2 nu) of the main one, is left out, as in the sources.
+slip of points off the direction of Q, of order nu/(4 - 2 nu) of the main one, is neglected, as in the sources.
 
 **Line.** Under a Hertz-shaped traction of half-width a and resultant P the middle moves by
 2 P/(pi E*) (ln(2 L/a) + 1/2) against a point at the depth L. Resultants are mu P and mu P c^2/a^2 = mu P - Q:
 
     b(Q) = (2/(pi E*)) (Q (ln(2 L/a) + 1/2) + (mu P - Q)/2 ln(1 - Q/(mu P))).
 
-**Unloading and cycles.** From (Q1, d1) the reverse slip again begins at the edge and has twice the bound to work
-against: d = d1 - 2 b((Q1 - Q)/2). A cycle between -Q1 and Q1 therefore encloses 4 Q1 b(Q1) - 8 int_0^Q1 b dQ; linear
-parts of b enclose nothing, so that the depth L does not matter:
+**Unloading and cycles.** From (Q1, d1) the reverse slip again begins at the edge and acts against twice the bound:
+d = d1 - 2 b((Q1 - Q)/2). A cycle between -Q1 and Q1 therefore encloses 4 Q1 b(Q1) - 8 int_0^Q1 b dQ; linear
+parts of b do not contribute, so that the depth L is irrelevant:
 
     point:  (9 mu^2 P^2/(10 a)) S (1 - (1 - q)^(5/3) - (5 q/6)(1 + (1 - q)^(2/3))),      q = Q1/(mu P)
     line:   ((mu P)^2/(pi E*)) (4 y ln y + 2 (1 - y^2)),                                  y = 1 - q.
@@ -44,7 +44,7 @@ def tangential_compliance(first: Material, second: Material | None = None) -> fl
 
 
 class _Mindlin(ABC):
-    """What line and point share: traction and cycles from the stick ratio and the backbone b(Q)."""
+    """Common part of line and point contact: traction and cycles from the stick ratio and the backbone b(Q)."""
 
     power: int
     contact: LineContact | PointContact
@@ -76,11 +76,11 @@ class _Mindlin(ABC):
         """b(Q), displacement [m] at first loading; odd in Q."""
 
     def unloading(self, force: Array | float, peak: float) -> Array:
-        """Displacement [m] at `force` on the way down from `peak`."""
+        """Displacement [m] at `force` during unloading from `peak`."""
         return self.loading(peak) - 2.0 * self.loading(0.5 * (peak - np.asarray(force)))
 
     def reloading(self, force: Array | float, peak: float) -> Array:
-        """Displacement [m] at `force` on the way up from `-peak`."""
+        """Displacement [m] at `force` during reloading from `-peak`."""
         return -self.unloading(-np.asarray(force), peak)
 
 
@@ -108,7 +108,7 @@ class MindlinPoint(_Mindlin):
 
 @dataclass(frozen=True)
 class MindlinLine(_Mindlin):
-    """contact: Hertz, like materials (its modulus is E*); friction mu [-]; depth L [m] of the point that is fixed."""
+    """contact: Hertz, like materials (its modulus is E*); friction mu [-]; depth L [m] of the fixed point."""
 
     contact: LineContact
     friction: float

@@ -7,7 +7,7 @@ creepage and spin coefficients in Three-Dimensional Elastic Bodies in Rolling Co
 
     F_x = -G a b C_11 xi,      F_y = -G a b (C_22 eta + sqrt(a b) C_23 phi).
 
-The table has three digits; between its Poisson ratios 0, 1/4 and 1/2 a parabola is meant.
+The table has three digits; between its Poisson ratios 0, 1/4 and 1/2 it is to be interpolated by a parabola.
 
 **Eurosprinter**: wheel on rail from the examples of CONTACT (E. A. H. Vollebregt, User guide for CONTACT, VORtech):
 a wheel of 625 mm with a crown of 1,777 mm on a flat rail, both of G = 82 GPa and nu = 0.28, 106.7 kN, friction 0.33;

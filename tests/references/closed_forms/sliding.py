@@ -1,6 +1,6 @@
-r"""A cylinder that slides on a body of another material: the pressure leans (K. L. Johnson, Contact Mechanics, 8.1).
+r"""A cylinder sliding on a body of another material: asymmetric pressure (K. L. Johnson, Contact Mechanics, 8.1).
 
-With the traction q = mu p on the first body all over the patch, Dundurs' beta (`coupling_ratio`) and kappa = beta mu,
+With the traction q = mu p on the first body over the whole patch, Dundurs' beta (`coupling_ratio`) and kappa = beta mu,
 the slope of the closed gap, x/R, is that of the normal displacement:
 
     (1/pi) PV int p/(x - s) ds - kappa p = E* x/(2 R).
@@ -10,7 +10,7 @@ F(z) = (1/pi) int p/(z - s) ds jumps by -2 i p; the equation is F+ (1 - i kappa)
     F = (E*/(2 R)) (z - (z + b)^m (z - c)^(1 - m)),     m = 1/2 - arctan(kappa)/pi,
     p = (E*/(2 R sqrt(1 + kappa^2))) (b + x)^m (c - x)^(1 - m)      on -b < x < c.
 
-F must fall as P'/(pi z): b m = c (1 - m) and (b + c)^2 = 4 P' R/(pi E* m (1 - m)).
+F must decay as P'/(pi z): b m = c (1 - m) and (b + c)^2 = 4 P' R/(pi E* m (1 - m)).
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-"""Oil films alone, in NumPy and SciPy: what kernels of films are held against.
+"""Oil films alone, in NumPy and SciPy: references for the film kernels.
 
-    grid             bilinear hats over a chart and their quadrature; donor-cell transport
-    complementarity  pressure or void at every hat, by sets
-    journal          a rigid shaft in a rigid bore: force at a place, motion under a load
-    pads             sliders, plates that are squeezed, part and meet
-    finite_volumes   the same steady film on finite volumes, written apart
+    grid             bilinear shape functions over a chart and their quadrature; donor-cell transport
+    complementarity  pressure or cavity volume at every node, by sets
+    journal          a rigid shaft in a rigid bore: force at a position, motion under a load
+    pads             sliders, squeezed plates, plates with oscillating gap
+    finite_volumes   the same steady film on finite volumes, implemented separately
 
 None of these imports the engine, the kernels or the reduction.
 """

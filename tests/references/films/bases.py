@@ -1,15 +1,16 @@
-r"""Functions that a film's pressure is made of, with the points where its equation is met.
+r"""Pressure functions of a film, with the points where its equation is evaluated.
 
-`Hats`: all hats of a grid that are free, each with a void of its own. `Strips`: hats around times polynomials along,
+`Hats`: all free nodes of a grid, each with its own cavity volume. `Strips`: hat functions around, polynomials along,
 
     phi_jm = psi_j(theta) (1 - zeta^2) (zeta^m - c_m),      zeta = -1 .. 1 along,   m = 0, 2, ..., or 0, 1, 2, ...
 
-which end at zero pressure on both edges, with one void a column, even over the width, and few Gauss points a strip
-between columns, one around and two along for each of the n powers. c_0 = 0, and the others make all but m = 0 have no
-mean along. So the void of a column is the multiplier of a mean pressure that is not negative: it stands in the equation
-of m = 0 alone, whose pressure it replaces; the others are always free, and find zero where gap and void are even.
+which have zero pressure at both edges, with one cavity volume per column, uniform over the width, and few Gauss points
+per strip between columns, one around and two along for each of the n powers. c_0 = 0, and the others make the axial
+mean of all but m = 0 vanish. So the cavity volume of a column is the multiplier of a non-negative mean pressure: it
+enters the equation of m = 0 alone, whose pressure it replaces; the others are always free, and are zero for uniform gap
+and cavity.
 
-What the surfaces do is known at hats in either case: `to_hats` gives pressures there, `between` gaps at the points.
+Surface motion is given at nodes in either case: `to_hats` gives pressures there, `between` gaps at the points.
 """
 
 from __future__ import annotations
@@ -28,9 +29,9 @@ Sparse = Any
 
 @dataclass(frozen=True)
 class Basis:
-    """at (points, 2) [m], weights (points,) [m2]; value, slope_x, slope_z (points, unknowns); between (points, hats);
-    to_hats (hats, unknowns); beside (voids,): the unknown that a void replaces, in whose equation alone it stands; area
-    (voids,) [m2], and outflows (voids, voids) [m] of voids per speed around, for a positive and a negative speed."""
+    """at (points, 2) [m], weights (points,) [m2]; value, slope_x, slope_z (points, unknowns); between (points, nodes);
+    to_hats (nodes, unknowns); beside (voids,): the unknown replaced by a cavity volume, whose equation alone it enters;
+    area (voids,) [m2], and outflows (voids, voids) [m] of cavities per speed around, for both signs of it."""
 
     at: Array
     weights: Array
@@ -54,7 +55,7 @@ class Basis:
 
 
 def hats(grid: FilmGrid, free: Array) -> Basis:
-    """The `free` (hats,) bool ones of a grid."""
+    """The `free` (nodes,) bool ones of a grid."""
     number = np.flatnonzero(free)
     of = sp.csr_matrix((np.ones(len(number)), (number, np.arange(len(number)))), shape=(grid.count, len(number)))
     return Basis(

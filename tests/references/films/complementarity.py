@@ -1,14 +1,14 @@
-r"""Pressure or void at every hat: the linear complementarity problem of a film whose gap is given.
+r"""Pressure or cavity volume at every node: the linear complementarity problem of a film with given gap.
 
-    A p - T D = r,      p >= 0,  D >= 0,  p_i D_i = 0       on free hats; p given, D = 0 on held ones.
+    A p - T D = r,      p >= 0,  D >= 0,  p_i D_i = 0       on free nodes; p given, D = 0 on fixed ones.
 
-With the set of full hats known it is linear, columns of A for these and of -T for the others. A full hat whose pressure
-comes out negative becomes void, a void one whose D comes out negative becomes full, until none changes (a Newton
+For a known set of full nodes it is linear, columns of A for these and of -T for the others. A full node with negative
+pressure becomes cavitated, a cavitated one with negative D becomes full, until the set is stationary (a Newton
 method on min(p, D); A is symmetric and positive definite, T an M-matrix). By `mode`:
 
     jfo                 as above
-    reynolds            a slack s >= 0 in the place of T D: dp/dn = 0 at the rupture, no refilling by mass
-    half_sommerfeld     the whole film solved, negative pressures then cut: no rupture condition
+    reynolds            a slack s >= 0 instead of T D: dp/dn = 0 at the rupture, no mass-conserving reformation
+    half_sommerfeld     the whole film solved, negative pressures then set to zero: no rupture condition
     full_sommerfeld     the whole film
 """
 
@@ -27,12 +27,12 @@ Array = np.ndarray
 Sparse = Any  # a matrix or array of scipy.sparse, which have no type in common
 MODES = ("jfo", "reynolds", "half_sommerfeld", "full_sommerfeld")
 MOST_SWEEPS = 400
-NO_VOID = 1e-13  # of the largest void: hats with neither pressure nor void would change sides for ever
+NO_VOID = 1e-13  # of the largest cavity volume: nodes with neither pressure nor cavity would change sides for ever
 
 
 @dataclass(frozen=True)
 class FilmState:
-    """pressure [Pa], void [m] and full (bool) of all hats; sweeps: how often the set was looked at."""
+    """pressure [Pa], cavity volume `void` [m] and full (bool) of all nodes; sweeps: number of checks of the set."""
 
     pressure: Array
     void: Array
@@ -44,8 +44,8 @@ def solve(
     A: Sparse, T: Sparse, right: Array, held: Array, pressure: Array, *, mode: str = "jfo",
     full: Array | None = None,
 ) -> FilmState:  # fmt: skip
-    """The state of all hats; `held` (hats,) bool have the `pressure` (hats,) given, `full`: a set to begin with. Raises
-    `InputError` for an unknown mode and where sets do not settle in `MOST_SWEEPS`."""
+    """The state of all nodes; `held` (nodes,) bool have the `pressure` (nodes,) given, `full`: an initial set. Raises
+    `InputError` for an unknown mode and if sets do not become stationary in `MOST_SWEEPS`."""
     if mode not in MODES:
         raise unknown_name("film: cavitation", mode, MODES)
     free = np.flatnonzero(~held)

@@ -1,20 +1,20 @@
-r"""A shaft in an elastic bore with a film between them, and asperities beside it: dense, by Newton's method.
+r"""A shaft in an elastic bore with a film between them, and asperities in parallel: dense, by Newton's method.
 
-In the frame of the bore, with the displacement u = C M (p + a) of its surface, C its compliance (hat displacements per
-hat force, with whatever holds it), M the hats' Gram matrix, and the asperity pressure a at the hats:
+In the bore's frame, with the displacement u = C M (p + a) of its surface, C its compliance (nodal displacement per
+nodal force, including its support), M the Gram matrix, and the asperity pressure a at the nodes:
 
     h = c - e.n + sum_j psi_j u_j,      a_j = P(h_j),      F = -int (p + a) n dA      on the shaft,
 
-p and the void D as in `grid`, with the viscosity mu(p); of rough walls with flow factors, k_i = phi_i(h) h^3/(12 mu) in
-either direction and the flow U (h - l(h)). What Newton's method needs at the hats, dh = S^-1 (G dp - n de)
+p and the cavity volume D as in `grid`, with the viscosity mu(p); for rough walls with flow factors, k_i = phi_i(h) h^3/
+(12 mu) in either direction and the flow U (h - l(h)). The linearisation at the nodes, dh = S^-1 (G dp - n de)
 with G = C M and S = 1 - G diag(P'), P' <= 0, is a change of pressures p + a by dp + P' dh, which loads points between
-hats too. Unknown are e (2,) and, of each column or hat of a basis (`bases`), pressures where it is full, else its void;
-the set changes once an iteration (`complementarity` has the rule), and none may leave less than `CLOSEST` of the
-smallest film.
+nodes too. The unknowns are e (2,) and, for each column or node of a basis (`bases`), the pressure if it is full, else
+its cavity volume; the set changes once per iteration (by the rule of `complementarity`), and no iteration may leave
+less than `CLOSEST` of the smallest film.
 
-Rest is not looked for in the steady equation, which Newton's method does not find from everywhere. So `settle` lets the
-shaft come to rest under its load, in Euler steps of the squeezing film that grow; what fails is taken again with a
-shorter one.
+The equilibrium is not solved from the steady equation, for which Newton's method does not converge from everywhere.
+`settle` lets the shaft come to rest under its load, in Euler steps of growing size with the squeeze film; a failed
+step is repeated with a smaller size.
 """
 
 from __future__ import annotations
@@ -37,18 +37,18 @@ from warpffrf.model.reduced.body import ReducedBody
 
 Array = np.ndarray
 Sparse = Any
-CLOSEST = 0.2  # of the smallest film: what one iteration may leave of it
+CLOSEST = 0.2  # of the smallest film: lower limit after one iteration
 MOST_ITERATIONS = 60
 FLOW, FORCE = 1e-8, 1e-8  # of the flow through a row and of the load
-FIRST, GROWTH, SHRINK = 1e-4, 10.0, 0.1  # s; times the step before, times one that failed
-THINNEST = 1e-4  # of the clearance: molecules, which no film is made of
-STILL = 1e-6  # of the clearance, moved in a step ten times as long as the one before: the shaft is at rest
+FIRST, GROWTH, SHRINK = 1e-4, 10.0, 0.1  # s; times the step before, times a failed one
+THINNEST = 1e-4  # of the clearance: molecular thickness, below which no film exists
+STILL = 1e-6  # of the clearance, moved in a step ten times as long as the previous one: the shaft is at rest
 MOST_STEPS = 60
 
 
 @dataclass(frozen=True)
 class State:
-    """place (2,) [m] of the shaft; pressure (unknowns,), asperity (hats,) [Pa]; void [m] and full (voids,)."""
+    """place (2,) [m] of the shaft; pressure (unknowns,), asperity (nodes,) [Pa]; void [m] and full (voids,)."""
 
     place: Array
     pressure: Array
@@ -59,7 +59,7 @@ class State:
 
 @dataclass(frozen=True)
 class Settled:
-    """State at rest; steps, those taken again, and iterations."""
+    """State at rest; numbers of steps, repeated steps, and iterations."""
 
     state: State
     steps: int
@@ -68,8 +68,8 @@ class Settled:
 
 
 def held_compliance(body: ReducedBody, surface: str, interface: str) -> Array:
-    """C (hats, hats) [m/N] of a contact surface with the interface held: local modes, and the global modes q with what
-    rigid motion keeps the interface where it is."""
+    """C (nodes, nodes) [m/N] of a contact surface with the interface fixed: local modes, and the global modes q with
+    the rigid motion that keeps the interface at rest."""
     found, at = body.contact_surfaces[surface], body.interfaces[interface]
     grid, sectors = found.grid, len(found.lags)
     size, number = found.lags.shape[1], np.arange(sectors)
@@ -85,10 +85,10 @@ def held_compliance(body: ReducedBody, surface: str, interface: str) -> Array:
 
 @dataclass
 class ElasticJournal:
-    """A shaft of `radius` - `clearance` [m] turning with `speed` [rad/s] in a bore whose hats are columns theta [rad]
-    by rows z [m], with the `compliance` (hats, hats) [m/N] of hat displacements per hat force. `held`: columns
+    """A shaft of `radius` - `clearance` [m] rotating with `speed` [rad/s] in a bore with nodes at columns theta [rad]
+    by rows z [m], with the `compliance` (nodes, nodes) [m/N] of nodal displacements per nodal force. `held`: columns
     (columns,) bool at pressure zero, as the ends are; asperities: a curve of pressure by the depth -h. powers: of
-    `bases.strips`, None for all hats. walls: flow factors, None of smooth ones."""
+    `bases.strips`, None for all nodes. walls: flow factors, None for smooth ones."""
 
     radius: float
     clearance: float
@@ -143,7 +143,7 @@ class ElasticJournal:
         return self.clearance - self.normal @ state.place + self.basis.between @ u
 
     def gap_at_hats(self, state: State) -> Array:
-        """h (hats,) [m]."""
+        """h (nodes,) [m]."""
         u = self.G_film @ state.pressure + self.G @ state.asperity
         return self.clearance - self.normal_at_hats @ state.place + u
 
@@ -152,7 +152,7 @@ class ElasticJournal:
         return self.of_film.T @ state.pressure, self.of_asperities.T @ state.asperity
 
     def settle(self, place: Array, load: Array) -> Settled:
-        """The shaft at rest under `load` (2,) [N], from `place`. Raises `InputError` where it is not found, or
+        """The shaft at rest under `load` (2,) [N], from `place`. Raises `InputError` if it is not found, or
         without a film."""
         state, step, rejected, iterations = self.start(place), FIRST, 0, 0
         for number in range(1, MOST_STEPS + 1):
@@ -172,7 +172,7 @@ class ElasticJournal:
     def stepped(
         self, before: State, load: Array, step: float, *, earlier: tuple[State, float] | None = None
     ) -> tuple[State | None, int]:  # fmt: skip
-        """A step under `load`, and iterations; None where it fails. By Euler's rule, or BDF2 with the state and the
+        """A step under `load`, and iterations; None if it fails. By Euler's rule, or BDF2 with the state and the
         step `earlier`."""
         b, now, settled = self.basis, before, False
         a0, h_past, D_past = 1.0 / step, -self.gap(before) / step, -before.void / step
@@ -235,14 +235,14 @@ class ElasticJournal:
     def _newton(
         self, now: State, R: Array, A: Array, B: Sparse, T: Array, F: Array, h_hats: Array, rest_a: Array
     ) -> tuple[Array, Array, Array, Array] | None:  # fmt: skip
-        """Changes of place, pressure, asperity pressure, void."""
+        """Changes of position, pressure, asperity pressure, cavity volume."""
         b, n, hats_ = self.basis, self.basis.unknowns, self.grid.count
         steep = np.zeros(hats_) if self.asperities is None else -self.asperities.slope(-h_hats)
         at_hats = np.hstack([self.G_film, (self.G @ rest_a)[:, None], -self.normal_at_hats])
         if np.any(steep):
             at_hats = la.solve(np.eye(hats_) - self.G * steep[None, :], at_hats)
         by_p, by_rest, by_e = at_hats[:, :n], at_hats[:, n], at_hats[:, n + 1 :]
-        moved = (B @ b.between).toarray()  # by displacements of hats
+        moved = (B @ b.between).toarray()  # by nodal displacements
         J = A + moved @ (self.G_film + self.G @ (steep[:, None] * by_p) if np.any(steep) else self.G_film)
         of_rest = moved @ (self.G @ (rest_a + steep * by_rest))
         of_place = -(B @ self.normal) + moved @ (self.G @ (steep[:, None] * by_e))
@@ -272,7 +272,7 @@ class ElasticJournal:
         return de, p0 + pe @ de, a_0 + a_e @ de, dD_0 + dD_e @ de
 
     def _taken(self, now: State, change: tuple[Array, Array, Array, Array], h: Array) -> tuple[State, bool]:
-        """What the change leads to, and whether it was taken whole and left the set as it was."""
+        """The result of the change, and whether it was applied in full and left the set unchanged."""
         de, dp, da, dD = change
         whole = State(now.place + de, now.pressure + dp, now.asperity + da, now.void + dD, now.full)
         part, ahead = 1.0, self.gap(whole)

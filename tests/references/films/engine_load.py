@@ -1,4 +1,4 @@
-"""A load on a crank-pin bearing over the two turns of a four-stroke engine, smooth and made up."""
+"""A smooth, artificial load on a crank-pin bearing over the two revolutions of a four-stroke engine."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import numpy as np
 
 Array = np.ndarray
 GAS, FIRING, WIDTH = 22e3, 0.2, 0.35  # N, rad after the dead centre, rad
-PISTON, SECOND, CRANK = 6e3, 1.5e3, 4e3  # N, of masses that go to and fro, and around
+PISTON, SECOND, CRANK = 6e3, 1.5e3, 4e3  # N, of reciprocating masses and of rotating ones
 
 
 def crank_load(angle: float) -> Array:

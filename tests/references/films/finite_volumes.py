@@ -1,11 +1,11 @@
-r"""A steady film of a journal on finite volumes, cell by cell: pressure and void in the middles of cells.
+r"""A steady film of a journal on finite volumes: pressure and cavity volume at the cell centres.
 
-Over each face of a cell flows, with the gap h_f in the face's middle and the cells i and j on both sides,
+The flow over each face of a cell, with the gap h_f in the face's middle and the cells i and j on both sides, is
 
     Q = U h_f b - U D_up b - h_f^3/(12 mu) (p_j - p_i)/d b,
 
-b the length of the face, d the distance of the middles (half of it at an end, where p = 0), D_up the void of the cell
-upstream. All flows out of a cell add up to nothing. It shares nothing with hats but the law.
+b the length of the face, d the distance of the centres (half of it at an end, where p = 0), D_up the cavity volume of
+the cell upstream. The flows out of a cell sum to zero. It shares only the law with the nodal formulation.
 """
 
 from __future__ import annotations
@@ -43,8 +43,8 @@ def steady_journal(
     radius: float, length: float, clearance: float, viscosity: float, speed: float, eccentricity: float, *,
     columns: int, rows: int, mode: str, feed: float | None = None,
 ) -> VolumeFilm:  # fmt: skip
-    """A shaft at `eccentricity` [-] towards theta = 0, turning with `speed` [rad/s], on columns x rows cells; feed: an
-    angle [rad], the face nearest to which, over the whole length, has the pressure zero."""
+    """A shaft at `eccentricity` [-] towards theta = 0, rotating with `speed` [rad/s], on columns x rows cells; feed: an
+    angle [rad]; the nearest face, over the whole length, has the pressure zero."""
     U, dx, dz = 0.5 * speed * radius, 2.0 * np.pi * radius / columns, length / rows
     turn = 2.0 * np.pi / columns
 
@@ -88,7 +88,7 @@ def steady_journal(
             shape=(n, n),
         ).tocsr()
     )
-    # void leaves with the oil that carries it; at a feed it is filled
+    # the cavity volume moves with the oil; at a feed it is filled
     T = sp.coo_matrix(
         (
             np.concatenate([carried, -carried[inner]]),

@@ -1,17 +1,17 @@
-r"""Bilinear hats over a chart (x around, z along) in metres, and the operators of Reynolds' equation.
+r"""Bilinear shape functions over a chart (x around, z along) in metres, and the operators of Reynolds' equation.
 
-With the gap h, the viscosity mu, the speed U at which oil is carried (the mean of both surfaces, relative to the first)
-and the void volume per area D,
+With the gap h, the viscosity mu, the transport speed U of the oil (the mean of both surfaces, relative to the first)
+and the cavity volume per area D,
 
     d(h - D)/dt + div(U (h - D)) - div(h^3/(12 mu) grad p) = 0,      p >= 0, D >= 0, p D = 0,
 
-tested with the hats psi_i and integrated at points x_k with weights w_k:
+tested with the shape functions psi_i and integrated at points x_k with weights w_k:
 
     sum_j A_ij p_j - sum_k w_k h U.grad psi_i + sum_k w_k psi_i h' - m_i D_i' - (T D)_i = 0,
     A_ij = sum_k w_k h^3/(12 mu) grad psi_i.grad psi_j,      m_i = int psi_i.
 
-T D is the net outflow of void from the box around node i, each box with what is upstream of it (donor cell): its
-columns sum to zero but at open edges, its off-diagonal entries are not positive.
+T D is the net outflow of cavity volume from the box around node i, each box with the upstream value (donor cell): its
+columns sum to zero except at open edges, its off-diagonal entries are not positive.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ Array = np.ndarray
 
 
 class FilmGrid:
-    """Hats at the nodes x (columns,) by z (rows,) [m], ascending; hat (j, k) has the number j*rows + k.
+    """Nodes x (columns,) by z (rows,) [m], ascending; node (j, k) has the number j*rows + k.
 
-    period [m]: of the chart along x, None for an edge at both ends. points: Gauss points in a cell, across and along.
+    period [m]: of the chart along x, None for an edge at both ends. points: Gauss points per cell, across and along.
     """
 
     def __init__(
@@ -43,10 +43,10 @@ class FilmGrid:
         self.long = _half_widths(self._dz, False)
         """(rows,) m."""
         self.area = np.outer(self.wide, self.long).ravel()
-        """(hats,) m2, m_i."""
+        """(nodes,) m2, m_i."""
 
     def _lay_points(self, across: int, along: int) -> None:
-        """at (points, 2), weights (points,), and value, slope_x, slope_z: csr (points, hats)."""
+        """at (points, 2), weights (points,), and value, slope_x, slope_z: csr (points, nodes)."""
         a, wa = np.polynomial.legendre.leggauss(across)
         b, wb = np.polynomial.legendre.leggauss(along)
         a, b = (v.ravel() for v in np.meshgrid(0.5 * (a + 1.0), 0.5 * (b + 1.0), indexing="ij"))
@@ -75,20 +75,20 @@ class FilmGrid:
         self.at = np.stack([at_x.ravel(), at_z.ravel()], axis=1)
 
     def diffusion(self, conductance: Array) -> sp.csr_matrix:
-        """A (hats, hats) for h^3/(12 mu) (points,)."""
+        """A (nodes, nodes) for h^3/(12 mu) (points,)."""
         D = sp.diags(self.weights * conductance)
         return (self.slope_x.T @ D @ self.slope_x + self.slope_z.T @ D @ self.slope_z).tocsr()
 
     def carried(self, gap: Array, u: Array | float, v: Array | float = 0.0) -> Array:
-        """(hats,) m3/s, sum w_k h U.grad psi_i: what enters a hat's test with the flow U h; gap, u, v (points,)."""
+        """(nodes,) m3/s, sum w_k h U.grad psi_i: the inflow to a node's test with the flow U h; gap, u, v (points,)."""
         return self.slope_x.T @ (self.weights * gap * u) + self.slope_z.T @ (self.weights * gap * v)
 
     def integral(self, values: Array) -> Array:
-        """(hats,), sum w_k psi_i f_k of f (points,)."""
+        """(nodes,), sum w_k psi_i f_k of f (points,)."""
         return self.value.T @ (self.weights * values)
 
     def outflow(self, u: float, v: float = 0.0) -> sp.csr_matrix:
-        """T (hats, hats) [m2/s] for one speed of the whole chart [m/s]."""
+        """T (nodes, nodes) [m2/s] for one speed of the whole chart [m/s]."""
         number = np.arange(self.count).reshape(self.columns, self.rows)
         total = sp.csr_matrix((self.count, self.count))
         if u != 0.0:

@@ -3,14 +3,14 @@ r"""A rigid shaft in a rigid bore with a film between them, in the frame of the 
     h = c - e.n,    n = (cos theta, sin theta),      F = -int p n dA      on the shaft,
     M_shaft = -R int (mu U_s (1 - D/h)/h + (h/2) p_x) dA,   M_bore = R int (mu U_s (1 - D/h)/h - (h/2) p_x) dA,
 
-e the place of the shaft's centre, U_s = omega R; oil is carried with U = U_s/2. In time, h and D by BDF2 with the steps
+e the position of the shaft's centre, U_s = omega R; oil is transported with U = U_s/2. In time, h and D by BDF2 with
 h_n and h_(n-1), Euler in the first step:
 
     f'_n = (a_0 f_n + a_1 f_(n-1) + a_2 f_(n-2)),   a_0 = (1 + 2 r)/((1 + r) h_n),  a_1 = -(1 + r)/h_n,
     a_2 = r^2/((1 + r) h_n),   r = h_n/h_(n-1),
 
-which has h in a step's balance as it is in the next one's: no oil is lost. Under a load the place follows from
-F(e) + W = 0 by Newton's method, with the derivative at the set of full hats that is found.
+for which h in the balance of a step equals that in the next one: no oil is lost. Under a load the position follows from
+F(e) + W = 0 by Newton's method, with the derivative at the computed set of full nodes.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from warpffrf.model.errors import InputError
 Array = np.ndarray
 BALANCED = 1e-9  # of the load
 MOST_ITERATIONS = 60
-CLOSEST = 0.2  # of the smallest film: what one iteration may leave of it
+CLOSEST = 0.2  # of the smallest film: lower limit after one iteration
 
 
 @dataclass
 class Past:
-    """Gap at the points and void of the two steps before, and the last step [s]."""
+    """Gap at the points and cavity volume of the two previous steps, and the last step [s]."""
 
     gap: Array
     void: Array
@@ -45,8 +45,8 @@ class Past:
 
 @dataclass
 class JournalFilm:
-    """radius, length, clearance [m]; viscosity [Pa s]; speed omega [rad/s]; columns x rows hats; feeds: columns that
-    are held at the pressure `feed` [Pa]; mode: `complementarity.MODES`; ends at zero pressure."""
+    """radius, length, clearance [m]; viscosity [Pa s]; speed omega [rad/s]; columns x rows nodes; feeds: columns with
+    the pressure `feed` [Pa]; mode: `complementarity.MODES`; ends at zero pressure."""
 
     radius: float
     length: float
@@ -77,17 +77,17 @@ class JournalFilm:
         self.held, self.given = held.ravel(), given.ravel()
         self.carried_with = 0.5 * self.speed * self.radius
         self.outflow = self.grid.outflow(self.carried_with)
-        self.on_shaft = -(self.grid.value.T @ (self.grid.weights[:, None] * self.normal))  # (hats, 2): F = p.this
+        self.on_shaft = -(self.grid.value.T @ (self.grid.weights[:, None] * self.normal))  # (nodes, 2): F = p.this
 
     def gap(self, place: Array) -> Array:
-        """h (points,) [m]. Raises `InputError` where the surfaces touch."""
+        """h (points,) [m]. Raises `InputError` if the surfaces touch."""
         h = self.clearance - self.normal @ np.asarray(place, dtype=float)
         if h.min() <= 0.0:
             raise InputError(f"journal film: the shaft touches the bore at an eccentricity of {np.hypot(*place):g} m")
         return h
 
     def steady(self, place: Array) -> FilmState:
-        """The film of a shaft that stays where it is."""
+        """The film of a shaft at rest."""
         return self._solved(np.asarray(place, dtype=float), None)[0]
 
     def force(self, state: FilmState) -> Array:
@@ -95,7 +95,7 @@ class JournalFilm:
         return self.on_shaft.T @ state.pressure
 
     def torques(self, place: Array, state: FilmState) -> tuple[float, float]:
-        """About the axes of shaft and bore, each on its own body [N m], positive with the turn."""
+        """About the axes of shaft and bore, each on its own body [N m], positive in the direction of rotation."""
         h, w = self.gap(place), self.grid.weights
         filled = 1.0 - (self.grid.value @ state.void) / h
         couette = self.viscosity * self.speed * self.radius * filled / h
@@ -111,7 +111,7 @@ class JournalFilm:
         return float(w @ shear), float(w @ (h**3 / (12.0 * mu) * slopes))
 
     def advance(self, place: Array, step: float) -> FilmState:
-        """One step to a given place; the first begins from `begin` or, if that was not called, from a full film."""
+        """One step to a given position; the first starts from `begin` or, if that was not called, from a full film."""
         place = np.asarray(place, dtype=float)
         self.state, _ = self._solved(place, step)
         self._keep(place, step)
@@ -123,8 +123,8 @@ class JournalFilm:
         self.past, self.state = Past(self.gap(place), void.copy()), state
 
     def carry(self, place: Array, load: Array, step: float) -> tuple[Array, int]:
-        """One step under `load` (2,) [N] of a shaft without mass, from a guess of its place; the place and how many
-        iterations it took."""
+        """One step under `load` (2,) [N] of a massless shaft, from an initial position; the position and the number of
+        iterations."""
         place, load = np.asarray(place, dtype=float).copy(), np.asarray(load, dtype=float)
         for iteration in range(1, MOST_ITERATIONS + 1):
             self.state, stiffness = self._solved(place, step, derivative=True)
@@ -141,7 +141,7 @@ class JournalFilm:
 
     def coefficients(self, place: Array, state: FilmState) -> tuple[Array, Array]:
         """Stiffness [N/m] and damping [N s/m] (2, 2) about a steady state, -dF/de and -dF/de', at its set of full
-        hats."""
+        nodes."""
         h, p = self.gap(place), state.pressure
         solved = self._factor(h, state, 0.0)
         by_place = self._residual_by_gap(h, p, 0.0) @ (-self.normal)
@@ -152,7 +152,7 @@ class JournalFilm:
     # --- one linear problem
 
     def _times(self, step: float | None) -> tuple[float, Array | float, Array | float]:
-        """a_0, and a_1 f_(n-1) + a_2 f_(n-2) of gap and void."""
+        """a_0, and a_1 f_(n-1) + a_2 f_(n-2) of gap and cavity volume."""
         if step is None:
             return 0.0, 0.0, 0.0
         assert self.past is not None
@@ -182,7 +182,7 @@ class JournalFilm:
         return state, -(self.on_shaft.T @ self._follow(state, self._factor(h, state, a0), change))
 
     def _follow(self, state: FilmState, solved: Callable[[Array], Array], change: Array) -> Array:
-        """Changes of pressure (hats, 2) with those of the residual, at the set of `state`; a half film shows those of
+        """Changes of pressure (nodes, 2) with those of the residual, at the set of `state`; a half film has those of
         its positive pressures."""
         free = ~self.held
         on = state.pressure > 0.0 if self.mode == "half_sommerfeld" else state.full
@@ -191,7 +191,7 @@ class JournalFilm:
         return found
 
     def _residual_by_gap(self, h: Array, p: Array, a0: float) -> sp.csr_matrix:
-        """Derivative (hats, points) of the residual by the gap at the points."""
+        """Derivative (nodes, points) of the residual by the gap at the points."""
         g, w = self.grid, self.grid.weights
         conductance = h**2 / (4.0 * self.viscosity)
         by_x = w * (conductance * (g.slope_x @ p) - self.carried_with)
@@ -199,7 +199,7 @@ class JournalFilm:
         return (g.slope_x.T @ sp.diags(by_x) + g.slope_z.T @ sp.diags(by_z) + g.value.T @ sp.diags(a0 * w)).tocsr()
 
     def _factor(self, h: Array, state: FilmState, a0: float) -> Callable[[Array], Array]:
-        """What solves the linear problem of the set of `state` for right-hand sides (free, n)."""
+        """Solution of the linear problem of the set of `state` for right-hand sides (free, n)."""
         free = np.flatnonzero(~self.held)
         A = self.grid.diffusion(h**3 / (12.0 * self.viscosity))[free][:, free]
         T = (self.outflow + sp.diags(self.grid.area * a0)).tocsr()[free][:, free]

@@ -1,4 +1,4 @@
-"""Wide pads and plates, on hats between two rows that nothing leaves: sliders, and plates that part and meet."""
+"""Wide pads and plates, on nodes between two impermeable rows: sliders, and plates with oscillating gap."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Pad:
-    """state; force [N/m]; flows (2,) [m2/s] that come in at the first node and at the last one."""
+    """state; force [N/m]; inflows (2,) [m2/s] at the first node and at the last one."""
 
     state: FilmState
     force: float
@@ -77,7 +77,7 @@ def plates(given: PartingPlates, cells: int, steps: int) -> Plates:
 
 
 def square_plate(cells: int) -> float:
-    """F h^3/(mu V) of a plate of 1 m by 1 m that is squeezed [m4]."""
+    """F h^3/(mu V) of a squeezed plate of 1 m by 1 m [m4]."""
     nodes = np.linspace(0.0, 1.0, cells + 1)
     grid = FilmGrid(nodes, nodes)
     held = np.zeros((cells + 1, cells + 1), dtype=bool)

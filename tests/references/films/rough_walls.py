@@ -1,7 +1,7 @@
-r"""Flow factors of rough walls in the form that Newton's method needs: values and slopes at gaps, by differences.
+r"""Flow factors of rough walls in the form required by Newton's method: values and slopes at gaps, by differences.
 
-Isotropic walls by the fits of Patir and Cheng as they are printed (phi_p = 1 - 0.9 exp(-0.56 H), H > 0.5), written
-apart from the model's; any others as functions of the gap.
+Isotropic walls by the fits of Patir and Cheng as printed (phi_p = 1 - 0.9 exp(-0.56 H), H > 0.5), implemented
+separately from the model; any others as functions of the gap.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class RoughWalls:
 
     @classmethod
     def isotropic(cls, deviation: float, second: float = 0.0) -> RoughWalls:
-        """Of the deviations [m] of the resting wall and of the one that slides, without direction."""
+        """Of the deviations [m] of the resting wall and of the sliding one, isotropic."""
         s = float(np.hypot(deviation, second))
         apart = (deviation**2 - second**2) / s**2
 

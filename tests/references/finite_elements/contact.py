@@ -1,20 +1,20 @@
-r"""A full finite element solution of plane frictionless contact against which reduced models are held.
+r"""A full finite element solution of plane frictionless contact as a reference for reduced models.
 
-Plane strain, curved quadratic (9-node) cells of scikit-fem, no modes, no hats of the engine: each body is
+Plane strain, curved quadratic (9-node) cells of scikit-fem, no modes, no functions of the engine: each body is
 condensed exactly to the normal displacements of its contact nodes by one factorisation.
 
-**Contact.** Pressure s_j in hats on the corner nodes of the first surface, f = B s on its nodes, B_ij = int N_i psi_j
-(the quadratic N with linear psi passes the inf-sup test, so that the pressure does not oscillate). The second surface
-is a circle known exactly; a node of the first at x_i meets it at the angle phi_i under the normal e_i, where the
+**Contact.** Pressure s_j of linear functions on the corner nodes of the first surface, f = B s on its nodes, B_ij =
+int N_i psi_j (the quadratic N with linear psi passes the inf-sup test, so that the pressure does not oscillate). The
+second surface is an exact circle; a node of the first at x_i meets it at angle phi_i under the normal e_i, where the
 displacement of the second body is interpolated with its own quadratic functions. With the flexibilities A of both
 
     g = g0 + A f - c delta >= 0 weakly,   0 <= s  _|_  B^T g >= 0,     c^T f = P/2
 
-delta the way of the first body, c_i = e_i . x. The active set is updated until it repeats: s > 0 inside stays, a
+delta the displacement of the first body, c_i = e_i . x. The active set is updated until it repeats: s > 0 stays, a
 negative weak gap outside enters (primal-dual, M. Hintermueller, K. Ito, K. Kunisch, SIAM J. Optim. 13 (2003) 865).
 
-**A floating body** is carried by a uniform body force that balances the contact forces; with b that load of unit
-resultant, F = E - b c^T balances itself, A = F^T K^-1 F does not depend on where K is held, and delta is the b-weighted
+**A floating body** is supported by a uniform body force that balances the contact forces; with b that load of unit
+resultant, F = E - b c^T balances itself, A = F^T K^-1 F is independent of the support of K, and delta is the b-weighted
 mean of the body's displacement.
 """
 
@@ -33,7 +33,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.material import Material
 
 Array = np.ndarray
-SETS = 60  # of active hats that are tried; it takes 5 to 15
+SETS = 60  # active sets tried; 5 to 15 are needed
 SAME_PLACE = 1e-9  # of the outer radius: nodes this close to a circle or line lie on it
 
 
@@ -98,7 +98,7 @@ def quadratic_rows(angles: Array, places: Array) -> Array:
 
 
 def pressure_rows(angles: Array, radius: float) -> Array:
-    """B (n, (n + 1)/2) [m] of the module: nodes by hats on the corners."""
+    """B (n, (n + 1)/2) [m] of the module: nodes by pressure functions on the corners."""
     n = len(angles)
     B = np.zeros((n, n // 2 + 1))
     arc = radius * np.diff(angles[::2])
@@ -110,7 +110,7 @@ def pressure_rows(angles: Array, radius: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Solved:
-    """angles (k,) [rad] of the hats, pressure (k,) [Pa], weak gap (k,) [m2], delta [m], number of sets tried."""
+    """angles (k,) [rad] of the pressure nodes, pressure (k,) [Pa], weak gap (k,) [m2], delta [m], sets tried."""
 
     angles: Array
     pressure: Array
@@ -133,7 +133,7 @@ class Solved:
 
     @property
     def edge(self) -> tuple[float, float]:
-        """Last hat that carries pressure and the next one [rad]: the patch ends between them."""
+        """Last node under pressure and the next one [rad]: the patch ends between them."""
         last = int(np.flatnonzero(self.pressure > 0.0)[-1])
         return float(self.angles[last]), float(self.angles[last + 1])
 
@@ -143,8 +143,8 @@ def active_set(
 ) -> tuple[Array, Array, float, int]:
     """Pressure s, weak gap, delta and the number of sets of the module.
 
-    load: the resultant c^T B s, of the modelled half; guards: hats at the end of what can carry pressure, which the
-    patch must not reach (InputError). RuntimeError where no set stays.
+    load: the resultant c^T B s, of the modelled half; guards: outermost nodes that can carry pressure, which the
+    patch must not reach (InputError). RuntimeError if no set is stationary.
     """
     G, g0, lever = B.T @ A @ B, B.T @ gap, B.T @ c
     weight = B.sum(axis=0)
@@ -164,7 +164,7 @@ def active_set(
                 raise InputError("contact reaches the end of what can carry pressure: give more of the surface")
             return s, weak / weight, delta, count
         if any(np.array_equal(new, old) for old in seen):
-            new = active & (s > 0.0)  # a cycle: let go of tension only
+            new = active & (s > 0.0)  # a cycle: release tension only
         seen.append(active)
         active = new
     raise RuntimeError(f"active set of the contact did not settle in {SETS} changes")

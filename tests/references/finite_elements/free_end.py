@@ -1,13 +1,13 @@
 r"""A roller of finite width on a rigid plane, its free end included: full finite elements in three dimensions.
 
 Quadratic (27-node) curved cells of scikit-fem, fine towards the line of contact and towards the end; no modes. The hub
-is a rigid circle that comes nearer to the plane by delta. Half of the width (z = 0 the mid-plane, z = w/2 the end) and
-half of the ring (y >= 0, contact along +x), on their planes of symmetry held normally. The contact is that of
-`contact`: pressure in hats on the corner nodes of the rim, tensor products of those of angle and width, weak gap
-R (1 - cos t) - delta + u_x, active set. Two equal rollers that face each other see the same: the plane between them is
+is a rigid circle that approaches the plane by delta. Half of the width (z = 0 the mid-plane, z = w/2 the end) and
+half of the ring (y >= 0, contact along +x) are modelled, with symmetry conditions on their planes. The contact is that
+of `contact`: pressure functions on the corner nodes of the rim, tensor products of those of angle and width, weak gap
+R (1 - cos t) - delta + u_x, active set. Two equal rollers in contact are equivalent: the plane between them is
 one of symmetry.
 
-Far from the end the state is plane strain. At the end nothing holds the material in, and with a plane that reaches
+Far from the end the state is plane strain. At the end the material is unsupported, and with a plane that extends
 beyond it the wedge between free end and rigid frictionless plane mirrors to a smooth free surface: the pressure there
 is finite, lower than in the middle, and converges.
 """
@@ -30,7 +30,7 @@ from warpffrf.study.markdown import table
 
 Array = np.ndarray
 GROWTH_FROM_PATCH = 1.7  # of cells away from the patch and from the end
-MARGIN = 1.4  # half-widths in which hats can carry pressure and cells are fine
+MARGIN = 1.4  # half-widths within which nodes can carry pressure and cells are fine
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class Roller:
 
 @dataclass(frozen=True, eq=False)
 class EndPressure:
-    """Radius [m], angles (k,) [rad] and z (m,) [m] of the hats, pressure (k, m) [Pa], delta [m], dofs of the model."""
+    """Radius [m], angles (k,) [rad] and z (m,) [m] of the nodes, pressure (k, m) [Pa], delta [m], dofs of the model."""
 
     radius: float
     angles: Array
@@ -69,14 +69,14 @@ class EndPressure:
         return float(np.interp(self.z[-1] - inside, self.z, self.pressure[0]))
 
     def mean_line_load(self, inside: float) -> float:
-        """[N/m], mean over the last `inside` [m] at the end, of the line loads, which are linear between the hats."""
+        """[N/m], mean over the last `inside` [m] at the end, of the line loads, which are linear between the nodes."""
         start = self.z[-1] - inside
         z = np.append(start, self.z[self.z > start])
         return float(np.trapezoid(np.interp(z, self.z, self._line_load), z) / inside)
 
     @property
     def _line_load(self) -> Array:
-        """Load per width (m,) [N/m] at the hats' z, of both halves."""
+        """Load per width (m,) [N/m] at the nodes' z, of both halves."""
         return 2.0 * self.radius * (np.diff(self.angles) @ (0.5 * (self.pressure[1:] + self.pressure[:-1])))
 
     @property
@@ -91,8 +91,8 @@ class EndPressure:
 
 
 def press_roller(roller: Roller, load: float, half_width: float, cells: float, end_cell: float) -> EndPressure:
-    """The roller under the load [N] on a rigid plane; half_width a [m] expected, `cells` in it, first cell at the end
-    `end_cell` a wide: for the mesh only."""
+    """The roller under the load [N] on a rigid plane; expected half_width a [m], `cells` in it, first cell at the end
+    with the width `end_cell` times a: for the mesh only."""
     return _pressed([roller], load, half_width, cells, _from_the_end(roller, end_cell * half_width))
 
 
@@ -100,7 +100,7 @@ def press_pair(
     short: Roller, long: Roller, load: float, half_width: float, cells: float, end_cell: float
 ) -> EndPressure:
     """As `press_roller`, the short roller on a longer one of the same radius; approach of the two hubs. Raises
-    `InputError` where the second is not longer, or not as large."""
+    `InputError` if the second is not longer, or has another radius."""
     if not long.width > short.width or long.outer_radius != short.outer_radius:
         raise InputError("roller end: the second roller must be wider than the first, and of the same radius")
     return _pressed([short, long], load, half_width, cells, _from_the_end(short, end_cell * half_width))
@@ -109,9 +109,9 @@ def press_pair(
 def press_crowned(
     roller: Roller, crown_radius: float, load: float, half_axes: tuple[float, float], cells: float
 ) -> EndPressure:
-    """As `press_roller`, the rim with a crown of `crown_radius` [m], whose middle carries the load on an ellipse of
+    """As `press_roller`, the rim with a crown of `crown_radius` [m], whose middle is in contact on an ellipse of
     about the `half_axes` [m] across and along, with `cells` in each of them: for the mesh only. The crown is in the
-    gap, not in the mesh: a drop over the patch of 1e-4 of the radius. Raises `InputError` where the ellipse comes to
+    gap, not in the mesh: a drop over the patch of 1e-4 of the radius. Raises `InputError` if the ellipse reaches
     the end."""
     w, along = 0.5 * roller.width, half_axes[1]
     carries = MARGIN * along
@@ -137,7 +137,7 @@ def _pressed(
     z: Array,
     crown: tuple[float, float] | None = None,
 ) -> EndPressure:
-    """One roller on a plane, or two; the first carries the hats, on lines z (m,) [m]: all, or up to the first of
+    """One roller on a plane, or two; the first has the pressure nodes, on lines z (m,) [m]: all, or up to the first of
     `crown`, whose second is the radius."""
     require_number(load, "load", positive=True)
     R, w = rollers[0].outer_radius, 0.5 * rollers[0].width
@@ -219,7 +219,7 @@ def page(script: str, found: dict[tuple[float, float], EndPressure]) -> str:
     line = LineContact(LINE_LOAD, roller.outer_radius, contact_modulus(roller.material))
     rows = []
     for (cells, end), f in found.items():
-        # the load is that of the width, of which the middle carries more than the mean
+        # the load is that of the width, of which the middle has more than the mean
         middle = LineContact(f.middle_line_load, roller.outer_radius, line.modulus)
         row = [f"{cells:g}", f"{end:g} a", str(f.dofs), f"{f.middle / middle.peak_pressure - 1.0:+.2%}"]
         near = [f.along(inside * line.half_width) / f.middle for inside in (0.0, INSIDE, DEEPER)]

@@ -1,4 +1,4 @@
-"""Meshes of the package as scikit-fem has them: shape functions, linear matrices, loads on facets, in our numbering.
+"""Meshes of the package in scikit-fem: shape functions, linear matrices, loads on facets, in our numbering.
 
 Dofs are 3 node + component, node numbers those of the mesh.
 """
@@ -39,7 +39,7 @@ KINDS: dict[str, tuple[Any, Any, Any, int]] = {
     "tet4": (ElementTetP1, MeshTet, None, 2),
     "tet10": (ElementTetP2, MeshTet, MeshTet2, 4),
 }
-GAUSS = 3  # points a direction of a quadrilateral: exact for products of quadratic functions
+GAUSS = 3  # points per direction of a quadrilateral: exact for products of quadratic functions
 # of the unit triangle: exact to the fourth degree (Dunavant 1985)
 TRIANGLE = (
     np.array(
@@ -60,7 +60,7 @@ def scalar_basis(mesh: Mesh) -> tuple[Basis, Array]:
     """The shape functions of a mesh of one kind of cells, at its quadrature points, and the mesh's node number (n,) of
     each of scikit-fem's dofs.
 
-    Raises `InputError` for kinds of cells that scikit-fem is not asked for here.
+    Raises `InputError` for kinds of cells that are not supported here.
     """
     kind, cells = mesh.single
     if kind not in KINDS:
@@ -85,7 +85,7 @@ def scalar_basis(mesh: Mesh) -> tuple[Basis, Array]:
 def matrices(mesh: Mesh, material: Material) -> tuple[Sparse, Sparse]:
     """K [N/m] and M [kg] (3 n, 3 n) csr of a mesh of one kind of cells.
 
-    Raises `InputError` for kinds of cells that scikit-fem is not asked for here.
+    Raises `InputError` for kinds of cells that are not supported here.
     """
     scalar, node = scalar_basis(mesh)
     basis = Basis(scalar.mesh, ElementVector(scalar.elem), intorder=KINDS[mesh.single[0]][3])

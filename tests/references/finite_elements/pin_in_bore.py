@@ -1,12 +1,12 @@
-r"""A pin pressed into a bore of nearly its own radius: full finite elements beside Persson's solution.
+r"""A pin pressed into a bore of nearly its own radius: full finite elements compared with Persson's solution.
 
 The pin (radius R, about (dR, 0), where it touches) and the sleeve (bore R + dR about the origin) are both modelled in
-plane strain by `contact`, with the bore as it is: a pin node at R (cos t, sin t) + (dR, 0) has the gap
-R + dR - |x| under the normal x/|x|. The sleeve is held at its outer radius. The pin either floats on a uniform body
-force (`held=False`, with a hole so small that it does not count) or its inner circle moves as a rigid one (True, a
+plane strain by `contact`, with the true bore: a pin node at R (cos t, sin t) + (dR, 0) has the gap
+R + dR - |x| under the normal x/|x|. The sleeve is fixed at its outer radius. The pin either floats on a uniform body
+force (`held=False`, with a hole so small that it is negligible) or its inner circle moves as a rigid one (True, a
 roller on its shaft). Either body may be rigid (material None).
 
-Persson's plate has no outer edge and his gap is linear in dR/R: both differences are seen in the tables, the first by
+Persson's plate has no outer edge and his gap is linear in dR/R: both differences appear in the tables, the first by
 the outer radius, the second by the clearance.
 """
 
@@ -27,13 +27,13 @@ from warpffrf.study.markdown import table
 Array = np.ndarray
 STEEL = Material(210e9, 0.3, 7800.0, name="steel")
 GROWTH = 1.25  # of cells away from the patch
-MARGIN = 1.35  # half-angles in which hats can carry pressure and cells are fine
+MARGIN = 1.35  # half-angles within which nodes can carry pressure and cells are fine
 LARGEST = np.deg2rad(8.0)  # of a cell far from the patch
 MADE = "Made by `python -m references.finite_elements.pin_in_bore`; do not edit.\n"
 
 
 def graded(first: float, length: float, largest: float = np.inf, growth: float = GROWTH) -> Array:
-    """Places 0 ... length whose spacing grows by `growth` from about `first` to at most `largest`."""
+    """Positions 0 ... length whose spacing grows by `growth` from about `first` to at most `largest`."""
     steps = [first]
     while sum(steps) < length:
         steps.append(min(steps[-1] * growth, largest))
@@ -81,7 +81,7 @@ def solve_pin(case: Pin, load: float, half_angle: float, cells: float = 32.0) ->
         inner, fixed = ring.on_circle(case.inner_radius)
         if not case.held:
             E -= np.outer(ring.body_force(), e[:, 0])
-            fixed = fixed[:1, 0]  # one place, which carries nothing
+            fixed = fixed[:1, 0]  # one point, without load
         A += ring.flexibility(E, np.ravel(fixed))
     if case.bore is not None:
         depth = graded(R * h, case.outer_radius - bore)
@@ -98,7 +98,7 @@ def solve_pin(case: Pin, load: float, half_angle: float, cells: float = 32.0) ->
 
 
 def errors(case: Pin, half_angle: float, cells: float) -> list[float]:
-    """Errors of peak pressure and moment angle against Persson, and the two hats between which the patch ends over
+    """Errors of peak pressure and moment angle against Persson, and the two nodes between which the patch ends over
     his half-angle [rad], at the load that gives it."""
     if case.pin is None:
         raise InputError("pin in bore: the closed form wants an elastic pin")

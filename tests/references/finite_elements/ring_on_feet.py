@@ -1,17 +1,17 @@
 r"""An outer ring on feet, pressed by the rollers of a bearing: full finite elements and laws of line contact.
 
-The ring is held at its feet. Rollers j press it by Q_j along their length l at the angles theta_j. With the compliance
+The ring is fixed at its feet. Roller j applies Q_j along its length l at the angle theta_j. With the compliance
 C (n, n) of the ring, radial displacements of its outside opposite the rollers under unit forces at its bore, and the
-approach of a rigid cylinder and a point at the depth h, the wall, below it (Weber; Johnson, Contact Mechanics, 5.6),
+approach of a rigid cylinder to a point at the depth h, the wall, below it (Weber; Johnson, Contact Mechanics, 5.6),
 
     d(Q) = 2 q/(pi E*) (ln(2 h/b) - nu/(2 (1 - nu))),      q = Q/l,  b^2 = 4 q R/(pi E*),  E* = E/(1 - nu^2),
 
-an inner ring that is moved by s has every loaded roller take
+an inner ring displaced by s, with every loaded roller, satisfies
 
     s cos phi_j - c/2 = a(Q_j) + d(Q_j) + sum_k C_jk Q_k,      sum Q_j cos phi_j = F,
 
 phi_j from the load, c the diametral clearance, a(Q) the approach at the inner ring by its law. s is found by
-bisection, the loads by Newton's method on those rollers that are pressed.
+bisection, the loads by Newton's method on the loaded rollers.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ from warpffrf.model.mesh import Mesh
 
 Array: TypeAlias = npt.NDArray[np.float64]
 ON = 1e-6  # of a radius, and rad: nodes that lie on a circle, on a line
-LEAST = 1e-2  # N: a roller with less is apart
+LEAST = 1e-2  # N: a roller with less is unloaded
 SETTLED = 1e-7  # N, of a step of Newton's method
 
 
 def compliance(
     mesh: Mesh, material: Material, radii: tuple[float, float], held: str, angles: Array, length: float
 ) -> Array:
-    """C (n, n) [m/N] of a tube about y of hex27 cells whose bore and outside have the `radii` [m], held at the facet
+    """C (n, n) [m/N] of a tube about y of hex27 cells whose bore and outside have the `radii` [m], fixed at the facet
     set `held`: outside displacements over the `length` [m] opposite lines at the bore."""
     K, _ = matrices(mesh, material)
     fixed = np.zeros(len(mesh.points), dtype=bool)
@@ -91,11 +91,11 @@ class RingOnFeet:
         return 2.0 * q / (np.pi * E) * (np.log(2.0 * self.wall / b) - nu / (2.0 * (1.0 - nu)))
 
     def sinks(self, Q: Array) -> Array:
-        """(n,) m: how far rollers sink into the undeformed ring."""
+        """(n,) m: penetration of the rollers into the undeformed ring."""
         return self.local(Q) + self.compliance @ Q
 
     def loads(self, shift: float) -> Array:
-        """(n,) N, of an inner ring moved by `shift` [m]. Raises RuntimeError where they are not found."""
+        """(n,) N, for an inner ring displaced by `shift` [m]. Raises RuntimeError if they are not found."""
         free = shift * np.cos(self.phi) - 0.5 * self.clearance
         on = free > 0.0
         Q = np.where(on, 100.0, 0.0)

@@ -1,1 +1,1 @@
-"""Contact on exact elastic half-planes and half-spaces, in hats and in cells: references without a body around them."""
+"""Contact on exact elastic half-planes and half-spaces, with nodal functions and cells: references without a body."""

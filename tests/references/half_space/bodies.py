@@ -1,15 +1,16 @@
 r"""Flexible bodies whose surface is an exact elastic half-plane or half-space: contact without finite elements.
 
-A `ReducedBody` with a plane contact surface, no global modes, and a compliance from closed forms: what the engine makes
-of it differs from Hertz, Cattaneo, Mindlin and Carter by its contact alone. It is held at its interface "hold"; mass
-and inertia mean nothing.
+A `ReducedBody` with a plane contact surface, no global modes, and a compliance from closed forms: results of the engine
+differ from Hertz, Cattaneo, Mindlin and Carter by the contact algorithm alone. It is fixed at interface "hold"; mass
+and inertia have no significance.
 
-Normal: `C_ij = int psi_i K psi_j`, exact for hats (`compliances`); the body keeps D = M^-1 C M^-1, of which M D M is
-used. Tangential: mean displacement of a cell by uniform tractions on cells (`influence`), per force, as of every body.
+Normal: `C_ij = int psi_i K psi_j`, exact for nodal functions (`compliances`); the body stores D = M^-1 C M^-1, of which
+M D M is used. Tangential: mean displacement of a cell by uniform tractions on cells (`influence`), per force, as in
+every body.
 
-*Half-plane*: two rows of nodes at the ends of the width, each a half-plane of its own under half of the load: with an
-even load they move alike. *Coupling* between normal and tangential, which like bodies do not have against each other
-and the closed forms of friction leave out, is left out.
+*Half-plane*: two rows of nodes at the ends of the width, each a half-plane of its own under half of the load: under a
+uniform load they move equally. *Coupling* between normal and tangential, which vanishes between like bodies and which
+the closed forms of friction neglect, is omitted.
 """
 
 from __future__ import annotations
@@ -61,7 +62,7 @@ def _grid(columns: int, pitch: float, z: Array) -> ContactGrid:
 
 
 def _body(grid: ContactGrid, C: Array, tangential: Array) -> ReducedBody:
-    """C (n, n) [m3/Pa] of the hats; tangential [m/N], (2 n, 2 n) in the shape of its directions and cells."""
+    """C (n, n) [m3/Pa] of the nodes; tangential [m/N], (2 n, 2 n) in the shape of its directions and cells."""
     n = len(C)
     around, along = (np.linalg.inv(M) for M in (grid.gram_theta(), grid.gram_z(PLANE)))
     inverse = np.kron(around, along)

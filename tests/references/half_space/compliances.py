@@ -1,14 +1,14 @@
 r"""Exact compliances between the tractions of a uniform grid on a half-plane and a half-space.
 
-Lengths are counted in half-widths of the patch, tractions in the peak pressure p0, displacements in p0 b / E' with
+Lengths are in half-widths of the patch, tractions in the peak pressure p0, displacements in p0 b / E' with
 E' = E/(1 - nu^2). The normal displacement under a pressure p is then
 
     plane: u(x) = -(2/pi) int p(t) ln(|x - t|/L) dt,        space: u = (1/pi) int p(t) / |x - t| dA,
 
-L the depth of the point that counts as fixed. `a(p, q) = int p u[q]` is the compliance energy (twice the elastic one).
+L the depth of the fixed point. `a(p, q) = int p u[q]` is the compliance energy (twice the elastic one).
 
-**Between functions of the grid** it depends on their distance only. The hats of a grid of spacing s, correlated with
-each other, are `s B3(x/s)`, cells `s B1(x/s)`, with B the B-splines of degree 3 and 1. So
+**Between functions of the grid** it depends on their distance only. Hat functions of a grid of spacing s, correlated
+with each other, are `s B3(x/s)`, cells `s B1(x/s)`, with B the B-splines of degree 3 and 1. So
 
     plane: a_k = -(2/pi) delta^n F_n / s^(n-2),    F_n'...' = ln|x| n times, n = 4 (hats) or 2 (cells),
     space: a_kl = (s_x s_y)^2 / pi  int int B(t - k) B(v - l) / sqrt(s_x^2 t^2 + s_y^2 v^2) dt dv,
@@ -30,9 +30,9 @@ import numpy as np
 from scipy.special import elliprd, elliprf
 
 Array = np.ndarray
-DEGREE = {"hats": 3, "cells": 1}  # of the B-spline that a function of the grid makes with its like
+DEGREE = {"hats": 3, "cells": 1}  # of the B-spline that is the autocorrelation of a function of the grid
 GAUSS = 10  # points each way in a square: 1e-9 next to the one at the origin
-INVERSE_REACH = 16  # the inverse of the hats' Gram matrix decays by 0.27 a node: 1e-9 is left
+INVERSE_REACH = 16  # the inverse of the Gram matrix decays by 0.27 per node: 1e-9 remains
 
 
 def spline(degree: int, x: Array) -> Array:
@@ -65,7 +65,7 @@ def space_table(traction: str, spacing: tuple[float, float], counts: tuple[int, 
     for axis in range(2):
         parts = (counts[axis] + reach) * pieces[axis]
         t = (np.arange(parts)[:, None] + x) / pieces[axis]
-        k = np.arange(1 - reach, counts[axis])  # of smaller k nothing reaches t > 0
+        k = np.arange(1 - reach, counts[axis])  # smaller k do not reach t > 0
         points.append(t)
         weights.append(np.tile(w / pieces[axis], (parts, 1)))
         offsets.append(k)
@@ -92,10 +92,10 @@ def space_table(traction: str, spacing: tuple[float, float], counts: tuple[int, 
 
 
 def facing(shift: float) -> Array:
-    """Kernel r (2 n + 1,) that turns the table of one grid into that of the pressures of another, `shift` spacings
-    away, which this one can only take as its own hats: a'_k = sum_m r_m a_(k-m) in each direction.
+    """Kernel r (2 n + 1,) that converts the table of one grid to that of the pressures of another, `shift` spacings
+    away, which this one represents in its own functions: a'_k = sum_m r_m a_(k-m) in each direction.
 
-    The second body sees the L2 projection of the first one's hats, `l M^-1`, `l_k = s B3(k + shift)`,
+    The second body has the L2 projection of the first one's functions, `l M^-1`, `l_k = s B3(k + shift)`,
     `(M^-1)_k = sqrt(3) (sqrt(3) - 2)^|k| / s`; r is the correlation of that with itself.
     """
     k = np.arange(-INVERSE_REACH, INVERSE_REACH + 1)

@@ -13,7 +13,7 @@ with the projection on the discs. Newton's method with the derivative D of the p
     D_i = 1 inside,   D_i = (b_i/|z_i|)(1 - z_i z_i^T/|z_i|^2) outside (0 for d = 1),   z = tau - rho s,
 
 is an active-set method: with d = 1 it ends exactly. It may cycle; then block Gauss-Seidel sweeps, which always descend
-(each cell solved in turn, tau_i = proj(tau_i - rho_i s_i)), lead on until Newton's method ends.
+(each cell solved in turn, tau_i = proj(tau_i - rho_i s_i)), continue until Newton's method converges.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array
 
 Array = np.ndarray
-TOLERANCE = 1e-13  # of F over the largest bound; G of condition below 1e3 leaves tau right to 1e-12
-NEWTON_STEPS = 30  # before sweeps help: it ends in 5 to 10 or cycles
+TOLERANCE = 1e-13  # of F over the largest bound; with the condition of G below 1e3 tau is accurate to 1e-12
+NEWTON_STEPS = 30  # before sweeps are used: it ends in 5 to 10 or cycles
 SWEEPS = 20  # of Gauss-Seidel between two tries
 TRIES = 50
 
@@ -69,8 +69,8 @@ def solve(G: Array, s0: Array, bound: Array, start: Array | None = None) -> Arra
     """Tractions tau (n, d) of the program; for d = 1 also as (n,), as s0 is.
 
     G (n d, n d) [m/Pa], rows and columns by (cell, direction); s0 (n,) or (n, d) [m]; bound (n,) [Pa], >= 0, cells of
-    bound 0 carry nothing. `start`: a guess. Raises InputError for a negative bound, RuntimeError where G is not
-    positive definite and nothing is found.
+    bound 0 have no traction. `start`: a guess. Raises InputError for a negative bound, RuntimeError if G is not
+    positive definite and no solution is found.
     """
     flat = np.ndim(s0) == 1
     free = np.array(s0, dtype=float).reshape(len(s0), -1)

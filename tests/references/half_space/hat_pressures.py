@@ -1,16 +1,17 @@
-r"""Hertz's contacts in hats on the exact half-plane and half-space, and the bounds of friction in cells made of them.
+r"""Hertz's contacts with hat functions on the exact half-plane and half-space, and the friction bounds of cells.
 
-The pressure is p = sum s_j psi_j with hats psi on a uniform grid, s >= 0, and every hat's weak gap closes or opens:
+The pressure is p = sum s_j psi_j with hat functions psi on a uniform grid, s >= 0, and the weak gap of every node is
+complementary to it:
 
     G s + M_0 (x^2/(2 R) - delta) >= 0,    s >= 0,    s_i gap_i = 0,    A sum s = load,
 
-G the compliance between hats (`compliances`), M_0 the load of a hat, A its area, x^2 its mean over the hat (the node's
-own plus h^2/6 in each direction). The active set is found by trial.
+G the compliance between nodes (`compliances`), M_0 the load of a function, A its area, x^2 its mean over the function
+(the node's own plus h^2/6 in each direction). The active set is found by trial.
 
-Where the patch ends is not a node. As the edge moves from one node to the next, the coefficient of the last hat grows
-in proportion, to 0.91 of its neighbour's (0.89 to 0.91 from 5 to 12 cells in a half-width): `edge_beyond`.
+The end of the patch is not a node. As the edge moves from one node to the next, the coefficient of the last node grows
+in proportion, to 0.91 of its neighbour's (0.89 to 0.91 from 5 to 12 cells per half-width): `edge_beyond`.
 
-The bound on a cell goes half the way from the coefficient of its node to the mean of the hats over the cell,
+The bound on a cell is halfway between the coefficient of its node and the mean pressure over the cell,
 (1, 6, 1)/8 in each direction: an exchange of 1/16 with each neighbour (`bounding`).
 """
 
@@ -26,12 +27,12 @@ Array = np.ndarray
 SPREAD = 1.0 / 16.0  # of the difference to each neighbour
 COLUMNS_PER_RATIO = 1.1  # edge beyond the last node, in columns, over its pressure's ratio to the next; at most 1
 TRIALS = 60
-OPEN = 1e-9  # of the approach: a gap below it is closed
+OPEN = 1e-9  # of the approach: a smaller gap is closed
 
 
 def line_pressures(contact: LineContact, x: Array, depth: float) -> Array:
     """Coefficients (n,) [Pa] at the nodes x (n,) [m], uniform and wider than the patch; depth L [m]. Raises InputError
-    for a patch that reaches the outermost nodes."""
+    if the patch reaches the outermost nodes."""
     w = float(x[1] - x[0])
     G = toeplitz(plane_table("hats", w, len(x), depth)) / contact.modulus
     return _inside(_pressed(G, w, x * x + w * w / 6.0, contact.radius, contact.load))
@@ -39,7 +40,7 @@ def line_pressures(contact: LineContact, x: Array, depth: float) -> Array:
 
 def point_pressures(contact: PointContact, nodes: Array) -> Array:
     """Coefficients (n, m) [Pa] at `nodes` (n, m, 2) [m] of a square grid wider than the patch. Raises InputError
-    for a patch that reaches the outermost nodes."""
+    if the patch reaches the outermost nodes."""
     w = float(nodes[1, 0, 0] - nodes[0, 0, 0])
     G = toeplitz(space_table("hats", (w, w), nodes.shape[:2])) / contact.modulus
     square = (nodes**2).sum(axis=2).ravel() + w * w / 3.0
@@ -80,8 +81,8 @@ def edge_beyond(pressure: Array) -> float:
 
 
 def bounding(pressure: Array) -> Array:
-    """Pressures (n,) or (n, m) of which mu times is the bound, of coefficients on a uniform grid whose outermost nodes
-    carry nothing; the sum stays."""
+    """Pressures (n,) or (n, m) of which mu times is the bound, from coefficients on a uniform grid whose outermost
+    nodes are zero; the sum is conserved."""
     found = np.array(pressure, dtype=float)
     for axis in range(pressure.ndim):
         for way in (1, -1):

@@ -1,8 +1,8 @@
-r"""What constant tractions on cells move on an elastic half-plane and half-space: exact, at the centres of cells and
-in the mean over cells.
+r"""Displacements due to constant tractions on cells of an elastic half-plane and half-space: exact, at the centres of
+cells and in the mean over cells.
 
 Half-plane in plane strain (K. L. Johnson, Contact Mechanics, 1985, section 2.4), z into the body, traction q along x
-and pressure p along z; L is the depth of the point that counts as fixed:
+and pressure p along z; L is the depth of the fixed point:
 
     u_x = -(2 (1 - nu^2)/(pi E)) int q ln(|x - t|/L) dt - k (int_{t<x} p dt - int_{t>x} p dt),
     u_z = -(2 (1 - nu^2)/(pi E)) int p ln(|x - t|/L) dt + k (int_{t<x} q dt - int_{t>x} q dt),
@@ -18,15 +18,15 @@ Over a rectangle they are differences over its corners of
 
     1/r: X ln(Y + r) + Y ln(X + r),   X^2/r^3: Y ln(X + r),   X Y/r^3: -r,   X/r^2: (Y/2) ln(X^2 + Y^2) + X atan(Y/X).
 
-*Mean over a cell* like the loaded one: integrated once more, second differences of the step of a cell in each
-direction, of (what is linear in a coordinate drops out)
+*Mean over a cell* equal to the loaded one: by one more integration, second differences with the step of a cell in each
+direction, of (linear terms in a coordinate drop out)
 
     ln|x|: x^2 (ln|x| - 3/2)/2,     1/r: (X Y^2 ln(X + r) + X^2 Y ln(Y + r))/2 - r^3/6,
     X^2/r^3: X Y^2 ln(X + r)/2 + X^2 r/2 - r^3/3,     X Y/r^3: -(2 X Y r + X^3 ln(Y + r) + Y^3 ln(X + r))/6.
 
-Means are symmetric in the loaded and the seen cell, and what a reduced body knows of cells.
+Means are symmetric in the loaded and the observed cell, and are the data of cells of a reduced body.
 
-Two bodies that press on each other see opposite tractions: *relative* displacements add the direct terms, with
+Two bodies in contact have opposite tractions: *relative* displacements add the direct terms, with
 1/E* = sum (1 - nu^2)/E, and subtract the coupling between normal and tangential, which vanishes for like bodies.
 """
 
@@ -43,9 +43,9 @@ Array = np.ndarray
 
 
 def strip_displacement(x: Array, width: float, modulus: float, depth: float) -> Array:
-    """Relative displacement [m/Pa] at x [m] of a unit traction on the strip |x| < width/2, along that traction.
+    """Relative displacement [m/Pa] at x [m] due to a unit traction on the strip |x| < width/2, along that traction.
 
-    modulus E* [Pa], depth L [m]. Normal and tangential are the same.
+    modulus E* [Pa], depth L [m]. Normal and tangential are equal.
     """
 
     def F(t: Array) -> Array:
@@ -59,7 +59,7 @@ def strip_displacement(x: Array, width: float, modulus: float, depth: float) -> 
 def influence_2d(count: int, width: float, modulus: float, depth: float) -> Array:
     """G (count, count) [m/Pa]: relative displacement at the centre of strip i by a unit traction on strip j.
 
-    count strips of `width` [m] side by side, modulus E* [Pa], depth L [m], which must exceed count * width for G to be
+    count adjacent strips of `width` [m], modulus E* [Pa], depth L [m], which must exceed count * width for G to be
     positive definite.
     """
     n = require_count(count, "count of strips", 1)
@@ -88,8 +88,8 @@ def mean_2d(count: int, width: float, modulus: float, depth: float) -> Array:
 
 
 def coupling_2d(count: int, width: float, first: Material, second: Material | None = None) -> Array:
-    """K (count, count) [m/Pa]: how far unit tangential tractions on strip j of the first body move the surfaces at the
-    centre of strip i apart along the first body's inward normal (first minus second); `second` None: rigid.
+    """K (count, count) [m/Pa]: separation of the surfaces at the centre of strip i along the first body's inward normal
+    (first minus second) due to unit tangential tractions on strip j of the first body; `second` None: rigid.
 
     Pressures move the surfaces tangentially by K.T = -K (first minus second).
     """
@@ -102,7 +102,7 @@ def coupling_2d(count: int, width: float, first: Material, second: Material | No
 
 
 def _rectangle(X: Array, Y: Array, size: tuple[float, float], kind: str) -> Array:
-    """Integrals of the module over a rectangle centred at the origin, seen from (X, Y)."""
+    """Integrals of the module over a rectangle centred at the origin, evaluated at (X, Y)."""
     total = np.zeros(np.broadcast(X, Y).shape)
     for sx in (1.0, -1.0):
         for sy in (1.0, -1.0):
@@ -148,7 +148,7 @@ def _mean_rectangle(X: Array, Y: Array, size: tuple[float, float], kind: str) ->
 
 
 def _cells(centers: Array) -> tuple[Array, Array]:
-    """Differences (n, n) of the coordinates of seen and loaded cells, centers (n, 2)."""
+    """Differences (n, n) of the coordinates of observed and loaded cells, centers (n, 2)."""
     x, y = np.asarray(centers, dtype=float).T
     return np.subtract.outer(x, x), np.subtract.outer(y, y)
 

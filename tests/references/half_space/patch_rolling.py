@@ -1,30 +1,30 @@
-r"""Rolling with friction on cells that stand with the patch: line contacts and elliptic point contacts on exact
+r"""Rolling with friction on contact-fixed cells: line contacts and elliptic point contacts on exact
 elastic half-planes and half-spaces, the law of friction without a body around it.
 
 Like materials. Pressure and traction are constant on each cell of a uniform grid about the middle of the patch, half
 widths 1.3 times those of the patch. *Pressures* make the gap vanish at the centres of the cells under pressure and
 leave it open at the others, at a given load (`pressed`). The bound of a cell is mu times its own pressure, its slip
-is that of its centre:
+is evaluated at its centre:
 
     s_i = w_i + e_new(x_i) - e_old(x_i + A),      e(x) = sum_j g(x - x_j) tau_j,
 
-A the advance, by which what is at x now was at x + A before, w_i the rigid slip of the whole step: velocities
+A the advance: the material now at x was at x + A before; w_i the rigid slip of the whole step: velocities
 V (xi - phi y, eta + phi x), taken in the middle of the way inside the patch, x_i + min(A, d w)/2 (d below); spin taken
 at x_i is 17 % low on 17 columns at one cell a step. Tractions oppose it: positive creepages give negative forces.
-e_old is kept at the centres of the old grid and of three rings of cells around it and read between them by cubic
+e_old is stored at the centres of the old grid and of three rings of cells around it and interpolated by cubic
 Lagrange polynomials in each direction, clamped beyond; the old patch may have been of another size.
 
-**Cells at the leading edge** are charged with rigid slip, and with elastic slip between themselves and free cells
-beyond the edge, of which they were in contact for a part only. Along a row let c be the cells advanced and d the
-distance from a cell to the edge ahead, in cells. Material that sticks from the touch on has gathered
+**Cells at the leading edge** receive the full rigid slip, and the elastic slip relative to free cells beyond the edge,
+although they were in contact for a part of the step only. Along a row let c be the cells advanced and d the
+distance from a cell to the edge ahead, in cells. Material that sticks from the touch on has accumulated
 
     s + k tau = 0,     k = 2 (g(0) - g(w)) min(c, 1) (max(c, 1)/d - 1) where that is positive, else 0.
 
 For c >= 1: the cell touches when the part 1 - d/c of the step is over, as in `rolling`. For c < 1 the cell is in
-contact all the time, but history is read between it and a cell ahead that is free: a part c of their difference is
-charged, d of it would be right. So it is in proportion to c and nothing when the patch stands. The factor 2: what a
-cell gains its neighbour loses. The edge is e cells beyond the last centre under pressure, whose pressure is r of its
-neighbour's (`edge_beyond`); to d is added `ahead`, for the front of a cell touches before its centre. These are
+contact all the time, but history is interpolated between it and a free cell ahead: a part c of their difference is
+included, d of it would be correct. So it is in proportion to c and zero when the patch is at rest. The factor 2: a
+cell's gain is the loss of its neighbour. The edge is e cells beyond the last centre under pressure, whose pressure is r
+of its neighbour's (`edge_beyond`); `ahead` is added to d, for the front of a cell touches before its centre. These are
 measured (docs/studies/patch_rolling.md).
 """
 
@@ -49,22 +49,22 @@ from warpffrf.model.material import Material
 
 Array = np.ndarray
 SPAN = 1.3  # half-widths of the grid over those of the patch
-RINGS = 3  # of cells around the grid at which displacements are kept: enough up to four cells a step
+RINGS = 3  # of cells around the grid at which displacements are stored: sufficient up to four cells per step
 EDGE = (
     -0.175,
     0.95,
     0.6,
-)  # cells from the last centre to the edge by powers of r; 0.02 off from 8 cells in a half-width on
+)  # cells from the last centre to the edge by powers of r; 0.02 off from 8 cells per half-width on
 LARGEST_RATIO = 0.75  # r beyond which the next cell would be under pressure
 LONE_EDGE = 0.5  # cells from the centre of a cell without neighbours under pressure to the edge
-BOTH = 2.0  # what a cell gains its neighbour loses
+BOTH = 2.0  # the gain of a cell is the loss of its neighbour
 AHEAD, AHEAD_SLOW = 0.2, 0.15  # cells by which a cell touches before its centre: 0.2, up to 0.35 at slow advance
-LEAST_DISTANCE = 0.02  # cells: cells under pressure are farther from the edge; keeps what is divided by positive
-STILL, MOST = 1e-4, 30.0  # change of the share in a half-width that counts as none; half-widths rolled at most
-DEPTH = 3.0  # half-widths at which a half-plane is held unless told: above 2 SPAN, and transients are short
+LEAST_DISTANCE = 0.02  # cells: lower limit of the distance of loaded cells from the edge; keeps the divisor positive
+STILL, MOST = 1e-4, 30.0  # change of the share per half-width that counts as none; half-widths rolled at most
+DEPTH = 3.0  # half-widths at which a half-plane is fixed by default: above 2 SPAN, and transients are short
 TRIALS = 60
-OPEN = 1e-9  # of the approach: a gap below it is closed
-FORCE_ERROR = 1e-9  # of the largest slip, where one is looked for
+OPEN = 1e-9  # of the approach: a smaller gap is closed
+FORCE_ERROR = 1e-9  # of the largest slip, if one is sought
 
 
 def lagrange(position: Array, count: int, order: int = 3) -> Array:
@@ -101,13 +101,13 @@ def to_edge(pressure: Array) -> Array:
 
 
 def ahead(cells: float) -> float:
-    """What is added to the distance to the edge, in cells, at an advance of `cells`."""
+    """Term added to the distance to the edge, in cells, at an advance of `cells`."""
     return AHEAD + AHEAD_SLOW * (1.0 - min(cells, 1.0))
 
 
 def distance(pressure: Array, advance: tuple[float, float]) -> Array:
     """d (n, m): cells from centres to the edge in the direction of an advance in cells along x and y, by pressures
-    (n, m), with `ahead`; infinite at cells that are free and where the patch stands.
+    (n, m), with `ahead`; infinite at free cells and if the patch is at rest.
 
     The edge is taken as straight between the points ahead along x and along y: 1/d = (c_x/d_x + c_y/d_y)/c.
     """
@@ -154,7 +154,7 @@ class Grid:
 
 @dataclass(frozen=True)
 class HalfPlanes:
-    """Two half-planes in plane strain: modulus E* [Pa], depth L [m] of the point that counts as fixed."""
+    """Two half-planes in plane strain: modulus E* [Pa], depth L [m] of the fixed point."""
 
     modulus: float
     depth: float
@@ -175,7 +175,7 @@ class HalfPlanes:
 
 @dataclass(frozen=True)
 class HalfSpaces:
-    """Two half-spaces; `second` None: rigid. The coupling of unlike ones is left out."""
+    """Two half-spaces; `second` None: rigid. The coupling of unlike ones is neglected."""
 
     first: Material
     second: Material | None = None
@@ -205,7 +205,7 @@ def between(table: Array, shape: tuple[int, int], rings: tuple[int, int], on: Ar
 
 
 def pressed(contact: LineContact | EllipticContact, grid: Grid, body: HalfPlanes | HalfSpaces) -> Array:
-    """Pressures (n, m) [Pa] of the contact on the cells. Raises InputError for a patch that reaches the outermost."""
+    """Pressures (n, m) [Pa] of the contact on the cells. Raises InputError if the patch reaches the outermost."""
     centers = grid.centers()
     shape: tuple[int, int] = centers.shape[:2]
     radii = (contact.radius,) if isinstance(contact, LineContact) else (contact.radius_x, contact.radius_y)
@@ -245,7 +245,7 @@ class PatchRolling:
     """State of a rolling contact. Lengths m, pressures Pa; d = 1 or 2 directions, k cells under pressure.
 
     contact: Hertz, rolling along x; friction mu; columns: odd numbers of cells (d,) across 2 span half-axes; body: of
-    the moduli of `contact`; order 1 or 3 of what reads the history; rings of it; late False: no softness at the edge.
+    the moduli of `contact`; order 1 or 3 of the history interpolation; its rings; late False: no softness at the edge.
     """
 
     contact: LineContact | EllipticContact
@@ -261,7 +261,7 @@ class PatchRolling:
     traction: Array = field(init=False)  # (k, d)
     slip: Array = field(init=False)  # (k, d) [m] in the last step
     field_old: Array = field(init=False)  # (n + 2 r, m + 2 s, d) [m], s = 0 for lines
-    least_loss: float = field(default=np.inf, init=False)  # smallest work [J or J/m] that friction took in a step
+    least_loss: float = field(default=np.inf, init=False)  # smallest dissipation [J or J/m] of friction in a step
 
     def __post_init__(self) -> None:
         if any(require_count(n, "cells across a patch", 3) % 2 == 0 for n in self.columns):
@@ -336,7 +336,7 @@ class PatchRolling:
         return np.linalg.norm(self.traction, axis=1) < self.bound * (1.0 - STICK)
 
     def _weights(self, grid: Grid, advance: tuple[float, float]) -> list[Array]:
-        """Weights by axis of what was kept on `grid` at the centres of the present grid plus the advance."""
+        """Weights by axis of the values stored on `grid` at the centres of the present grid plus the advance."""
         weights = [np.ones((1, 1))] * 2
         for a, n in enumerate(grid.columns):
             count = n + 2 * self.rings
@@ -362,7 +362,7 @@ class PatchRolling:
     def _rigid(self, advance: tuple[float, float], creepage: tuple[float, float, float]) -> Array:
         """w (k, d) [m]: xi, eta [-], spin phi [1/m]."""
         cells = self._cells(advance)
-        inside = np.ones(int(self.on.sum()))  # the part of the way that goes on inside the patch
+        inside = np.ones(int(self.on.sum()))  # the part of the path inside the patch
         if self.late and any(advance):
             inside = np.minimum(distance(self.pressure, cells)[self.on] / np.hypot(*cells), 1.0)
         x, y = (self.centers + 0.5 * np.outer(inside, advance)).T
@@ -383,11 +383,11 @@ class PatchRolling:
         self._slide(self._softened(way), self._rigid(way, creepage) - was)
 
     def shift(self, way: tuple[float, ...]) -> None:
-        """One step of a standing patch: rigid slip (d,) [m] everywhere, no rolling."""
+        """One step of a patch at rest: rigid slip (d,) [m] everywhere, no rolling."""
         self._slide(self.G, np.array(way) - self._enter((0.0, 0.0), None))
 
     def shift_under(self, force: float, most: float) -> float:
-        """One step of a standing patch to the force [N or N/m] along x; returns the slip [m], sought within +-most."""
+        """One step of a patch at rest to the force [N or N/m] along x; returns the slip [m], sought within +-most."""
         was = self._enter((0.0, 0.0), None)
         along = np.eye(len(self.columns))[0]
 
@@ -400,7 +400,7 @@ class PatchRolling:
         return way
 
     def _enter(self, advance: tuple[float, float], contact: LineContact | EllipticContact | None) -> Array:
-        """The patch as it is at the end of the step; returns e_old (k, d) [m] where what is there was before."""
+        """The patch at the end of the step; returns e_old (k, d) [m] at the previous positions of the material."""
         old = self.grid
         if contact is not None:
             start = np.zeros((*self.pressure.shape, len(self.columns)))
@@ -421,7 +421,7 @@ class PatchRolling:
         self.field_old = self._responses.reshape(*self._responses.shape[:3], -1) @ self.traction.ravel()
 
     def without_slip(self, advance: float | tuple[float, float]) -> Array:
-        """Steady tractions (3, k, d) [Pa] per unit of xi, eta and phi where all cells stick: what the law becomes at
+        """Steady tractions (3, k, d) [Pa] per unit of xi, eta and phi if all cells stick: the limit of the law for
         small creepages."""
         way = _along_x(advance)
         first, second = self._weights(self.grid, way)
@@ -448,7 +448,7 @@ def settle(
     still: float = STILL,
     most: float = MOST,
 ) -> Array:
-    """Rolls along x by `cells` a step until the share changes by less than `still` in a half-width, `most` half-widths
+    """Rolls along x by `cells` per step until the share changes by less than `still` per half-width, `most` half-widths
     at most; returns the shares (steps, d)."""
     advance = cells * rolling.grid.size[0]
     each = max(int(np.ceil(rolling.grid.half_axes[0] / advance)), 1)

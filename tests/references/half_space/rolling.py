@@ -1,26 +1,26 @@
 r"""Rolling with friction on an elastic half-plane, in cells: the law of friction without a body around it.
 
-Like materials, so that pressures do not move the surfaces tangentially: Hertz's contact stands over |x| <= a, its
-pressure in hats (`hat_pressures`), material runs through it from the leading edge x = a to x = -a. The traction is
-constant on each cell of width w. In a step the material advances by A, the rigid surfaces creep by xi A against each
-other, and what is at x now was at x + A before:
+Like materials, so that pressures do not move the surfaces tangentially: Hertz's contact is fixed at |x| <= a, its
+pressure in hat functions (`hat_pressures`), material moves through it from the leading edge x = a to x = -a. The
+traction is constant on each cell of width w. In a step the material advances by A, the rigid surfaces creep by xi A
+relative to each other, and the material now at x was at x + A before:
 
     s_i = u_new(x_i) - u_old(x_i + A) - xi A,      u(x) = sum_j g(x - x_j) tau_j   (`strip_mean`: over a cell about x),
 
 xi A over the *whole* step also for cells that the patch reached during it. Those slide freely until then: with all
-other tractions linear in time and their own growing from zero at the touch, the part (1 - phi) of the step after its
-beginning, "no slip since the touch" is, divided by phi,
+other tractions linear in time and their own growing from zero at the touch, at the part (1 - phi) of the step, "no slip
+since the touch" is, divided by phi,
 
     s_i + k_i tau_i = 0,      k_i = (1 - phi)/phi c,      (1 - phi)/phi = A/(w d_i) - 1 where that is positive,
 
-d_i w the way from the node to the edge of the patch, plus w/8, since the front of a cell touches w/2 before its node.
-c = 2 (g(0) - g(w)): what a cell gains its neighbours lose, and what they do in common far away must not count. The
+d_i w the distance from the node to the edge of the patch, plus w/8, since the front of a cell touches w/2 before its
+node. c = 2 (g(0) - g(w)): the gain of a cell is the loss of its neighbours, and their common far field must cancel. The
 factor 2 and the eighth are measured: with both the error is below 0.5 % at eight cells at every phase and at up to two
-cells a step. Without the softness (`late=False`) it depends on how far beyond the edge the first node outside lies,
-because that one is charged as if it stuck: see docs/studies/carter.md.
+cells per step. Without the softness (`late=False`) it depends on the distance of the first outside node from the edge,
+because that node is treated as if it stuck: see docs/studies/carter.md.
 
-Each step is one `solve` of the friction program. Cells either stand with the patch (`carried=False`) or travel with
-the material (True, as the grid of a body does: their phase against the patch changes from step to step). At phase 0 a
+Each step is one `solve` of the friction program. Cells are either contact-fixed (`carried=False`) or body-fixed
+(True, as the grid of a body: their phase relative to the patch changes from step to step). At phase 0 a
 centre lies in the middle of the patch.
 """
 
@@ -38,9 +38,9 @@ from references.half_space.influence import mean_2d, strip_mean
 from warpffrf.model.errors import require_number
 
 Array = np.ndarray
-STICK = 1e-9  # of the bound: what a sticking traction is below it at least; the program is solved to 1e-13
+STICK = 1e-9  # of the bound: least distance of a sticking traction from it; the program is solved to 1e-13
 AHEAD = 0.125  # columns by which a cell is touched before its node
-JUST_REACHED = 0.02  # columns: a cell not yet reached counts as passed by so much, so that gross slip loads it too
+JUST_REACHED = 0.02  # columns: a cell not yet reached counts as passed by this, so that gross slip loads it too
 CREEP_ERROR = 1e-10  # of a prescribed force, over mu P
 
 
@@ -49,7 +49,7 @@ class Rolling:
     """State of a rolling line contact. Lengths m, pressures Pa.
 
     contact: Hertz, modulus E*; friction mu; cells per half-width (need not be whole); depth L of the fixed point in
-    half-widths; phase: of the cells against the patch, in cells; carried, late: see the module.
+    half-widths; phase: of the cells relative to the patch, in cells; carried, late: see the module.
     """
 
     contact: LineContact
@@ -59,10 +59,10 @@ class Rolling:
     phase: float = 0.0
     carried: bool = False
     late: bool = True
-    pressure: Array = field(init=False)  # (n,) Pa, coefficients of the hats at the centres
+    pressure: Array = field(init=False)  # (n,) Pa, nodal coefficients at the centres
     traction: Array = field(init=False)  # (n,) by cell
     slip: Array = field(init=False)  # (n,) [m] in the last step
-    least_loss: float = field(default=np.inf, init=False)  # smallest work [J/m] that friction took in a step
+    least_loss: float = field(default=np.inf, init=False)  # smallest dissipation [J/m] of friction in a step
 
     def __post_init__(self) -> None:
         self.cells = require_number(self.cells, "cells per half-width", positive=True)
@@ -107,11 +107,11 @@ class Rolling:
 
     @property
     def lost(self) -> float:
-        """Work [J/m] that friction took in the last step."""
+        """Dissipation [J/m] of friction in the last step."""
         return float(-(self.traction * self.slip).sum() * self.width)
 
     def _enter(self, advance: float) -> Array:
-        """Moves cells that travel; returns u_old (n,) where the material at their centres was."""
+        """Moves body-fixed cells; returns u_old (n,) at the previous positions of the material at their centres."""
         moved = self.phase - advance / self.width if self.carried else self.phase
         new = self.phase if not self.carried else moved - np.round(moved)
         was = self.displacement(self.centers + (new - self.phase) * self.width + advance)
@@ -137,7 +137,7 @@ class Rolling:
         """One step at the prescribed force [N/m]; returns the creepage of this step."""
         was = self._enter(advance)
         bound, G = self.bound, self._compliance(advance)
-        # a step of creep beyond all elastic displacement slips as a whole
+        # a step of creep beyond all elastic displacement slips completely
         most = float(np.abs(was).max() + np.abs(self.G @ bound).max()) / advance
 
         def excess(creepage: float) -> float:

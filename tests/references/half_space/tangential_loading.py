@@ -1,12 +1,12 @@
-r"""Tangential loading of a standing patch in cells, on the half-plane and the half-space: cases C4 and C5.
+r"""Tangential loading of a patch at rest in cells, on the half-plane and the half-space: cases C4 and C5.
 
-Hertz's contact stands, its pressure in hats (`hat_pressures`); the far parts of the two bodies are shifted against each
-other by increments D (n cells, tractions constant on each, bounds of `bounding`, means over the cells):
+Hertz's contact is fixed, its pressure in hat functions (`hat_pressures`); the far parts of the two bodies are shifted
+relative to each other by increments D (n cells, tractions constant on each, bounds of `bounding`, means over cells):
 
     s_i = u_new,i - u_old,i - D,      u = G tau,
 
 one `solve` of the friction program each. A given force is found by its shift. Half-space: both components of
-traction, so that slip may turn off the direction of the shift, which Cattaneo and Mindlin leave out.
+traction, so that slip may deviate from the direction of the shift, which Cattaneo and Mindlin neglect.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from references.half_space.rolling import STICK
 from warpffrf.model.material import Material
 
 Array = np.ndarray
-BEYOND = 3  # columns outside Hertz's patch, so that the outermost carry nothing
+BEYOND = 3  # columns outside Hertz's patch, so that the outermost are free of traction
 FORCE_ERROR = 1e-9  # of a prescribed force, over mu P
 
 
@@ -80,7 +80,7 @@ class Patch:
         self.least_loss = min(self.least_loss, loss)
 
     def move_under(self, force: float, reach: float) -> None:
-        """One step to the force Q [N or N/m], |Q| < mu P; its shift is looked for within +-reach [m]."""
+        """One step to the force Q [N or N/m], |Q| < mu P; its shift is sought within +-reach [m]."""
 
         def excess(increment: float) -> float:
             return (float(self._solve(increment)[0][:, 0].sum() * self.area) - force) / self.limit
@@ -90,7 +90,7 @@ class Patch:
 
 
 def line_patch(contact: LineContact, friction: float, cells: int, depth: float = 10.0) -> Patch:
-    """Half-plane, like materials: `cells` in a half-width, one in the middle; depth L in half-widths."""
+    """Half-plane, like materials: `cells` per half-width, one in the middle; depth L in half-widths."""
     w, depth = contact.half_width / cells, depth * contact.half_width
     x = w * np.arange(-cells - BEYOND, cells + BEYOND + 1)
     bound = friction * bounding(line_pressures(contact, x, depth))
@@ -101,9 +101,9 @@ def line_patch(contact: LineContact, friction: float, cells: int, depth: float =
 def point_patch(
     contact: PointContact, friction: float, cells: float, first: Material, second: Material | None = None
 ) -> Patch:
-    """Half-space in square cells, `cells` in a radius; only cells with a bound. `second` None: rigid.
+    """Half-space in square cells, `cells` per radius; only cells with a bound. `second` None: rigid.
 
-    The pressure is Hertz's also between unlike materials: its coupling with the tractions is left out, as in C4.
+    The pressure is Hertz's also between unlike materials: its coupling with the tractions is neglected, as in C4.
     """
     w, n = contact.half_width / cells, int(np.ceil(cells)) + BEYOND
     k = w * np.arange(-n, n + 1)
@@ -114,7 +114,7 @@ def point_patch(
 
 
 def cycle_loss(patch: Patch, peak: float, steps: int) -> float:
-    """Work [J or J/m] lost in a cycle between shifts +-peak [m], in `steps` steps each way; the patch stands at
+    """Work [J or J/m] lost in a cycle between shifts +-peak [m], in `steps` steps each way; the patch is at
     +peak before."""
     before = patch.lost
     for way in (-1.0, 1.0):

@@ -6,10 +6,10 @@ Pressure p and traction q (on the first body, along +x) constant on cells, every
     gap   g = x^2/(2 R) - delta + N p + K q,     0 <= p  _|_  g >= 0,     sum p w = P',
     slip  s = [N q + K^T p]_new - [N q + K^T p]_old - D,     |q| <= mu p, Coulomb,
 
-D the way of the first body's far part along x in the step (P' prescribed), or the total traction instead of it. The
-two halves are solved in turn, each exactly, until neither moves (Panagiotopoulos): the coupling enters as beta mu, well
-below 1, so that a turn takes that share off the error. K and K^T have opposite signs (K is antisymmetric): the coupled
-problem has no potential and is not one program.
+D the displacement of the first body's far part along x in the step (P' prescribed), or the total traction instead. The
+two halves are solved alternately, each exactly, until both are stationary (Panagiotopoulos): the coupling enters as
+beta mu, well below 1, so that an iteration reduces the error by that factor. K and K^T have opposite signs (K is
+antisymmetric): the coupled problem has no potential and is not one program.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from warpffrf.model.errors import require_number
 from warpffrf.model.material import Material
 
 Array = np.ndarray
-TURNS = 200  # of the two halves at most
-SETTLED = 1e-11  # change of pressure and traction in a turn over the largest pressure
+TURNS = 200  # maximum of alternations
+SETTLED = 1e-11  # change of pressure and traction per alternation over the largest pressure
 
 
 @dataclass(eq=False)
@@ -71,7 +71,7 @@ class Pair:
         for turn in range(1, TURNS + 1):
             gap = 0.5 * self.x**2 / self.radius + self.K @ q
             new, *_ = active_set(self.N / self.width, gap, np.ones(self.cells), unit, load, (0, -1))
-            # the traction on the first body opposes its way: s is the slip of the first body relative to the second
+            # the traction on the first body opposes its motion: s is its slip relative to the second
             s0 = self.K.T @ new - was + shift
             old = q
             q = solve(self.N, s0, self.friction * new, old)

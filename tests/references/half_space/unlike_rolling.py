@@ -1,13 +1,13 @@
-r"""Two half-planes of unlike materials that roll on each other freely: the creepage at which no force is left.
+r"""Two half-planes of unlike materials in free rolling: the creepage at zero tangential force.
 
-Cells, pressures and tractions of `unlike_half_planes.Pair`; material runs along -x by one cell a step, so that what is
-at x now was at x + w before:
+Cells, pressures and tractions of `unlike_half_planes.Pair`; material moves along -x by one cell per step, so that
+the material now at x was at x + w before:
 
     s = [N q + K^T p]_new(x) - [N q + K^T p]_old(x + w) - xi w,      xi = (V1 - V2)/V,
 
-positive s the slip of the first body along +x. In every step xi is what makes sum q = 0: no body twists, and the
-creepage is steady after a few crossings. What enters is charged with a whole cell, an error of the first order in w.
-With friction that never slips it tends to continuous adhesion (R. H. Bentall, K. L. Johnson, Int. J. Mech. Sci. 9
+positive s the slip of the first body along +x. In every step xi is chosen for sum q = 0: no body twists, and the
+creepage is steady after a few crossings. Entering material receives the slip of a whole cell, an error of first order
+in w. With friction that never slips it tends to continuous adhesion (R. H. Bentall, K. L. Johnson, Int. J. Mech. Sci. 9
 (1967) 389).
 """
 
@@ -25,8 +25,8 @@ from references.half_space.unlike_half_planes import Pair
 from warpffrf.model.material import Material
 
 PAD = 0.15  # half-widths of the grid beyond Hertz's patch
-CROSSINGS = 3.0  # of the patch that are rolled
-TURNS, SETTLED = 40, 1e-7  # of pressures and tractions in a step; their change over the largest pressure
+CROSSINGS = 3.0  # rolled distance in lengths of the patch
+TURNS, SETTLED = 40, 1e-7  # alternations of pressures and tractions per step; their change over the largest pressure
 NO_FORCE = 1e-5  # of the largest creepage looked for, mu a/R'
 
 
@@ -62,7 +62,7 @@ def free_rolling(
     first: Material, second: Material, radius: float, load: float, friction: float, cells: int,
     crossings: float = CROSSINGS,
 ) -> tuple[float, float]:  # fmt: skip
-    """Mean creepage without a force of cylinders of two materials over the last half crossing, and how far it varies
+    """Mean force-free creepage of cylinders of two materials over the last half crossing, and its variation
     in it; R' [m], P' [N/m], with `cells` + 1/2 in Hertz's half-width: its ends lie between two, on any grid."""
     contact = LineContact(load, radius, contact_modulus(first, second))
     count = 2 * (cells + int(np.ceil(PAD * cells))) + 1

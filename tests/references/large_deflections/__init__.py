@@ -1,4 +1,4 @@
-"""Bodies that deflect far, by full geometrically nonlinear finite elements: what reduced bodies are held against.
+"""Bodies with large deflections, by full geometrically nonlinear finite elements: references for reduced bodies.
 
 None of these files imports the engine, the kernels or the reduction.
 """

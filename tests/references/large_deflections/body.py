@@ -7,8 +7,8 @@ Nonlinear Finite Elements for Continua and Structures, ch. 4)
     f_a = int F S grad N_a dV,
     K_ab = int (grad N_a.S grad N_b) 1 + B_a^T C B_b dV,        B_a v = sym(F^T (v x grad N_a)).
 
-E does not see rigid rotations, so that these are exact whatever the size of the displacements; the material is right
-while strains stay small. Integrals use the points of the linear stiffness matrix, which is K(0).
+E is invariant under rigid rotations, so that these are exact for any size of the displacements; the material law is
+valid for small strains. Integrals use the points of the linear stiffness matrix, which is K(0).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 class StVenantKirchhoffBody:
     """A `mesh` of one kind of cells and its `material`; displacements u (3 n,) [m], dof 3 node + component.
 
-    Raises `InputError` for kinds of cells that scikit-fem is not asked for.
+    Raises `InputError` for kinds of cells that are not supported.
     """
 
     def __init__(self, mesh: Mesh, material: Material) -> None:
@@ -94,7 +94,7 @@ class StVenantKirchhoffBody:
         S = self.stress(u)[:, :, PLACE] * self.weight[:, :, None, None]
         e, q, a, _ = self.slopes.shape
         local = np.zeros((e, 3 * a, 3 * a))
-        for k in range(q):  # a point at a time: the matrices of all cells are as much as fits
+        for k in range(q):  # one point at a time: the matrices of all cells together are too large
             g = self.slopes[:, k]
             X = np.einsum("eci,eaj->eacij", F[:, k], g)
             X = X + X.swapaxes(3, 4)  # twice dE
@@ -115,7 +115,7 @@ class StVenantKirchhoffBody:
         return (3 * nodes[:, None] + np.arange(3)).ravel()
 
     def free(self, held: Array) -> Array:
-        """Dofs that are not `held`. Raises `InputError` where none is held, or none is left."""
+        """Dofs that are not `held`. Raises `InputError` if none is held, or none is free."""
         free = np.setdiff1d(np.arange(self.size), held)
         if not len(free) or len(free) == self.size:
             raise InputError("large deflections: hold some dofs of the body, and not all; see `held`")

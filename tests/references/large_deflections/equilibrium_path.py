@@ -1,4 +1,4 @@
-"""The path of an arch through two limit points: by displacement, in full finite elements."""
+"""The path of an arch through two limit points: displacement-controlled, in full finite elements."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from warpffrf.model.mesh import Mesh
 
 @dataclass(frozen=True, eq=False)
 class EquilibriumPath:
-    """Equilibria of the arch: ways w (n,) [m] of its crown, growing, forces F (n,) [N] down; cubic between."""
+    """Equilibria of the arch: displacements w (n,) [m] of its crown, growing, forces F (n,) [N] down; cubic between."""
 
     w: np.ndarray
     F: np.ndarray
@@ -52,8 +52,8 @@ class EquilibriumPath:
 
     @property
     def work_of_a_cycle(self) -> float:
-        """J, taken by the jumps there and back: int (F_1 - F) dw from w_1 to where it lands, and int (F - F_2) dw from
-        where it lands to w_2."""
+        """J, dissipated by the jumps there and back: int (F_1 - F) dw from w_1 to its landing point, and
+        int (F - F_2) dw from its landing point to w_2."""
         (w_1, w_2), (F_1, F_2) = self.limits, self.loads
         there, back = self.rising(F_1, behind=True), self.rising(F_2, behind=False)
         up, down = self._spline.integrate(w_1, there), self._spline.integrate(back, w_2)
@@ -63,9 +63,9 @@ class EquilibriumPath:
 def pushed_arch(
     mesh: Mesh, material: Material, top: tuple[float, float, float], farthest: float, steps: int
 ) -> EquilibriumPath:
-    """The path of an arch held at its facet sets `x_min` and `x_max` and pushed down at `crown`, of St. Venant-
-    Kirchhoff's material, in `steps` of the way `farthest` [m] of the node at `top` [m] and one more; w is the mean over
-    the crown."""
+    """The path of an arch fixed at its facet sets `x_min` and `x_max` and pushed down at `crown`, of St. Venant-
+    Kirchhoff's material, in `steps` of the displacement `farthest` [m] of the node at `top` [m] and one more; w is the
+    mean over the crown."""
     body = StVenantKirchhoffBody(mesh, material)
     load = body.spread("crown", (0.0, 0.0, -1.0))
     middle = 3 * body.nearest_node(top) + 2

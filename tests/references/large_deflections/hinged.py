@@ -1,16 +1,16 @@
-r"""Rigid patches of nodes that turn about axes fixed in space, on a body of full finite elements: at rest, in motion.
+r"""Rigid patches of nodes that rotate about fixed axes, on a body of full finite elements: at rest, in motion.
 
-Node a of patch p, at X_a, follows the turn theta_p about the unit axis n_p through c_p (Rodrigues, s = X_a - c_p):
+Node a of patch p, at X_a, follows the rotation theta_p about the unit axis n_p through c_p (Rodrigues, s = X_a - c_p):
 
     u_a = sin(theta) n x s + (1 - cos(theta)) n x (n x s),
     u_a' = cos(theta) n x s + sin(theta) n x (n x s),      u_a'' = -sin(theta) n x s + cos(theta) n x (n x s).
 
-With the unknowns y of free dofs and turns, J = du/dy, equilibrium J^T (p g - f(u)) = 0 has the tangent
+With the unknowns y of free dofs and rotations, J = du/dy, equilibrium J^T (p g - f(u)) = 0 has the tangent
 
-    J^T K J + diag over turns of (f - p g).u''.
+    J^T K J + diag over rotations of (f - p g).u''.
 
-In motion M udd, udd = J ydd + u'' thetad^2, stands beside f; the trapezoidal rule takes y from step to step, with the
-tangent where the step begins for all its iterations.
+In motion M udd, udd = J ydd + u'' thetad^2, is added to f; y is integrated by the trapezoidal rule, with the
+tangent at the beginning of the step for all its iterations.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class Hinge:
-    """The nodes of the facet set `name` turn as one about the `axis` (3,) through `point` (3,) [m]."""
+    """The nodes of the facet set `name` rotate as one about the `axis` (3,) through `point` (3,) [m]."""
 
     name: str
     point: Array | tuple[float, float, float]
@@ -40,7 +40,7 @@ class Hinge:
 
 
 class HingedBody:
-    """A `body` whose `hinges` alone hold it. Raises `InputError` for patches that share nodes."""
+    """A `body` supported by its `hinges` alone. Raises `InputError` for patches that share nodes."""
 
     def __init__(self, body: StVenantKirchhoffBody, hinges: Sequence[Hinge]) -> None:
         self.body, self.hinges = body, tuple(hinges)
@@ -60,7 +60,7 @@ class HingedBody:
         self.free = body.free(held)
 
     def displacement(self, y: Array) -> Array:
-        """u (3 n,) [m] of the free dofs [m] and the turns [rad] behind them."""
+        """u (3 n,) [m] of the free dofs [m] followed by the rotations [rad]."""
         u = np.zeros(self.body.size)
         u[self.free] = y[: len(self.free)]
         for dofs, lever, bow, turn in zip(self.dofs, self.levers, self.bows, self._turns(y), strict=True):
@@ -77,7 +77,7 @@ class HingedBody:
         return J.tocsr()
 
     def bent(self, y: Array) -> Array:
-        """u'' (3 n, hinges) by the turns."""
+        """u'' (3 n, hinges) by the rotations."""
         found = np.zeros((self.body.size, len(self.hinges)))
         for i, (dofs, lever, bow) in enumerate(zip(self.dofs, self.levers, self.bows, strict=True)):
             turn = self._turns(y)[i]
@@ -87,7 +87,7 @@ class HingedBody:
     def at_rest(self, load: Array, factors: Sequence[float] | Array) -> list[State]:
         """States under the dead `load` (3 n,) [N] times each of the `factors`, each from the one before.
 
-        Raises `InputError` where Newton's method does not come to an end.
+        Raises `InputError` if Newton's method does not converge.
         """
         y, states = np.zeros(len(self.free) + len(self.hinges)), []
         for factor in factors:

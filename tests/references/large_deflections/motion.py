@@ -3,8 +3,8 @@ r"""Free motion M u'' + f(u) = 0 of a body from a state of rest, by the trapezoi
 
     u_1 = u_0 + h v_0 + h^2 (a_0 + a_1)/4,        v_1 = v_0 + h (a_0 + a_1)/2,        M a_1 + f(u_1) = 0,
 
-of second order: its periods are longer by (omega h)^2/12. Newton's matrix 4 M/h^2 + K(u) is factored once a step, at
-its beginning, and again where that does not converge fast.
+of second order: its periods are longer by (omega h)^2/12. Newton's matrix 4 M/h^2 + K(u) is factored once per step, at
+its beginning, and again if that does not converge fast.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from references.large_deflections.body import StVenantKirchhoffBody
 from warpffrf.model.errors import InputError, require_count, require_number
 
 Array = np.ndarray
-BALANCED = 1e-8  # of the forces inside at the beginning: the residual where the iteration ends
-SLOW = 0.3  # of the residual before: another matrix is due
+BALANCED = 1e-8  # of the internal forces at the beginning: tolerance of the residual
+SLOW = 0.3  # of the previous residual: the matrix is renewed
 ITERATIONS = 30
 
 
@@ -34,9 +34,9 @@ class Motion:
 
 
 def released(body: StVenantKirchhoffBody, held: Array, u: Array, duration: float, steps: int) -> Motion:
-    """The motion of `body`, its dofs `held` where they are, that begins at rest at `u` (3 n,) [m], in `steps` steps.
+    """The motion of `body`, its dofs `held` fixed, that begins at rest at `u` (3 n,) [m], in `steps` steps.
 
-    Raises `InputError` for wrong input, and where a step does not converge.
+    Raises `InputError` for wrong input, and if a step does not converge.
     """
     steps = require_count(steps, "released: steps", 1)
     h = require_number(duration, "released: duration", positive=True) / steps

@@ -1,16 +1,16 @@
 r"""Static equilibrium f(u) = p g of a body under a dead load g times a factor p, step by step.
 
-`by_load` takes the factors as they come, Newton's method in each: K(u) du = p g - f(u). It ends at a limit point, where
+`by_load` uses the given factors, with Newton's method in each: K(u) du = p g - f(u). It ends at a limit point, where
 K is singular and no equilibrium is near.
 
-`by_displacement` goes on: a displacement c.u = s is given and the factor is found with it,
+`by_displacement` continues: a displacement c.u = s is given and the factor is found with it,
 
     K(u) du = p g - f(u) + dp g,      c.(u + du) = s      =>      du = a + dp b,   dp = (s - c.(u + a))/(c.b),
 
 a = K^-1 (p g - f), b = K^-1 g (E. Ramm, in Nonlinear Finite Element Analysis in Structural Mechanics, 1981). The
-factor may rise and fall on the way; what is given must not turn back.
+factor may rise and fall on the way; the given displacement must be monotonic.
 
-A state keeps the residuals of its iterations; the last ones double the digits.
+A state stores the residuals of its iterations; the last ones double the digits.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from warpffrf.model.errors import InputError
 
 Array = np.ndarray
 BALANCED = (
-    1e-8  # of the load: the residual where Newton ends; round-off of the large forces inside is 1e-9 of a slender one
+    1e-8  # of the load: tolerance of Newton's method; round-off of the large internal forces is 1e-9 in a slender body
 )
 ITERATIONS = 40  # it takes 4 to 12
 
@@ -47,7 +47,7 @@ def by_load(
     """States under `load` (3 n,) [N] times each of the `factors`, each from the one before, the first from `start`
     (3 n,), None: at rest.
 
-    Raises `InputError` where Newton's method does not come to an end: the step is too large, or leads past a limit.
+    Raises `InputError` if Newton's method does not converge: the step is too large, or leads past a limit.
     """
     free = body.free(held)
     u = np.zeros(body.size) if start is None else np.array(start, dtype=float)

@@ -1,4 +1,4 @@
-"""What a monolithic run leaves: arrays with one row per saved step, named as in `warpffrf.online.history.history`."""
+"""Results of a monolithic run: arrays with one row per saved step, named as in `warpffrf.online.history.history`."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class BodyMotion:
 
 @dataclass
 class ContactForces:
-    """A contact pair; fields as in `warpffrf.online.history.history.ContactHistory`, and what only this solver has."""
+    """A contact pair; fields as in `warpffrf.online.history.history.ContactHistory`, and those of this solver only."""
 
     force: np.ndarray  # (T, 3) N, on the first body
     torque: np.ndarray  # (T, 3) N m, about its user origin
@@ -38,8 +38,8 @@ class ContactForces:
     first_column_second: np.ndarray  # (T,) int
     load_second: np.ndarray  # (T, columns, rows) N
     approach: np.ndarray  # (T,) m
-    active: np.ndarray  # (T,) int, carrying tests
-    pressures: list[dict[int, float]]  # multiplier by number of the test: Pa of a hat, N of a node
+    active: np.ndarray  # (T,) int, active tests
+    pressures: list[dict[int, float]]  # multiplier by number of the test: Pa for a grid node, N for an FE node
     local: tuple[np.ndarray, np.ndarray]  # local coordinates (T, n) of both surfaces, of each with its body's others
     friction: dict[str, np.ndarray] | None = None  # fields of `warpffrf.online.history.history.FrictionHistory`
 
@@ -69,8 +69,8 @@ class MonolithicHistory:
     """A monolithic run. `energy` has "kinetic", "strain", "contact", "potential" [J], and with the law at nodes of true
     shapes "friction" (cumulative work, not positive) and "layer" (cumulative loss of layers). `spring_rows` (T,
     coordinates, 7): value, force and torque on the second body of every coordinate of every spring law, in the order of
-    the forces. `tensions`: name -> (T, 7), the same of every pretension. `dropped`: rows of joints that were left out
-    as redundant."""
+    the forces. `tensions`: name -> (T, 7), the same for every pretension. `dropped`: rows of joints omitted as
+    redundant."""
 
     scene: object
     time: np.ndarray
@@ -85,7 +85,7 @@ class MonolithicHistory:
     message: str = ""
     notes: list[str] = field(default_factory=list)
     counters: dict[str, float] = field(default_factory=dict)
-    final: State | None = None  # to continue from
+    final: State | None = None  # for continuation
     spring_rows: np.ndarray = field(default_factory=lambda: np.zeros((0, 0, 7)))
     dropped: list = field(default_factory=list)
     tensions: dict[str, np.ndarray] = field(default_factory=dict)

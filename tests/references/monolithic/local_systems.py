@@ -1,8 +1,8 @@
-"""Which local coordinates the contact surfaces of a scene have.
+"""Local coordinates of the contact surfaces of a scene.
 
-A surface has one system of them however many pairs it serves, so that each pair feels the loads of the others. The
-surfaces of one body that are in contact have one system together, so that each feels the loads on the others. A note
-says where that cannot be: where a body's file does not hold the compliance between its surfaces, and with local="hht",
+A surface has one system of them for all its pairs, so that each pair includes the loads of the others. The surfaces of
+one body that are in contact share one system, so that each includes the loads on the others. A note states where that
+is impossible: if a body's file does not contain the compliance between its surfaces, and with local="hht",
 as the mass of local modes is known for each surface alone.
 """
 
@@ -30,7 +30,7 @@ Place = tuple[int, str]  # number of the body, name of the surface
 @dataclass(frozen=True, eq=False)
 class LocalSystems:
     """Coordinates of each surface in contact and the number of its system, `system_of`; of each pair the numbers of its
-    two surfaces, None of a rigid one; of each film the number of its first surface; `notes` for the history."""
+    two surfaces, None for a rigid one; of each film the number of its first surface; `notes` for the history."""
 
     coordinates: list[LocalCoordinates]
     system_of: list[int]
@@ -101,7 +101,7 @@ def local_systems(scene: Any, local: str, given: dict[tuple[str, str], Any], zet
 
 
 def _groups(ports: dict[Place, Any], local: str) -> tuple[list[list[Place]], list[str]]:
-    """Surfaces that have one system, in the order of their first pair, and notes on those that cannot."""
+    """Surfaces that share one system, in the order of their first pair, and notes on those that cannot."""
     by_body: dict[int, list[Place]] = {}
     for place in ports:
         by_body.setdefault(place[0], []).append(place)

@@ -1,17 +1,17 @@
 r"""One step of the monolithic system by Newton's method, contact included.
 
 An iteration evaluates all residuals, factors (or reuses) K and solves for the changes of all unknowns and of the
-contact multipliers at once. For one linearisation the active set is corrected until it settles, as in the separated
-solver: a multiplier that is not positive leaves, a test whose linearised gap closes enters. Under law "nodes" with an
-assembled Jacobian the set is that of the penetrating nodes (semismooth Newton); where that does not converge soon, it
-is settled too, at a factorisation a correction.
+contact multipliers at once. For one linearisation the active set is corrected until it is stationary, as in the
+separated solver: a multiplier that is not positive leaves, a test whose linearised gap closes enters. Under law "nodes"
+with an assembled Jacobian the set is that of the penetrating nodes (semismooth Newton); if that does not converge soon,
+it is made stationary too, with one factorisation per correction.
 
-Convergence is judged by fractions: unbalanced forces of the largest force at work, modal ones of the largest modal
-force, joint defects and open gaps of the penetration (of 1 m without contact). Less than what round-off of the
-increments makes of accelerations, and round-off of places of the forces in a stiff layer, is not asked for.
+Convergence is measured by fractions: unbalanced forces relative to the largest force, modal ones to the largest modal
+force, joint defects and open gaps to the penetration (to 1 m without contact). The tolerance is not below the round-off
+of accelerations due to that of increments, and that of forces in a stiff layer due to that of positions.
 
-Oil films (`films`) stand without contacts beside them: their pressures and voids are unknowns of the same system, and
-an iteration is judged when it has left their sets as they were.
+Oil films (`films`) are admitted only without contacts: their pressures and cavity volumes are unknowns of the same
+system, and convergence is checked only after an iteration that leaves their sets unchanged.
 """
 
 from __future__ import annotations
@@ -45,19 +45,19 @@ from references.monolithic.nodal.pair import ITERATE
 
 MAX_ITERATIONS = 25  # Newton is quadratic; semismooth and modified iterations take some more
 MAX_CORRECTIONS = 40  # of the active set for one linearisation: more means that it cycles
-PLAIN = 8  # iterations with the set of the penetrating nodes as it is; then every linearisation settles its set
+PLAIN = 8  # iterations with the set of the penetrating nodes; then every linearisation makes its set stationary
 SLOW = 0.1  # contraction of the residual above which a kept factor is renewed
-ROUND_OFF = 1e-15  # of increments: accelerations carry it times ACC
+ROUND_OFF = 1e-15  # of increments: accelerations have it times ACC
 EPSILON = 2.2e-16  # relative round-off of a coordinate
 GAP_TOLERANCE = 1e-15  # m: a mean gap of round-off size does not close
 NO_FORCE = 1e-30  # N: a scale that is never zero
-SYMMETRIC = 1e-14  # of the diagonal: what is symmetric up to round-off takes the Cholesky factor
-SHORT = 1e-6  # of the coordinates: defects are not measured against a smaller penetration
+SYMMETRIC = 1e-14  # of the diagonal: symmetric up to this round-off, the Cholesky factor is used
+SHORT = 1e-6  # of the coordinates: defects are not related to a smaller penetration
 
 
 @dataclass
 class Counters:
-    """What a run spent: accepted steps, iterations, factorisations, and seconds by part."""
+    """Cost of a run: accepted steps, iterations, factorisations, and seconds by part."""
 
     steps: int = 0
     iterations: int = 0
@@ -65,7 +65,7 @@ class Counters:
     seconds: dict[str, float] = field(default_factory=dict)
 
     def spend(self, part: str, begin: float) -> None:
-        """Book the time since `begin`."""
+        """Add the time since `begin`."""
         self.seconds[part] = self.seconds.get(part, 0.0) + clock.perf_counter() - begin
 
 
@@ -79,7 +79,7 @@ class System:
     pairs: list[Any]  # `line_of_centres.pair.PairData`, or all `nodal.pair.NodePairData`, at nodes of any surface
     surfaces: list[tuple[int, int | None]]
     variant: str
-    assembled: bool  # contact stiffness goes into K
+    assembled: bool  # contact stiffness is added to K
     tolerance: float
     nodal: bool = False  # pairs are `NodePairData`
     films: list[FilmData] = field(default_factory=list)
@@ -87,10 +87,10 @@ class System:
     counters: Counters = field(default_factory=Counters)
     kept: Solver | None = None
     kept_for: tuple = ()
-    buffer: np.ndarray | None = None  # of K and, in its place, of its factor
+    buffer: np.ndarray | None = None  # of K and, in place, of its factor
 
     def local_slices(self, pair: int) -> tuple[slice | None, slice | None]:
-        """Where in `q` the local coordinates of both sides of a pair are; None of a rigid one."""
+        """Position in `q` of the local coordinates of both sides of a pair; None for a rigid one."""
         starts, counts = self.layout.local_start, self.layout.local_count
         a, b = (None if s is None else slice(starts[s], starts[s] + counts[s]) for s in self.surfaces[pair])
         return a, b
@@ -108,7 +108,7 @@ class Evaluation:
     films: list[FilmState] = field(default_factory=list)
 
     def loads(self, nodal: bool) -> list[tuple[np.ndarray, np.ndarray]]:
-        """Unknowns and generalised force of every pair that carries, and of every film."""
+        """Unknowns and generalised force of every active pair, and of every film."""
         found = []
         for pair, s in zip(self.pairs, self.pressures, strict=True):
             active = np.flatnonzero(s > 0.0)
@@ -119,7 +119,7 @@ class Evaluation:
 
 @dataclass(eq=False)
 class Solution:
-    """A step: what it led to, and why it failed ('' where it did not)."""
+    """A step: its result, and the reason of its failure ('' if none)."""
 
     increment: Increment
     evaluation: Evaluation | None
@@ -133,7 +133,7 @@ def evaluate(
     oil: list[Unknowns] | None = None,
 ) -> Evaluation:  # fmt: skip
     """Residuals at the end of the step for increments x, multipliers `carried` (by number of the test), and pressures
-    and voids of films, `oil`, None for those of the state."""
+    and cavity volumes of films, `oil`, None for those of the state."""
     layout, begin = system.layout, clock.perf_counter()
     trial = advance(state, formula, x, time)
     found = balance(system.data, layout, system.local, state, formula, x, trial)
@@ -184,7 +184,7 @@ def imbalance(system: System, formula: Formula, x: Increment, e: Evaluation) -> 
             depth = max(depth, float(np.abs(pair.rigid_gap[active]).max()))
             unlike += pair.off
             continue
-        if system.assembled:  # round-off of the places of nodes, times the stiffness of the layer
+        if system.assembled:  # round-off of the positions of nodes, times the stiffness of the layer
             extent = float(np.abs(trial.r).max())
             closure = max(closure, EPSILON * extent * float(np.sum(1.0 / pair.softness[active])))
         area = pair.area[active]
@@ -282,7 +282,7 @@ def solve_step(system: System, state: State, formula: Formula, time: float) -> S
 
 
 def _solve_with_films(system: System, state: State, formula: Formula, time: float) -> Solution:
-    """The same of a scene with oil films: no contacts, and a new factor in each iteration."""
+    """The same for a scene with oil films: no contacts, and a new factor in each iteration."""
     layout, x = system.layout, predicted(state, formula)
     memories = [Memory.of(data, state) for data in system.films]
     oil = [Unknowns(m.pressure, m.void, m.full) for m in memories]
@@ -317,7 +317,7 @@ def _solve_with_films(system: System, state: State, formula: Formula, time: floa
 
 
 def _complementary(system: System, e: Evaluation) -> bool:
-    """No test outside the active set is closed."""
+    """Whether all tests outside the active set are open."""
     if system.assembled:
         return True
     for pair, s in zip(e.pairs, e.pressures, strict=True):
@@ -330,10 +330,10 @@ def _complementary(system: System, e: Evaluation) -> bool:
 
 
 def _renewed(system: System, e: Evaluation, *, settle: bool) -> tuple[np.ndarray, list[dict[int, float]], bool, int]:
-    """A correction with a new factor, and the number of factorisations it took.
+    """A correction with a new factor, and the number of factorisations.
 
-    With an assembled contact stiffness every correction of the active set is a new matrix: where the set is to
-    `settle`, the nodes whose linearised gap is closed carry `s = -(g + dg)/E` in the next one.
+    With an assembled contact stiffness every correction of the active set requires a new matrix: if the set is to
+    `settle`, the nodes with closed linearised gap have `s = -(g + dg)/E` in the next one.
     """
     sets = [s > 0.0 for s in e.pressures]
     for count in range(1, MAX_CORRECTIONS + 1):
@@ -389,7 +389,7 @@ def _dense(system: System, e: Evaluation, turnings: list[Any], stiffness: list[A
 
 
 def _correction(system: System, e: Evaluation, solver: Solver) -> tuple[np.ndarray, list[dict[int, float]], bool]:
-    """Changes (size,) of the unknowns, the new multipliers, and whether the active set has settled."""
+    """Changes (size,) of the unknowns, the new multipliers, and whether the active set is stationary."""
     free = solver.solve(-(with_constants(e.residual, e.pairs) if system.nodal else e.residual))
     if system.assembled or not e.pairs:
         return free, [{} for _ in e.pairs], True
@@ -458,7 +458,7 @@ def _correction(system: System, e: Evaluation, solver: Solver) -> tuple[np.ndarr
 
 
 def _solve_small(S: np.ndarray, right: np.ndarray) -> np.ndarray:
-    """S^-1 right of an equilibrated Schur complement, symmetric up to how the grids turn with the bodies."""
+    """S^-1 `right` of an equilibrated Schur complement, symmetric except for rotations of the grids with the bodies."""
     d = 1.0 / np.sqrt(np.abs(np.diag(S)))
     scaled = S * d[:, None] * d[None, :]
     if np.abs(scaled - scaled.T).max() < SYMMETRIC:

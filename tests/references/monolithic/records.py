@@ -1,4 +1,4 @@
-"""Saved steps of a run, collected and made a history of."""
+"""Saved steps of a run, collected and converted to a history."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Records:
         )  # fmt: skip
 
     def history(self, scene: Any, status: str, message: str, final: State) -> MonolithicHistory:
-        """What was saved of a run of `scene`; `final`: its state at the end."""
+        """The saved results of a run of `scene`; `final`: its state at the end."""
         system, layout, saved, T = self.system, self.system.layout, self._saved, len(self._saved)
         numbers = np.array([s.numbers for s in saved], dtype=float).reshape(T, 3)
         energy = np.array([s.energy for s in saved], dtype=float).reshape(T, len(self.lines))

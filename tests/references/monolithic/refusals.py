@@ -1,9 +1,9 @@
-"""Which contacts of the monolithic reference go which way, and what it does not have.
+"""Selection of the contact formulation of the monolithic reference, and what it does not support.
 
-With `at_nodes` the law of contacts holds at the FE nodes of the first surface: for pairs of outside cylinders and
-crowned cylinders of flexible bodies with a linear layer along the line of centres (`line_of_centres`), as the separated
-solver takes their gaps, for all others by the true shapes (`nodal`). Without it, hats or nodes of a unilateral pair are
-on the line of centres only. Oil films stand alone, on one rigid surface.
+With `at_nodes` the contact law is evaluated at the FE nodes of the first surface: for pairs of cylinders (outside) and
+crowned cylinders of flexible bodies with a linear layer with parallel-axes kinematics (`line_of_centres`), as for the
+gaps of the separated solver, for all others by the true shapes (`nodal`). Without it, grid nodes or FE nodes of a
+unilateral pair use parallel-axes kinematics only. Oil films are admitted alone, on one rigid surface.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ SHAPES = ("cylinder", "crowned_cylinder")
 
 
 def needs_nodes(scene: Any) -> bool:
-    """Whether contacts at nodes have anything that the line of centres does not: friction, gaps at points, a rigid
-    partner, another shape, or a layer that is no straight line. Then all of them go by the true shapes."""
+    """Whether contacts at nodes have a feature that parallel-axes kinematics lack: friction, gaps at points, a rigid
+    partner, another shape, or a nonlinear layer. Then all of them use the true shapes."""
     return any(_beyond(contact) is not None for contact in scene.contacts)
 
 
@@ -58,7 +58,7 @@ def refuse_contacts(scene: Any, at_nodes: bool) -> None:
 
 
 def refuse_films(scene: Any, local: str, variant: str) -> None:
-    """Raises `InputError` naming the film, and the cure, for what films of this solver do not do."""
+    """Raises `InputError` naming the film, and the cure, for features that films of this solver do not support."""
     for film in scene.films:
         beyond = None
         if film.evaluation == "hyper":
@@ -82,7 +82,7 @@ def refuse_films(scene: Any, local: str, variant: str) -> None:
 
 
 def _beyond(contact: Any) -> str | None:
-    """What of `contact` is not on the line of centres, in words."""
+    """The feature of `contact` that parallel-axes kinematics lack, in words."""
     if contact.friction.acts:
         return "friction"
     if contact.kinematics == "closest_point":

@@ -1,14 +1,14 @@
 """Runs of the monolithic reference as Results, which read, plot, save and report like those of `warpffrf.simulate`.
 
-Such a Result lacks, and its notes say so, the works of the energy ledger (NaN: energies at hand are there). Pressures
-of a law at nodes are node forces spread over hats (`references.monolithic.line_of_centres.record`); the creep velocity
-there is that of the node next to the centre of the patch, which a Result takes for that of a hat.
+Such a Result lacks, as its notes state, the works of the energy ledger (NaN: the stored energies are available).
+Pressures of a law at nodes are node forces spread over grid nodes (`references.monolithic.line_of_centres.record`);
+the creep velocity there is that of the FE node next to the centre of the patch, stored as that of a grid node.
 
-Assumption A1, local modes without inertia, is measured by `local="hht"`: local modes with their own mass. Their
+Assumption A1, local modes without inertia, is assessed by `local="hht"`: local modes with their own mass. Their
 coupling with the inertia of the moving frame (`J1`, `J2`, `G` of local modes) is in neither treatment: a reduced body
-does not hold these invariants.
+does not contain these invariants.
 
-This is the one file of the reference that knows the engine and the output: their records, not what computes them.
+This is the only file of the reference that imports the engine and the output: their records, not their algorithms.
 """
 
 from __future__ import annotations
@@ -65,8 +65,8 @@ def simulate(
     project_start: bool = False,
     **choices: Any,
 ) -> Result:
-    """The Result of `scene` by the monolithic reference; local, project_start and what is refused before the run as of
-    `warpffrf.simulate`, all other arguments as of `references.monolithic.run`. Raises `InputError`."""
+    """The Result of `scene` by the monolithic reference; local, project_start and the initial checks as for
+    `warpffrf.simulate`, all other arguments as for `references.monolithic.run`. Raises `InputError`."""
     treatment = as_local_dynamics(local)
     if treatment.treatment not in ("quasi_static", "hht", "auto"):
         raise InputError(
@@ -145,7 +145,7 @@ def to_history(found: MonolithicHistory, notes: list[str]) -> History:
 
 
 def _springs(scene: Any) -> ForceTable:
-    """Laws of the springs of a scene, and their rows one behind the other."""
+    """Laws of the springs of a scene, and their rows in sequence."""
     table, at = ForceTable(), 0
     for item in scene.forces:
         if hasattr(item, "law"):

@@ -1,4 +1,4 @@
-"""Driving the monolithic solver: start, time loop, stop."""
+"""The run of the monolithic solver: start, time loop, stop."""
 
 from __future__ import annotations
 
@@ -34,8 +34,8 @@ log = logging.getLogger("warpffrf")
 REST_FIRST, REST_LAST, REST_GROWTH, REST_STEPS = 1e-3, 1.0, 10.0, 60  # s: proximal steps towards the static state
 REST_TOLERANCE = 1e-12  # m, movement of the last of them
 REST_SHRINK, REST_SHORTEST = 0.1, 1e-9  # with films: times a step that failed; s
-SIZED = ("q", "r", "locked", "nodes", "film_nodes", "film_points")  # of a state, by which that of another scene is told
-VOIDS_STAY = 1e-9  # of the clearance: what voids may change by in the last step
+SIZED = ("q", "r", "locked", "nodes", "film_nodes", "film_points")  # fields of a state whose sizes reveal another scene
+VOIDS_STAY = 1e-9  # of the clearance: admissible change of cavity volumes in the last step
 MESSAGES = {
     "not_converged": "the Newton iteration did not converge; reduce step",
     "cycling": "the active set of contact cycles; reduce step, or coarsen the contact grid (traction_spacing)",
@@ -121,13 +121,13 @@ def run(
     iterations, or "low_rank", local coordinates condensed (`core.linear`). law of contacts without a layer: "hats", the
     weak unilateral law of the separated solver, or "nodes", a layer of `layer_stiffness` [Pa/m] at every node of the
     first surface (`line_of_centres`), None for 300 times the stiffness of the surface under it. at_nodes: contacts
-    follow their own law, which then is a layer, at every node of the first surface, with friction, for which
-    `stick_stiffness` [Pa/m] is that of nodes that stick, None for that of the layer (`nodal.friction`); films have
+    use their own law, which must be a layer, at every node of the first surface, with friction, where
+    `stick_stiffness` [Pa/m] is that of sticking nodes, None for that of the layer (`nodal.friction`); films have
     pressures at the nodes.
     local: "quasi_static" or "hht", with the modes `local_modes` by (body, surface) and their damping ratio
-    `local_damping`. tolerance: of the residuals, as fractions. Inertia "auto" of a body means all terms it has.
+    `local_damping`. tolerance: of the residuals, as fractions. Inertia "auto" of a body means all available terms.
 
-    A step that fails ends the run with its reason in `status`; what was found before is kept, also on Ctrl-C. Raises
+    A step that fails ends the run with its reason in `status`; previous results are kept, also on Ctrl-C. Raises
     `InputError` for wrong input.
     """
     steps, uneven = step_count(duration, step)
@@ -163,7 +163,7 @@ def run(
 
 
 def _begin(system: System, state: State, start: Any, records: Records) -> tuple[str, str]:
-    """Bring `state` to where the run starts, and save it."""
+    """Bring `state` to the start of the run, and save it."""
     if isinstance(start, MonolithicHistory):
         final = start.final
         if final is None or any(len(getattr(final, x)) != len(getattr(state, x)) for x in SIZED):
@@ -192,14 +192,14 @@ def _begin(system: System, state: State, start: Any, records: Records) -> tuple[
 
 
 def _still(system: System, state: State) -> None:
-    """Quasi-static coordinates have no rates: they follow the pressures."""
+    """Quasi-static coordinates have no rates of their own: they follow the pressures."""
     at = system.layout.modes + np.flatnonzero(system.local.mass == 0.0)
     state.qd[at] = state.qdd[at] = state.q_alg[at] = 0.0
 
 
 def _settle(system: System, state: State) -> str:
-    """Proximal steps of growing size until nothing moves; the reason of a failure, or ''. With films a step that fails
-    is taken again with a shorter one, and voids have to stay too."""
+    """Proximal steps of growing size until the motion stops; the reason of a failure, or ''. With films a step that
+    fails is repeated with a shorter one, and cavity volumes must be stationary too."""
     state.rest()
     tau = REST_FIRST
     for _ in range(REST_STEPS):
@@ -255,14 +255,14 @@ def _loop(
 
 
 def _forgetful(state: State, step: float) -> Formula:
-    """The formula of a step that remembers no accelerations, of which `state` is relieved."""
+    """The formula of a step without memory of accelerations, which are removed from `state`."""
     for name in ("v_alg", "w_alg", "q_alg"):
         setattr(state, name, np.zeros_like(getattr(state, name)))
     return Formula(FORGET, step)
 
 
 def _accept(system: System, state: State, formula: Formula, solution: Solution) -> None:
-    """Take a step over; where a pair has opened or closed, algorithmic accelerations restart from the true ones."""
+    """Accept a step; if a pair has opened or closed, algorithmic accelerations restart from the true ones."""
     evaluation, x = solution.evaluation, solution.increment
     if evaluation is None:
         return
@@ -288,7 +288,7 @@ def _accept(system: System, state: State, formula: Formula, solution: Solution) 
 
 
 def _keep_films(system: System, state: State, solution: Solution, formula: Formula) -> None:
-    """What films remember: of the tiny step of a start pressures alone, of static steps no rates."""
+    """Memory of films: after the tiny step of a start pressures alone, after static steps no rates."""
     if solution.evaluation is None:
         return
     state.film_nodes, state.film_points = state.film_nodes.copy(), state.film_points.copy()
@@ -315,7 +315,7 @@ def _keep_rest(system: System, state: State, solution: Solution) -> None:
     state.stretch, state.locked = evaluation.balance.stretch, evaluation.balance.locked
     state.pulls, state.lag = evaluation.balance.pulls, evaluation.balance.lag
     if system.nodal:
-        state.nodes = state.nodes.copy()  # the evaluation still looks at what was before
+        state.nodes = state.nodes.copy()  # the evaluation still uses the previous values
         for pair in evaluation.pairs:
             state.nodes[pair.data.rows] = pair.remembered()
             state.lost += (pair.friction_lost, pair.layer_lost)

@@ -1,4 +1,4 @@
-"""What can be chosen about the monolithic reference."""
+"""Options of the monolithic reference."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TOLERANCE = 1e-9  # of the residuals, as fractions
 def check_choices(
     variant: str, law: str, layer_stiffness: float | None, stick_stiffness: float | None, tolerance: float
 ) -> None:
-    """Raises `InputError` for choices (see `references.monolithic.run.run`) that do not exist."""
+    """Raises `InputError` for options (see `references.monolithic.run.run`) that do not exist."""
     for name, value, known in (("variant", variant, VARIANTS), ("law", law, LAWS)):
         if value not in known:
             choice = ", ".join(map(repr, known))
@@ -35,8 +35,8 @@ def contact_layers(
 ) -> tuple[str, list[float | None]]:
     """The law for the contacts of `scene`, and the layer of each [Pa/m], None for the default one.
 
-    With `at_nodes` these are nodes with the layer of each contact's own law, whatever `law` says, None of a law that
-    has no one stiffness. Raises `InputError` where `layer_stiffness` contradicts that, for contacts without any layer
+    With `at_nodes` these are nodes with the layer of each contact's own law, whatever `law` is, None for a law without
+    a constant stiffness. Raises `InputError` if `layer_stiffness` contradicts that, for contacts without any layer
     there, and for layers elsewhere.
     """
     layers: list[float | None] = []

@@ -1,15 +1,15 @@
-r"""The start of a run: velocities, accelerations and multipliers that agree with joints and drives.
+r"""The start of a run: velocities, accelerations and multipliers consistent with joints and drives.
 
-Two tiny steps find pressures of what touches (`integrator`: PROJECT, BEGIN). They divide displacements by the square of
-their size, so accelerations are then found from the equations of motion and the joints' equations differentiated,
+Two tiny steps determine contact pressures (`integrator`: PROJECT, BEGIN). They divide displacements by the square of
+their size, so accelerations are then computed from the equations of motion and the joints' equations differentiated,
 
     V = V_given - M0^-1 C^T y,     C V = s',
     M a + C^T lam = -R_0,          C a = s'' - gamma,       gamma = V^T H V,
 
-M0 the mass matrix of the undeformed bodies, M that with all inertia terms (R is linear in a, so M is what its tangent
-loses when ACC goes from 1 to 0), R_0 the residual without accelerations and multipliers, H the derivative of the row's
-gradient by the coordinates (`rows`). Pretensions that pull are forces, no rows of C. Local coordinates with mass follow
-their own equations.
+M0 the mass matrix of the undeformed bodies, M that with all inertia terms (R is linear in a, so M is the difference of
+its tangents for ACC = 1 and 0), R_0 the residual without accelerations and multipliers, H the derivative of the row's
+gradient by the coordinates (`rows`). Pretensions that pull are forces, not rows of C. Local coordinates with mass
+follow their own equations.
 """
 
 from __future__ import annotations
@@ -28,12 +28,12 @@ from references.monolithic.newton import Evaluation, Solution, System, solve_ste
 from references.monolithic.nodal.newton import node_pair_state
 from warpffrf.model.rotation import matrix
 
-START_STEP = 1e-7  # s, of the tiny steps: they only have to find what touches
-SINGULAR = 1e-11  # least pivot over the largest of the scaled equations: rows that depend on each other
+START_STEP = 1e-7  # s, of the tiny steps, which only determine the contact state
+SINGULAR = 1e-11  # least pivot over the largest of the scaled equations: dependent rows
 
 
 class _Slopes(Formula):
-    """Tangents by accelerations alone: VEL = 0, ACC as given in the place of h."""
+    """Tangents by accelerations alone: VEL = 0, ACC as given instead of h."""
 
     @property
     def vel(self) -> float:
@@ -45,7 +45,7 @@ class _Slopes(Formula):
 
 
 def begin(system: System, state: State) -> Solution:
-    """Give `state` consistent rates and multipliers at its time; the solution is that of the last tiny step, with the
+    """Set consistent rates and multipliers of `state` at its time; the solution is that of the last tiny step, with the
     multipliers of the result. A failure is in its `failure`."""
     given = state.copy()
     solution = solve_step(system, state, Formula(PROJECT, START_STEP), state.time + START_STEP)
@@ -73,7 +73,7 @@ def begin(system: System, state: State) -> Solution:
 
 
 def standing(system: System, state: State) -> np.ndarray:
-    """What nodes remember (`State.nodes`) of the start itself, not of the end of a tiny step."""
+    """Memory of nodes (`State.nodes`) at the start itself, not at the end of a tiny step."""
     found, trial = state.nodes.copy(), _at_rest(state, False)
     for n, data in enumerate(system.pairs):
         pair = node_pair_state(data, system.layout, trial, state, Formula(BEGIN, START_STEP), system.local_slices(n))
@@ -93,7 +93,7 @@ def _at_rest(state: State, rates: bool) -> Trial:
 
 
 def _refined(system: System, state: State, given: State, evaluation: Evaluation) -> Balance | None:
-    """The equations of the module solved in place; None where the rows depend on each other."""
+    """The equations of the module solved in place; None if the rows are dependent."""
     layout, data = system.layout, system.data
     o, c, B = layout.outer, layout.coordinates, layout.bodies
 
@@ -146,7 +146,7 @@ def _refined(system: System, state: State, given: State, evaluation: Evaluation)
 
 
 def _constrained(M: np.ndarray, C: np.ndarray, r: np.ndarray, g: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
-    """x and y of `M x + C^T y = r, C x = g`, by the Schur complement; None where it is singular."""
+    """x and y of `M x + C^T y = r, C x = g`, by the Schur complement; None if it is singular."""
     CW = np.linalg.solve(M, C.T).T
     free = np.linalg.solve(M, r)
     S = CW @ C.T

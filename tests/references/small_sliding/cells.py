@@ -1,9 +1,9 @@
-r"""Cells of a lap on matching meshes: loads B of unit forces, whose transpose measures the relative displacement.
+r"""Cells of small-sliding contact on matching meshes: loads B of unit forces; B^T gives the relative displacement.
 
 Cell c has a frame (n, t1, t2), n the outward normal of the first face. Column 3 c + k of B (dofs, 3 c) is a unit force
 along axis k on the second face and the opposite on the first, so that y = B^T u is the displacement of the second
-against the first: of *facets* both are spread evenly over a pair of facets and y is the difference of means; of *nodes*
-they act on a pair of nodes and y is the difference of their displacements.
+relative to the first: of *facets* both are distributed evenly over a pair of facets and y is the difference of means;
+of *nodes* they act on a pair of nodes and y is the difference of their displacements.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from references.small_sliding.full_model import FullModel
 from warpffrf.model.errors import InputError
 
 Array = np.ndarray
-SAME_PLACE = 1e-6  # of the size of a facet: partners are this close along the face; along the normal there is a gap
+SAME_PLACE = 1e-6  # of the size of a facet: tangential distance of partners; along the normal there is a gap
 Face = tuple[int, str]  # body and facet set
 
 
@@ -43,7 +43,7 @@ class Cells:
 
 
 def facet_cells(model: FullModel, first: Face, second: Face) -> Cells:
-    """A cell for every facet of the first face. Raises `InputError` where a facet has no partner."""
+    """A cell for every facet of the first face. Raises `InputError` if a facet has no partner."""
     nodes, shares, centers, vectors = _facets(model, first)
     others, other_shares, other_centers, _ = _facets(model, second)
     area = np.array([s.sum() for s in shares])
@@ -58,9 +58,9 @@ def facet_cells(model: FullModel, first: Face, second: Face) -> Cells:
 
 
 def node_cells(model: FullModel, first: Face, second: Face) -> Cells:
-    """A cell for every node of the first face that is not held with its partner or shared by both faces.
+    """A cell for every node of the first face that is not fixed with its partner or shared by both faces.
 
-    Raises `InputError` where a node has no partner or no area, as corners of quad8 facets have none.
+    Raises `InputError` if a node has no partner or no area, as corners of quad8 facets.
     """
     nodes, shares, _, vectors = _facets(model, first)
     others = np.unique(np.concatenate(_facets(model, second)[0]))
@@ -102,7 +102,7 @@ def gathered(cells: Cells, group: Array) -> Cells:
 
 
 def together(cells: Sequence[Cells]) -> Cells:
-    """Cells of several laps one after the other."""
+    """Cells of several joint interfaces one after the other."""
     return Cells(
         sp.csc_matrix(sp.hstack([c.loads for c in cells])),
         *(np.concatenate([getattr(c, name) for c in cells]) for name in ("points", "frames", "area", "gap")),
@@ -126,7 +126,7 @@ def _facets(model: FullModel, face: Face) -> tuple[list[Array], list[Array], Arr
 def _partners(
     x: Array, normal: Array, others: Array, size: Array, what: str, first: Face, second: Face
 ) -> tuple[Array, Array]:
-    """Number of the partner of each place x (c, 3), and the gap (c,) [m] along the normal."""
+    """Number of the partner of each point x (c, 3), and the gap (c,) [m] along the normal."""
     partner = np.asarray(KDTree(others).query(x)[1])
     apart = others[partner] - x
     gap = np.einsum("cx,cx->c", apart, normal)
@@ -141,7 +141,7 @@ def _partners(
 
 
 def _frames(normal: Array) -> Array:
-    """Right-handed frames (c, 3, 3) of the normals (c, 3): t1 along x, where the normal is near x along y."""
+    """Right-handed frames (c, 3, 3) of the normals (c, 3): t1 along x, or along y if the normal is near x."""
     along = np.where(np.abs(normal[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
     t1 = along - np.einsum("cx,cx->c", along, normal)[:, None] * normal
     t1 /= np.linalg.norm(t1, axis=1)[:, None]

@@ -1,12 +1,12 @@
 r"""One increment of unilateral contact with Coulomb friction on cells, by dense matrices.
 
 A cell has a force s = (p, t1, t2) [N] on the second face and the opposite on the first, and a relative displacement
-y = (g, v) [m] of the second against the first: g the gap, v the slip since the last state. With the flexibility
+y = (g, v) [m] of the second relative to the first: g the gap, v the slip since the last state. With the flexibility
 G (3 c, 3 c) of the bodies (and of layers between them, on its diagonal) and y without forces, b,
 
     y = G s + b,      0 <= p  _|_  g >= 0,      |t| <= mu p,      t = -mu p v/|v|  where v is not zero.
 
-Cells are scaled to trace 3 of their block of G, which changes no cone.
+Cells are scaled to trace 3 of their block of G, which leaves the cones unchanged.
 
 **Newton's method** (P. Alart and A. Curnier, Comput. Methods Appl. Mech. Eng. 92 (1991) 353). The conditions are the
 root of
@@ -18,14 +18,14 @@ parts,
 
     J = 1 - A (1 - G),      A = [[1, 0], [mu u, beta/|z_t| (1 - u u^T)]]  (slip),   1  (stick),   0  (open):
 
-a step is the linear problem of a guess of states. Started from the last increment it ends in a few steps or cycles.
+a step is the linear problem for given states. Started from the last increment it converges in a few steps or cycles.
 
-**Interior path.** Where it cycles, a path of solutions of the smoothed conditions
+**Interior path.** If it cycles, a path of solutions of the smoothed conditions
 
     p g = tau,      v = -lambda t,      lambda phi = tau,      phi = (mu^2 p^2 + e^2 - |t|^2)/2,
 
-all of p, g, lambda, phi positive, is followed by Newton steps with falling tau to its end, from where Newton's method
-starts again; e, a small cohesion, keeps the cone open where p or mu is zero. With lambda and g eliminated a step is
+all of p, g, lambda, phi positive, is followed by Newton steps with decreasing tau to its end, where Newton's method
+restarts; e, a small cohesion, keeps the cone open if p or mu is zero. With lambda and g eliminated a step is
 again one linear system of the size of G.
 """
 
@@ -40,14 +40,14 @@ from warpffrf.model.errors import InputError, require_array
 
 Array = np.ndarray
 TOLERANCE = 1e-12  # of F over the largest force, both scaled: round-off of G s is some 1e-13 with hundreds of cells
-ROUND_OFF = 1e-9  # of F: accepted where Newton's method stays there, as it does with flexibilities of condition 1e8
-NEWTON_STEPS = 25  # it takes 2 to 10 or cycles
-PATH_STEPS = 80  # of Newton along the interior path: it takes 15 to 30
+ROUND_OFF = 1e-9  # of F: accepted if Newton's method stagnates there, as for flexibilities of condition 1e8
+NEWTON_STEPS = 25  # 2 to 10 are needed, or it cycles
+PATH_STEPS = 80  # of Newton along the interior path: 15 to 30 are needed
 PATH_END = 1e-13  # tau at its end, 1 at its beginning
 COHESION = 1e-6  # e, of the unit of force: Newton's method then removes it
-BOUNDARY = 0.9  # part of the way to the boundary of the cone that a step may go
-HALF_WAY = 0.5  # a step that went so far lets tau fall
-SHRINK = 0.15  # of tau a step
+BOUNDARY = 0.9  # largest fraction of the distance to the boundary of the cone per step
+HALF_WAY = 0.5  # a longer step lets tau decrease
+SHRINK = 0.15  # of tau per step
 OPEN, STICK, SLIP = 0, 1, 2  # states of a cell
 
 
@@ -72,8 +72,8 @@ def solve(G: Array, b: Array, friction: Array | float, start: Array | None = Non
     """The increment of the module docstring.
 
     G (3 c, 3 c) [m/N], symmetric, positive semidefinite; b (c, 3) [m]; friction mu, one or (c,); `start` (c, 3) [N]: a
-    guess of the forces. Raises `InputError` for other shapes and a negative friction, RuntimeError where no solution is
-    found, as of bodies that nothing holds.
+    guess of the forces. Raises `InputError` for other shapes and a negative friction, RuntimeError if no solution is
+    found, as for unsupported bodies.
     """
     b = require_array(b, "contact program: motion without forces", (None, 3))
     c = len(b)
@@ -208,6 +208,6 @@ def _follow(problem: _Scaled) -> tuple[Array, int]:
 
 
 def _way(x: Array, dx: Array) -> float:
-    """Largest step up to 1 that leaves of the positive x (c,) the rest of `BOUNDARY`."""
+    """Largest step up to 1 that keeps at least 1 - `BOUNDARY` of the positive x (c,)."""
     falls = dx < 0.0
     return min(1.0, BOUNDARY * float(np.min(-x[falls] / dx[falls], initial=np.inf)))

@@ -6,13 +6,13 @@ The generalized-alpha method with an auxiliary acceleration a (M. Arnold and O. 
     u1 = u + h v + h^2 ((1/2 - beta) a + beta a1),      v1 = v + h ((1 - gamma) a + gamma a1),
     (1 - alpha_m) a1 + alpha_m a = (1 - alpha_f) w1 + alpha_f w,      M w1 = f1 - K u1 - D v1 + B s1,
 
-w the acceleration; gamma = 1/2 - alpha_m + alpha_f, beta = (gamma + 1/2)^2/4. Everything known put into u* and v*,
-u1 = u* + c w1 and v1 = v* + d w1, so that with A = M + d D + c K the cells see
+w the acceleration; gamma = 1/2 - alpha_m + alpha_f, beta = (gamma + 1/2)^2/4. With all known terms in u* and v*,
+u1 = u* + c w1 and v1 = v* + d w1, so that with A = M + d D + c K the relative displacement of the cells is
 
     delta1 = B^T (u* + c A^-1 (f1 - K u* - D v*)) + c B^T A^-1 B s1,
 
-an increment of `contact_program`. The gap is closed in displacements: where a cell shuts in motion its velocity jumps
-over the steps that the method's damping takes. D = alpha M + beta K is Rayleigh's, none by default.
+an increment of `contact_program`. The gap is closed in displacements: if a cell closes in motion its velocity jumps
+over the steps determined by the method's damping. D = alpha M + beta K is Rayleigh's, none by default.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class Scheme:
 
     @classmethod
     def trapezoidal(cls) -> Scheme:
-        """The trapezoidal rule (Newmark's with 1/4 and 1/2), which damps nothing."""
+        """The trapezoidal rule (Newmark's with 1/4 and 1/2), without damping."""
         return cls(0.0, 0.0)
 
     @property
@@ -62,7 +62,7 @@ class Scheme:
 @dataclass(frozen=True, eq=False)
 class Motion:
     """time (n,) [s]; observed (n, m); dissipated (n,) [J] by friction and damped (n,) [J] by D, both so far; kinetic
-    and strain (n,) [J]; force (n, c, 3) [N] and state (n, c) of the cells. Row 0 is the state that it starts from."""
+    and strain (n,) [J]; force (n, c, 3) [N] and state (n, c) of the cells. Row 0 is the initial state."""
 
     time: Array
     observed: Array
@@ -88,8 +88,8 @@ def released(
 ) -> Motion:
     """Motion from rest after a static history.
 
-    loads F (dofs, k); before (n, k): factors of the static history, the last of which is let go at time 0; after (k,):
-    those that act from then on, or a function of time [s]; `step` h [s]; scheme: None for rho = 0.8; damping: alpha
+    loads F (dofs, k); before (n, k): factors of the static history, the last is released at time 0; after (k,):
+    the factors from then on, or a function of time [s]; `step` h [s]; scheme: None for rho = 0.8; damping: alpha
     [1/s] and beta [s] of D; observed (dofs, m). Raises `InputError` for a step that is not positive.
     """
     h = require_number(step, "motion: step", positive=True)

@@ -1,6 +1,6 @@
 r"""Bodies by full finite elements of scikit-fem, in the numbering of their meshes, with supports, loads and springs.
 
-Dofs are 3 (offset of the body + node) + component, body after body. A load that is spread evenly over a set of facets
+Dofs are 3 (offset of the body + node) + component, body after body. A load distributed evenly over a set of facets
 is a vector a of nodal forces int N dA/A; a^T u is then the mean displacement of the set, and a spring of stiffness k on
 the difference of two such means is K + k a a^T.
 """
@@ -24,12 +24,12 @@ from warpffrf.model.mesh.facets import rigid_modes
 
 Array = np.ndarray
 Sparse = Any  # scipy.sparse
-HELD = 1e-9  # of the largest entry of K: what a rigid motion must feel at least; round-off is 1e-14
+HELD = 1e-9  # of the largest entry of K: least stiffness of a constrained rigid motion; round-off is 1e-14
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A body of the model: mesh (in the frame that all share), material, facet sets that are held."""
+    """A body of the model: mesh (in the common frame), material, fixed facet sets."""
 
     mesh: Mesh
     material: Material
@@ -38,7 +38,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class FullModel:
-    """Bodies side by side; `springs`: pairs of a vector a (dofs,) and a stiffness k [N/m], see the module docstring.
+    """Several bodies; `springs`: pairs of a vector a (dofs,) and a stiffness k [N/m], see the module docstring.
 
     Raises `InputError` for sets that a mesh does not have.
     """
@@ -53,7 +53,7 @@ class FullModel:
 
     @property
     def size(self) -> int:
-        """Number of dofs, held ones included."""
+        """Number of dofs, including fixed ones."""
         return 3 * int(self.offsets[-1])
 
     @cached_property
@@ -82,7 +82,7 @@ class FullModel:
 
     @cached_property
     def free(self) -> Array:
-        """Dofs that are not held."""
+        """Dofs that are not fixed."""
         held = [
             self.offsets[i] + part.mesh.facets(name).node_set for i, part in enumerate(self.parts) for name in part.held
         ]
@@ -102,7 +102,7 @@ class FullModel:
         return self.factor(self.K)
 
     def _require_springs(self, i: int, part: Part) -> None:
-        """Raises `InputError` where springs do not hold a body that nothing else holds."""
+        """Raises `InputError` if springs do not constrain an otherwise unsupported body."""
         x = part.mesh.points
         R = rigid_modes(x, x.mean(axis=0))
         R[:, 3:] /= np.ptp(x, axis=0).max()  # rotations times a length are displacements
@@ -122,7 +122,7 @@ class FullModel:
         return U
 
     def spread(self, part: int, name: str, direction: Any) -> Array:
-        """a (dofs,): the force `direction` (3,) [N] spread evenly over a facet set of a body."""
+        """a (dofs,): the force `direction` (3,) [N] distributed evenly over a facet set of a body."""
         vector = require_array(direction, f"load on {name!r}", (3,))
         mesh = self.parts[part].mesh
         share = np.zeros(len(mesh.points))

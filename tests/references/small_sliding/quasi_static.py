@@ -1,12 +1,12 @@
 r"""Sheets under slowly changing loads: increments with friction, on the full flexibility of the cells.
 
-With the loads F a(step) and the cells' forces s, u = K^-1 (F a + B s); so the relative displacement of the cells is
+With the loads F a(step) and the cells' forces s, u = K^-1 (F a + B s); the relative displacement of the cells is
 
     delta = B^T K^-1 F a + C s,      C = B^T K^-1 B,
 
 and an increment is `contact_program.solve` with G = C + E, E the compliance of layers, and b = delta without forces
-plus the initial gap along n, less the slip so far along t1 and t2. Slip is that of Coulomb's element: with a layer in
-series delta_t + E t, the rest being elastic. Nothing is reduced; K is factorised once.
+plus the initial gap along n, less the accumulated slip along t1 and t2. Slip is that of Coulomb's element: with a layer
+in series delta_t + E t, the rest being elastic. Nothing is reduced; K is factorised once.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class Followed:
-    """What came of a path of n steps and c cells: force (n, c, 3) [N], gap (n, c) [m], slip (n, c, 2) [m] so far, state
+    """Results of a path of n steps and c cells: force (n, c, 3) [N], gap (n, c) [m], slip (n, c, 2) [m] so far, state
     (n, c), dissipated (n,) [J] of each step, observed (n, m), energy (n,) [J]: strain energy of bodies, springs and
     layers; path_steps: of the interior path in all."""
 
@@ -50,7 +50,7 @@ class Followed:
         return self.force[:, :, 1:] / self.area[:, None]
 
     def loss(self, first: int, last: int) -> float:
-        """Work [J] of friction in the steps after `first` up to and with `last`."""
+        """Work [J] of friction in the steps after `first` up to and including `last`."""
         return float(self.dissipated[first + 1 : last + 1].sum())
 
 
@@ -81,7 +81,7 @@ class StaticLap:
 
     def follow(self, loads: Array, path: Array, observed: Array | None = None) -> Followed:
         """The history through the factors `path` (n, k) of the `loads` F (dofs, k), from rest without slip; `observed`
-        (dofs, m): vectors whose products with the displacements are kept."""
+        (dofs, m): vectors whose products with the displacements are stored."""
         F = require_array(loads, "lap: loads", (self.model.size, None))
         path = require_array(path, "lap: path", (None, F.shape[1]))
         watched = np.zeros((len(F), 0)) if observed is None else np.asarray(observed, dtype=float)
@@ -108,9 +108,9 @@ def follow(
     seen: tuple[Array, Array],
     own: Array,
 ) -> Followed:
-    """The history of cells with any flexibility C (3 c, 3 c) of theirs, so that reduced ones can be put in its place.
+    """The history of cells with any flexibility C (3 c, 3 c), so that reduced ones can be used instead.
 
-    layers (3 c,) [m/N]; moved (3 c, k): delta per unit load; path (n, k); seen: what is observed per unit load (m, k)
+    layers (3 c,) [m/N]; moved (3 c, k): delta per unit load; path (n, k); seen: observed values per unit load (m, k)
     and per cell force (m, 3 c); own (k, k): F^T K^-1 F.
     """
     c, steps = cells.count, len(path)

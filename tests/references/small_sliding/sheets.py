@@ -1,4 +1,4 @@
-"""Meshes of stacked sheets: boxes on top of each other, apart or as one body with a common root."""
+"""Meshes of stacked sheets: boxes on top of each other, separate or as one body with a common root."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from warpffrf.model.mesh import FacetSet, Mesh, box, grid
 
-ROOT = "root"  # facet set of one body of sheets: their ends at x = 0, all together
+ROOT = "root"  # facet set of one body of sheets: their ends at x = 0 together
 SAME_PLACE = 1e-9  # m
 
 
@@ -30,7 +30,7 @@ def graded_stack(lines: Sequence[Any], height: float, layers: int, *, order: int
 
 
 def one_body(sheets: Sequence[Mesh]) -> Mesh:
-    """The sheets as one body that shares the nodes of its root at x = 0, where they touch, and nothing else.
+    """The sheets as one body sharing only the nodes of its root at x = 0, where they touch.
 
     Facet sets: `root`, and those of sheet k as `sheet0_z_max` and so on.
     """

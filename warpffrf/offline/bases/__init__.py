@@ -1,10 +1,10 @@
-"""Which space the global modes of a reduced body are taken from: one file each, one orthonormalisation (`build`).
+"""The spaces of the global modes of a reduced body: one file each, and one orthonormalisation (`build`).
 
 A basis is given to `reduce` by name, `basis="krylov"`, or with options, `basis=bases.Krylov(moments=3)`.
-Whatever the basis, the attachment modes of the interfaces are put first, so that the static response to interface loads
-is exact and the local modes never move an interface, and the union is orthonormalised by the same code. `reduce`'s
-limits `max_frequency` and `modes` mean something else to each basis; `takes` says what, and a limit that means nothing
-to a basis is refused. A basis of one's own is a subclass of `Basis` with `columns`.
+For every basis the attachment modes of the interfaces come first, so that the static response to interface loads is
+exact and the local modes never move an interface; the union is orthonormalised by the same code. The limits
+`max_frequency` and `modes` of `reduce` have a meaning specific to each basis, stated in `takes`; a limit without
+meaning for a basis is refused. A user-defined basis is a subclass of `Basis` with `columns`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What all bases have in common: options, the limits of `reduce` that they take, and their columns."""
+"""The common part of all bases: options, the limits of `reduce` that they accept, and their columns."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from warpffrf.offline.bases.modes import BasisProblem, RawBasis
 
 @dataclass(frozen=True, kw_only=True)
 class Basis(ABC):
-    """Base of the bases: a frozen dataclass with a `kind`, what limits of `reduce` it `takes`, and `columns`.
+    """Base of the bases: a frozen dataclass with a `kind`, the limits of `reduce` that it `takes`, and `columns`.
 
     dependent_tolerance [-]: a direction of unit energy whose part outside the others has less than this energy norm is
         dropped. Round-off of a Gram matrix, 1e-16 in its eigenvalues, is 1e-8 in a norm: smaller values keep noise.
@@ -41,22 +41,22 @@ class Basis(ABC):
 
     @property
     def facet_sets(self) -> tuple[str, ...]:
-        """Facet sets of the mesh that this basis looks at."""
+        """Facet sets of the mesh used by this basis."""
         return ()
 
     @abstractmethod
     def columns(self, problem: BasisProblem) -> RawBasis:
-        """Columns that shall be in the span of the global modes of the body `problem`."""
+        """Columns that the span of the global modes of the body `problem` must contain."""
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
         """Raises `InputError` for a limit of `reduce`, `max_frequency` [Hz] or `modes`, that this basis does not
-        take."""
+        accept."""
         for name, value in (("max_frequency", max_frequency), ("modes", modes)):
             if value is not None and name not in self.takes:
                 raise InputError(f"basis {self.kind!r} has no use for {name}; {self.cure}")
 
     def describe(self) -> dict[str, Any]:
-        """Plain data that tells this basis from any other: JSON, for provenance and the cache. Arrays by their hash."""
+        """Plain data that identifies this basis: JSON, for provenance and the cache. Arrays by their hash."""
         found: dict[str, Any] = {"kind": self.kind}
         for field in fields(self):
             value = getattr(self, field.name)

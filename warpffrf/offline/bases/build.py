@@ -1,14 +1,14 @@
-r"""From any basis to global modes: the one place where attachment modes come first and everything is orthonormalised.
+r"""From any basis to global modes: attachment modes first, then orthonormalisation of the union.
 
-Columns X of a basis are freed from rigid motion, `X := P^T X` (M-orthogonal: Tisserand frame); the inertia-relief
-attachment modes `A = G F` of all interface loads are put before them; `global_basis` makes the union K- and
-M-orthonormal, revealing rank. With A in the span of Phi, for every basis,
+Columns X of a basis are projected off rigid motion, `X := P^T X` (M-orthogonal: Tisserand frame); the inertia-relief
+attachment modes `A = G F` of all interface loads precede them; `global_basis` makes the union K- and M-orthonormal and
+reveals its rank. With A in the span of Phi, for every basis,
 
     Phi Omega^-2 Phi^T F = G F,        F^T (G - Phi Omega^-2 Phi^T) = 0:
 
 the static response to interface loads is exact and the residual local modes leave the interface coordinates at rest.
-So it is to the loads of turning, where these are wanted.
-Where a basis lacks A of its own, `static_completion` says by how much: the largest energy norm of a unit-energy
+The same holds for the loads of rotation, if requested.
+If a basis does not contain A by itself, `static_completion` measures the gap: the largest energy norm of a unit-energy
 attachment mode outside its span.
 """
 
@@ -29,7 +29,7 @@ from warpffrf.offline.products import Limits
 
 @dataclass(frozen=True, eq=False)
 class GlobalBasis:
-    """`omega` (m,) [rad/s] ascending, Phi (n^, m) in the coordinates of the constrained model, and what to report."""
+    """`omega` (m,) [rad/s] ascending, Phi (n^, m) in the coordinates of the constrained model, and report entries."""
 
     omega: Array
     Phi: Array
@@ -44,11 +44,11 @@ def build_basis(
     turning: Array | None = None,
     mesh: Mesh | None = None,
 ) -> GlobalBasis:
-    """Global modes of the free constrained body `model` from the basis `options`; `turning` (n^, 6): loads of turning
-    whose attachment modes are wanted too (`inertia.centrifugal`); `mesh`: of the body, for bases that look at facets.
+    """Global modes of the free constrained body `model` from the basis `options`; `turning` (n^, 6): loads of rotation
+    whose attachment modes are added (`inertia.centrifugal`); `mesh`: of the body, for bases that use facets.
 
-    Raises `InputError` for a basis larger than the model, for one that needs interfaces where there are none, and for
-    limits that it does not take.
+    Raises `InputError` for a basis larger than the model, for one that requires interfaces if there are none, and for
+    limits that it does not accept.
     """
     A = attachment_modes(model, system.loads)
     raw = options.columns(BasisProblem(model, system, limits, A, mesh))

@@ -3,7 +3,7 @@ r"""Vibration modes of a free elastic body by block Lanczos on its flexibility.
 The operator `T = G M` with `G = P^H K^+ P` is self-adjoint in the M inner product; its eigenvalues are `1/omega^2`
 for the elastic modes and 0 for the rigid ones, so the lowest elastic modes are the largest eigenvalues and the rigid
 modes never appear. A block Krylov space with full M-orthogonalisation is used (Golub and Underwood 1977; Parlett
-1998, ch. 13): blocks find multiple eigenvalues, of which a round body has many, where a single vector sees one of each.
+1998, ch. 13): blocks find multiple eigenvalues, common in round bodies, of which a single vector finds one each.
 
 With `T Q = Q H + Q_next S E^H` (E picks the last block) a Ritz pair `(nu, Q y)` has residual `|S y_last|` in the M
 norm.
@@ -19,12 +19,13 @@ orthonormalised in the *energy* inner product, the attachment modes first, so th
 
 1. A is scaled to unit energy; eigenvectors of `A^H K A` below `dependent^2` are dropped, the others scaled to unit
    energy;
-2. V, scaled to unit energy, is freed from A, `V := V - A A^H K V`, twice, and treated alike: what is dropped is a
-   combination of vibration modes that A holds already. Both go through this a second time, in which nothing may shrink;
+2. V, scaled to unit energy, is made orthogonal to A, `V := V - A A^H K V`, twice, and treated in the same way: dropped
+   directions are combinations of vibration modes contained in A. Both are processed a second time, which must not
+   reduce any norm;
 3. now `Q = [A V]` has `Q^H K Q = 1`; with `Q^H M Q = Y mu Y^H` the modes are `Phi = Q Y mu^-1/2`: M-orthonormal,
    K-orthogonal, and `omega^2 = 1/mu` is the Rayleigh-Ritz frequency.
 
-Problem. What every basis is given, and what it gives back.
+Problem. Input and output of every basis.
 """
 
 from __future__ import annotations
@@ -40,13 +41,13 @@ from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.interfaces import InterfaceSystem
 from warpffrf.offline.products import Limits
 
-BLOCK = 8  # vectors a block: more than the multiplicity that symmetry alone gives, and efficient right-hand sides
+BLOCK = 8  # vectors per block: more than the multiplicity due to symmetry alone, and efficient right-hand sides
 RESIDUAL = 1e-11  # of the eigenvalue: eigenvectors to about 1e-9 for neighbours 1 % apart
 ROUND_OFF = 4e-15  # of the largest eigenvalue: residuals below it are noise of the operator itself
-CHECKED = 1.05  # growth of the space after which the Ritz values are looked at again
-SEEN_BEYOND = 1e-3  # relative residual at which the first unwanted mode counts as seen: nothing wanted can hide then
+CHECKED = 1.05  # growth of the space after which the Ritz values are checked again
+SEEN_BEYOND = 1e-3  # relative residual at which the first unwanted mode counts as found: no wanted one can be missed
 EXHAUSTED = 1e-11  # of the largest eigenvalue: a new direction below it is noise, the Krylov space is invariant
-ORTHOGONAL = 1e-14  # M-product of a new direction with the basis that one more pass is made for
+ORTHOGONAL = 1e-14  # M-product of a new direction with the basis above which another pass is made
 SAME_FREQUENCY = 1e-6  # relative distance of frequencies that are one multiple frequency
 
 
@@ -55,8 +56,8 @@ def vibration_modes(
 ) -> tuple[Array, Array]:
     """Lowest elastic modes: `omega` (m,) [rad/s] ascending and M-orthonormal `Phi` (n, m).
 
-    `count` modes at least (some more may come), or all up to `omega_max`; both: the fewer. All that the mesh has, if
-    less. A mode is accepted when its residual is below `residual` of its eigenvalue.
+    `count` modes at least (possibly a few more), or all up to `omega_max`; both: the fewer. All modes of the mesh if it
+    has fewer. A mode is accepted if its residual is below `residual` of its eigenvalue.
     """
     if count == 0 or (count is None and omega_max is None):
         return np.zeros(0), np.zeros((model.size, 0), dtype=_dtype(model))
@@ -82,14 +83,14 @@ def vibration_modes(
 class _Krylov:
     """The growing basis Q (n, d), M-orthonormal and M-orthogonal to rigid motion, and H = Q^H M T Q.
 
-    Rigid modes stand before Q in the store, so that one product frees a block from both.
+    Rigid modes precede Q in the store, so that one product projects a block off both.
     """
 
     def __init__(self, model: ElasticModel) -> None:
         self.model = model
         n, rigid = model.R.shape
         width = min(BLOCK, max(n - rigid, 1))
-        rng = np.random.default_rng(n)  # a fixed start: the same input gives the same modes, bit for bit
+        rng = np.random.default_rng(n)  # a fixed start: the same input gives bitwise identical modes
         start = rng.standard_normal((n, width)).astype(_dtype(model))
         if np.iscomplexobj(start):
             start = start + 1j * rng.standard_normal((n, width))
@@ -105,7 +106,7 @@ class _Krylov:
         return self._store[:, self._rigid : self._used]
 
     def expand(self) -> bool:
-        """Take the pending block into the basis and prepare the next; False when the space is exhausted."""
+        """Add the pending block to the basis and prepare the next; False if the space is exhausted."""
         width = self._next.shape[1]
         if not width:
             return False
@@ -129,7 +130,7 @@ class _Krylov:
         return self._next.shape[1] > 0 and size < self.model.size - self._rigid
 
     def _without_recent(self, Z: Array, width: int) -> tuple[Array, Array]:
-        """Z without its projections on the last two blocks, which are all that it has in exact arithmetic, and these
+        """Z without its projections on the last two blocks, all that it has in exact arithmetic, and these projections
         as a column (d, w) of H."""
         part = slice(self._used - width - self._recent, self._used)
         found = self._store[:, part].conj().T @ (self.model.M @ Z)
@@ -139,10 +140,10 @@ class _Krylov:
 
     def _orthonormal(self, Z: Array, scale: float = 0.0) -> Array:
         """Make the next block (n, w) of Z, M-orthogonal to the basis and M-orthonormal in itself, and S (w, columns of
-        Z); returns what of Z lay in the basis (d, columns of Z).
+        Z); returns the part of Z in the basis (d, columns of Z).
 
-        A pass leaves round-off of the size of what it was given; it counts against the smallest direction that is kept,
-        and another pass follows where it counts.
+        A pass leaves round-off proportional to its input; its size is compared with the smallest direction kept,
+        and another pass follows if it is not negligible.
         """
         M = self.model.M
         MZ = M @ Z
@@ -155,7 +156,7 @@ class _Krylov:
         combined = vectors[:, keep] / np.sqrt(values[keep])
         W, MW = Z @ combined, MZ @ combined
         while W.shape[1] and before * np.finfo(float).eps > ORTHOGONAL * np.sqrt(values[keep].min()):
-            # directions that were mostly round-off shrink here; they are noise and go
+            # directions that were mostly round-off shrink here and are removed as noise
             before = 1.0
             W, _ = self._freed(W, MW)
             MW = M @ W
@@ -167,7 +168,7 @@ class _Krylov:
         return inside[self._rigid :]
 
     def _freed(self, Z: Array, MZ: Array) -> tuple[Array, Array]:
-        """Z without its M-projections on rigid motion and on the basis, and these."""
+        """Z without its M-projections on rigid motion and on the basis, and these projections."""
         basis = self._store[:, : self._used]
         inside = basis.conj().T @ MZ
         return Z - basis @ inside, inside
@@ -194,7 +195,7 @@ def _hermitian(A: Array) -> Array:
 
 
 def whole_multiples(omega: Array, count: int) -> int:
-    """Number of leading frequencies to keep: `count`, raised where it would cut a multiple frequency apart.
+    """Number of leading frequencies to keep: `count`, raised if it would split a multiple frequency.
 
     `omega` (m,) ascending, with repeated entries for multiple frequencies.
     """
@@ -207,7 +208,7 @@ def whole_multiples(omega: Array, count: int) -> int:
 # Energy norm of a unit-energy direction outside the others below which it is dropped: round-off of the Gram matrix,
 # 1e-16 in its eigenvalues, is 1e-8 in a norm.
 DEPENDENT = 3e-8
-# Energy of a unit-energy direction that must be left when it is orthogonalised again: one that was round-off shrinks.
+# Energy of a unit-energy direction that must remain after a second orthogonalisation: round-off shrinks.
 MOSTLY_THERE = 0.5
 
 
@@ -234,7 +235,7 @@ def global_basis(model: ElasticModel, V: Array, A: Array, *, dependent: float = 
 
 
 def _scaled(model: ElasticModel, U: Array) -> Array:
-    """Columns scaled to unit energy; those without energy, as of a load that strains nothing, become zero."""
+    """Columns scaled to unit energy; those without energy, as of a load that causes no strain, become zero."""
     energy = np.real(np.einsum("na,na->a", U.conj(), model.K @ U))
     scale = np.zeros_like(energy)
     scale[energy > 0.0] = 1.0 / np.sqrt(energy[energy > 0.0])
@@ -243,7 +244,7 @@ def _scaled(model: ElasticModel, U: Array) -> Array:
 
 def _freed(model: ElasticModel, U: Array, A: Array | None) -> Array:
     """U without its K-projection on the K-orthonormal A, and without rigid motion: that has no energy, so that scaling
-    to unit energy blows up what little of it round-off left."""
+    to unit energy would amplify its round-off."""
     for _ in range(2):  # twice is enough (Kahan, Parlett)
         U = model.without_rigid(U if A is None else U - A @ (A.conj().T @ (model.K @ U)))
     return U
@@ -251,7 +252,7 @@ def _freed(model: ElasticModel, U: Array, A: Array | None) -> Array:
 
 def _independent(model: ElasticModel, U: Array, A: Array | None, dependent: float) -> Array:
     """K-orthonormal basis of the columns of U outside A, without directions of energy norm below `dependent`."""
-    for least in (dependent**2, MOSTLY_THERE):  # the second pass repairs what small eigenvalues cost in orthogonality
+    for least in (dependent**2, MOSTLY_THERE):  # the second pass restores the orthogonality lost to small eigenvalues
         U = _freed(model, U, A)
         values, vectors = np.linalg.eigh(_hermitian(U.conj().T @ (model.K @ U)))
         keep = values > least
@@ -260,7 +261,7 @@ def _independent(model: ElasticModel, U: Array, A: Array | None, dependent: floa
 
 
 def missing_energy(model: ElasticModel, V: Array, A: Array, *, dependent: float = DEPENDENT) -> float:
-    """Largest energy norm (0 to 1) of a unit-energy column of A outside the span of V: what V lacks of A."""
+    """Largest energy norm (0 to 1) of a unit-energy column of A outside the span of V: the part of A missing in V."""
     if not A.shape[1]:
         return 0.0
     A, V = _scaled(model, A), _independent(model, _scaled(model, V), None, dependent)
@@ -268,14 +269,14 @@ def missing_energy(model: ElasticModel, V: Array, A: Array, *, dependent: float 
     return float(np.sqrt(max(np.max(np.real(np.einsum("na,na->a", rest.conj(), model.K @ rest))), 0.0)))
 
 
-AHEAD = 4  # modes computed beyond those wanted, to see whether a multiple frequency would be cut apart
+AHEAD = 4  # additional modes computed to detect whether a multiple frequency would be split
 
 
 @dataclass(frozen=True, eq=False)
 class BasisProblem:
-    """What a basis is made for: the free constrained body `model` (n dofs), the `system` of its interfaces with loads F
+    """Input of a basis: the free constrained body `model` (n dofs), the `system` of its interfaces with loads F
     (n, a), the `limits` of `reduce`, the `attachments` G F (n, a), displacements [m] under these loads, and the `mesh`,
-    for bases that look at facets."""
+    for bases that use facets."""
 
     model: ElasticModel
     system: InterfaceSystem
@@ -285,12 +286,12 @@ class BasisProblem:
 
     @property
     def elastic_dofs(self) -> int:
-        """Dofs less rigid motions: no basis can be larger."""
+        """Dofs minus rigid motions: the upper limit of the size of any basis."""
         return self.model.size - self.model.R.shape[1]
 
     def unit_loads(self) -> tuple[Array, Array]:
         """Interface loads and their attachment modes (n, a), scaled so that each load stores unit static energy
-        f^T G f, which makes forces and moments comparable; loads that strain nothing are left out."""
+        f^T G f, which makes forces and moments comparable; loads that cause no strain are omitted."""
         F = self.system.loads
         energy = np.einsum("na,na->a", F, self.attachments)
         straining = energy > 0.0
@@ -298,7 +299,7 @@ class BasisProblem:
         return F[:, straining] * scale, self.attachments[:, straining] * scale
 
     def require_interfaces(self, kind: str) -> None:
-        """Raises `InputError` where there are no interface loads to build the basis called `kind` from."""
+        """Raises `InputError` if there are no interface loads to build the basis called `kind` from."""
         if not self.attachments.shape[1]:
             raise InputError(
                 f"basis {kind!r} is built from loads on interfaces and there are none; name interfaces, or use "
@@ -306,7 +307,7 @@ class BasisProblem:
             )
 
     def require_fits(self, kind: str, wanted: int, what: str, available: int | None = None) -> None:
-        """Raises `InputError` where `wanted` columns of the basis called `kind`, `what` in words, are more than are
+        """Raises `InputError` if the basis called `kind` requires more columns, `wanted` (`what` in words), than are
         `available`, the elastic dofs if None."""
         most = self.elastic_dofs if available is None else available
         if wanted > most:
@@ -318,11 +319,11 @@ class BasisProblem:
 
 @dataclass(frozen=True, eq=False)
 class RawBasis:
-    """Columns (n, c) that shall be in the span of the global modes; rigid motion in them does not matter.
+    """Columns (n, c) that the span of the global modes must contain; their rigid-body part is irrelevant.
 
-    redundant: how many of their directions lie in the span of the attachment modes or of other columns by their very
-    construction, so that dropping them is no news. notes: lines for the report of the body; facts: plain data for its
-    provenance.
+    redundant: number of their directions that lie in the span of the attachment modes or of other columns by
+    construction, so that dropping them is not reported. notes: lines for the report of the body; facts: plain data for
+    its provenance.
     """
 
     columns: Array
@@ -333,7 +334,7 @@ class RawBasis:
 
 def lowest_modes(model: ElasticModel, limits: Limits, residual: float) -> tuple[Array, Array, list[str]]:
     """`omega` (m,) [rad/s] and M-orthonormal modes (n, m) within the limits, and notes. A multiple frequency is never
-    cut apart."""
+    split."""
     wanted = limits.count if limits.count is None else limits.count + AHEAD * (limits.count > 0)
     omega, V = vibration_modes(model, count=wanted, omega_max=limits.omega_max, residual=residual)
     notes = []

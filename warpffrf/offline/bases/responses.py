@@ -25,11 +25,11 @@ dominant eigenvectors of P_p in the inner product of M,
 The projection is Galerkin: M, D, K stay symmetric and definite, as the floating frame needs it, and all is real.
 
 The Gramian of the FE model would need Lyapunov equations of its size. Balancing is carried out in a *pool* of vibration
-modes and attachment modes instead, M-orthonormal, where with a modal damping ratio P_p has a closed form; what the pool
-does not hold is not seen. Loads are scaled to unit static energy. `2 sum_{i > 2k} sigma_i` over the discarded Hankel
+modes and attachment modes instead, M-orthonormal, where with a modal damping ratio P_p has a closed form; anything
+outside the pool is ignored. Loads are scaled to unit static energy. `2 sum_{i > 2k} sigma_i` over the discarded Hankel
 values bounds the error of *first-order* balanced truncation to 2 k states (Enns 1984, Glover 1984); a second-order one
 with k coordinates has no such bound (Reis and Stykel), so its error is measured over the frequencies of the pool, with
-the attachment modes included, and reported beside it.
+the attachment modes included, and reported in addition.
 
 Krylov. Moment matching of the interface receptance by second-order block Krylov spaces (Salimbahrami and Lohmann 2006).
 
@@ -38,31 +38,31 @@ Undamped, the flexible receptance is a function of lambda = omega^2,
     H(lambda) = F^T (K - lambda M)^-1 P F = sum_j m_j (lambda - lambda_0)^j,
     m_j = F^T X_j,     X_0 = (K - lambda_0 M)^-1 P F,     X_j = (K - lambda_0 M)^-1 M X_{j-1}.
 
-P F, the self-equilibrated loads, leave rigid motion alone, and M X_{j-1} does so again. A Galerkin projection on
-X_0 ... X_{k-1} matches m_0 ... m_{2k-1}: K and M are symmetric and inputs are outputs, so each block counts on both
+P F, the self-equilibrated loads, do not excite rigid motion, nor does M X_{j-1}. A Galerkin projection on
+X_0 ... X_{k-1} matches m_0 ... m_{2k-1}: K and M are symmetric and inputs equal outputs, so each block counts on both
 sides, and near lambda_0 the error is of order (lambda - lambda_0)^2k. At lambda_0 = 0 the solve is the inertia-relief
 flexibility, and X_0 the attachment modes. The blocks of one point are M-orthonormalised one by one (block Arnoldi);
-a direction that is exhausted leaves the sequence. There is no a-priori rule for how many points and moments a frequency
-range needs; compare two sizes.
+an exhausted direction is removed from the sequence. No a-priori rule gives the number of points and moments for a
+frequency range; compare two sizes.
 
-Pod. Proper orthogonal decomposition: the space nearest to given responses, in the inner product of M.
+Pod. Proper orthogonal decomposition: the optimal space for given responses, in the inner product of M.
 
-Of snapshots X (n, t), freed from rigid motion, the vectors are (method of snapshots, Sirovich 1987)
+The vectors of snapshots X (n, t), projected off rigid motion, are (method of snapshots, Sirovich 1987)
 
     X^T M X w_i = sigma_i^2 w_i,      v_i = X w_i / sigma_i,
 
 M-orthonormal; the first k of them leave `sum_{i > k} sigma_i^2` of the squared mass norm of all snapshots, less than
-any other space of k directions. Nothing is said about loads that the snapshots have not seen.
+any other space of k directions. No statement holds for loads outside the snapshots.
 
 Without snapshots, those of the FE model are computed: steady responses to harmonic loads of unit static energy on each
 interface coordinate with structural damping, `(K (1 + 2 i zeta) - omega^2 M) u = P F`, real and imaginary parts, by one
-complex factorisation a frequency.
+complex factorisation per frequency.
 
-Tvd. Joint modes by trial vector derivatives: how static and vibration modes change with the state of a joint.
+Tvd. Joint modes by trial vector derivatives: the change of static and vibration modes with the state of a joint.
 
 W. Witteveen, F. Pichler, "Efficient model order reduction for the dynamics of nonlinear multilayer sheet structures
 with trial vector derivatives" (Shock and Vibration 2014); F. Pichler, W. Witteveen, P. Fischer, Multibody Syst. Dyn. 40
-(2017) 407. The idea is theirs; the loads below are a reconstruction of it.
+(2017) 407. The method is theirs; the loads below are a reconstruction of it.
 
 The base of modes phi_i (interface attachment modes, scaled to unit energy, and vibration modes of the free body with
 the joint open) gives each pair of partner nodes of two facet sets a gap g_i along the normal and a slip w_i along two
@@ -71,14 +71,14 @@ along coordinate i solves K dphi = -dK_i phi_j: a static response to pressures a
 
     g_i g_j n   (i <= j),       g_i w_j         (all i, j)
 
-that stand, equal and opposite, on the two faces, times nodal areas int N dA. The responses are freed from the base in
-the inner product of K and each set, scaled to unit energy, is replaced by its leading vectors,
+that act, equal and opposite, on the two faces, times nodal areas int N dA. The responses are made orthogonal to the
+base in the inner product of K and each set, scaled to unit energy, is replaced by its leading vectors,
 
     X^T K X z = lambda z,       v = X z/sqrt(lambda),       left out = sqrt(sum of the other lambda/sum of all).
 
-They join the basis as coordinates with no dynamics of their own. What they leave out of the derivatives is reported; of
-pressures and of loss per cycle it says little, see docs/studies/joint_bases.md, and a lap
-(`reduce(laps=...)`) needs none of it.
+They join the basis as coordinates without dynamics of their own. The omitted part of the derivatives is reported; it
+is no measure of the error of pressures and of loss per cycle, see docs/studies/joint_bases.md. Small-sliding contact
+(`reduce(laps=...)`) needs no such modes.
 """
 
 from __future__ import annotations
@@ -145,7 +145,7 @@ def projected_receptance(at: Array, D: Array, K: Array, b: Array) -> Array:
     return b.T @ np.linalg.solve(S, np.broadcast_to(b.astype(complex), (len(at), *b.shape)))
 
 
-POOL_RANGE = 2.0  # pool up to this times max_frequency: modes above still shape the receptance below
+POOL_RANGE = 2.0  # pool up to this times max_frequency: modes above still affect the receptance below
 DEFAULT_POOL = 200  # vibration modes of a pool without limits
 ROUND_OFF = 1e-14  # of the largest eigenvalue of the Gramian: directions below it are noise
 REPORTED = 60  # leading Hankel values kept in the report
@@ -157,9 +157,9 @@ class Balanced(ModalBasis):
     """Balanced truncation of the second-order system from interface loads to interface motion (position-velocity
     balancing, Reis and Stykel 2008), carried out in a large space of vibration and attachment modes, the pool.
 
-    damping: ratio of every mode of the pool; the energies that are balanced are finite only with damping.
+    damping: ratio of every mode of the pool; the balanced energies are finite only with damping.
     pool_modes: vibration modes of the pool. None: all up to twice `max_frequency`, or 200.
-    tolerance: where `modes` is not given, directions are taken until twice the sum of the discarded Hankel values, the
+    tolerance: if `modes` is not given, directions are added until twice the sum of the discarded Hankel values, the
         bound of first-order balanced truncation, is below this fraction of the largest response.
     """
 
@@ -180,7 +180,7 @@ class Balanced(ModalBasis):
             object.__setattr__(self, "pool_modes", require_count(self.pool_modes, "basis 'balanced': pool_modes", 1))
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
-        """Raises `InputError` for `max_frequency` [Hz] beside `pool_modes`, whatever `modes` is."""
+        """Raises `InputError` if both `max_frequency` [Hz] and `pool_modes` are given, whatever `modes` is."""
         super().check_limits(max_frequency, modes)
         if max_frequency is not None and self.pool_modes is not None:
             raise InputError("basis 'balanced': max_frequency and pool_modes both set the pool; give one of them")
@@ -223,7 +223,7 @@ class Balanced(ModalBasis):
             "first_order_bound": bound,
             "measured_error": _error(grid, full, omega, self.damping, b, kept) / largest,
         }
-        # the pool holds the static responses, and so may what is kept of it
+        # the pool contains the static responses, and so may the part that is kept
         return RawBasis(pool @ kept, redundant=static.shape[1], notes=notes, facts=facts)
 
 
@@ -242,8 +242,8 @@ def _error(grid: Array, full: Array, omega: Array, damping: float, b: Array, kep
     return float(np.max(np.linalg.norm(full - reduced, ord=2, axis=(1, 2))))
 
 
-# Relative distance of an expansion point from the Rayleigh quotient of its own response below which it sits on a
-# natural frequency: the response is then that mode alone, and the other half of the digits is lost.
+# Relative distance of an expansion point from the Rayleigh quotient of its own response below which it coincides with a
+# natural frequency: the response is then that mode alone, and half of the digits are lost.
 RESONANT = 1e-8
 
 
@@ -253,9 +253,9 @@ class Krylov(Basis):
     """Moment matching: block Krylov spaces of the interface loads about `expansion_points` [Hz] (B. Salimbahrami and B.
     Lohmann 2006).
 
-    expansion_points: frequencies where the interface receptance and its derivatives are matched. None: 0 and, where
+    expansion_points: frequencies at which the interface receptance and its derivatives are matched. None: 0 and, if
         `max_frequency` is given, half of it and the whole.
-    moments: blocks of vectors a point; m of them match the receptance and its first 2 m - 1 derivatives with respect
+    moments: blocks of vectors per point; m of them match the receptance and its first 2 m - 1 derivatives with respect
         to the square of the frequency. The space has up to (points x moments x interface loads) directions.
     deflation_tolerance: a vector of unit M-norm whose part outside the space so far is smaller ends its sequence.
     Raises `InputError`.
@@ -280,7 +280,7 @@ class Krylov(Basis):
             object.__setattr__(self, "expansion_points", points)
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
-        """Raises `InputError` for `modes`, and for `max_frequency` beside expansion points of one's own."""
+        """Raises `InputError` for `modes`, and for `max_frequency` together with user-defined expansion points."""
         super().check_limits(max_frequency, modes)
         if max_frequency is not None and self.expansion_points is not None:
             raise InputError("basis 'krylov': max_frequency only sets default expansion points; give one or the other")
@@ -307,7 +307,7 @@ class Krylov(Basis):
 
 
 def expansion_points(problem: BasisProblem, options: Krylov) -> tuple[float, ...]:
-    """Expansion points [Hz]: those given, else 0, and half and all of the highest frequency where there is one."""
+    """Expansion points [Hz]: those given, else 0, and half and all of the highest frequency if there is one."""
     if options.expansion_points is not None:
         return options.expansion_points
     if problem.limits.omega_max is None:
@@ -344,8 +344,8 @@ def _sequence(model: ElasticModel, solve: Callable[[Array], Array], start: Array
 
 
 def orthonormal_block(model: ElasticModel, Q: Array, block: Array, tolerance: float) -> Array:
-    """M-orthonormal basis of the columns of `block` (n, b) outside the M-orthonormal Q (n, q), which they are freed
-    from; directions of less than `tolerance` of a column of unit M-norm are left out."""
+    """M-orthonormal basis of the columns of `block` (n, b) outside the M-orthonormal Q (n, q), to which they are made
+    orthogonal; directions of less than `tolerance` of a column of unit M-norm are omitted."""
     M = model.M
     block = block / np.sqrt(np.einsum("nb,nb->b", block, M @ block))
     for cut in (tolerance**2, 0.5):  # the second pass repairs orthogonality; what shrinks then was round-off
@@ -361,7 +361,7 @@ DEFAULT_FREQUENCIES = 20  # evenly from 0 to the highest
 SNAPSHOT_ROUND_OFF = (
     1e-7  # of the largest singular value: the Gram matrix squares it, 1e-14 is the noise of its eigenvalues
 )
-RIGID = 1e-9  # of the mass norm of the snapshots: what is left when rigid motion is taken out of nothing else
+RIGID = 1e-9  # of the mass norm of the snapshots: remainder of a pure rigid motion after its projection
 
 
 @named_arguments
@@ -369,11 +369,11 @@ RIGID = 1e-9  # of the mass norm of the snapshots: what is left when rigid motio
 class POD(Basis):
     """Proper orthogonal decomposition of snapshots (L. Sirovich 1987), in the inner product of the mass matrix.
 
-    snapshots: displacements (nodes, 3, t) or (3 nodes, t) [m], mesh frame and numbering, small; rigid motion is taken
-        out. None: steady responses of the FE model to harmonic loads on the interfaces at `frequencies`.
+    snapshots: displacements (nodes, 3, t) or (3 nodes, t) [m], mesh frame and numbering, small; rigid motion is
+        removed. None: steady responses of the FE model to harmonic loads on the interfaces at `frequencies`.
     frequencies: [Hz], of the default snapshots. None: 20, evenly from 0 to `max_frequency`.
     damping: ratio of the structural damping in the default snapshots, K (1 + 2 i damping).
-    tolerance: where `modes` is not given, vectors are taken until the rest is below this fraction of all snapshots
+    tolerance: if `modes` is not given, vectors are added until the rest is below this fraction of all snapshots
         (root of the sum of squares, mass norm). Raises `InputError`.
     """
 
@@ -414,8 +414,8 @@ class POD(Basis):
             object.__setattr__(self, "frequencies", found)
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
-        """Raises `InputError` where it is open, or twice said, at which frequencies snapshots are to be computed:
-        `max_frequency` [Hz] or `frequencies`; modes: any number."""
+        """Raises `InputError` unless exactly one of `max_frequency` [Hz] and `frequencies` determines where snapshots
+        are computed; modes: any number."""
         super().check_limits(max_frequency, modes)
         if max_frequency is not None and (self.snapshots is not None or self.frequencies is not None):
             raise InputError(
@@ -494,14 +494,14 @@ def harmonic_responses(problem: BasisProblem, frequencies: Array, damping: float
     return np.concatenate(parts, axis=1)
 
 
-ASIDE = 0.5  # of the side of a node's share of the face: a partner further along the face is none
-MOSTLY_THERE = 0.5  # energy that must be left of a vector when it is orthogonalised again: one of round-off shrinks
+ASIDE = 0.5  # of the side of a node's share of the face: nodes further away along the face are not partners
+MOSTLY_THERE = 0.5  # energy that must remain of a vector after a second orthogonalisation: round-off shrinks
 
 
 @dataclass(frozen=True, eq=False)
 class NodePairs:
     """Partner nodes of two faces: `relative` (3 p, 3 n) csr, displacement of the second against the first along n, t1,
-    t2 of the first face; `area` (p,) [m2] of the first one's node; `alone`: nodes of the first face without a partner.
+    t2 of the first face; `area` (p,) [m2] of the first node; `alone`: nodes of the first face without a partner.
     """
 
     relative: Any
@@ -510,9 +510,9 @@ class NodePairs:
 
 
 def node_pairs(mesh: Mesh, first: str, second: str) -> NodePairs:
-    """The pairs; each node of the first face with the nearest of the second. Nodes that both share are left out.
+    """The pairs; each node of the first face with the nearest of the second. Nodes shared by both are omitted.
 
-    Raises `InputError` for a facet set that is not there, and where no node has a partner.
+    Raises `InputError` for an unknown facet set, and if no node has a partner.
     """
     faces, others = mesh.facets(first), mesh.facets(second).node_set
     nodes, normal, area = faces.node_set, faces.node_normals(mesh.points), np.zeros(len(mesh.points))
@@ -546,8 +546,8 @@ def node_pairs(mesh: Mesh, first: str, second: str) -> NodePairs:
 
 @dataclass(frozen=True, eq=False)
 class JointModes:
-    """columns (n, m), of unit energy, K-orthogonal to the base; of the normal and of the tangential derivatives: how
-    many there are, how many vectors were taken, and what these leave out (0 to 1)."""
+    """columns (n, m), of unit energy, K-orthogonal to the base; of the normal and of the tangential derivatives: their
+    number, the number of vectors used, and the omitted part (0 to 1)."""
 
     columns: Array
     derivatives: tuple[int, int]
@@ -584,7 +584,7 @@ def joint_modes(
 
 
 def _independent(model: ElasticModel, base: Array) -> Array:
-    """K-orthonormal basis of the base (n, b); directions of unit energy that others hold are dropped."""
+    """K-orthonormal basis of the base (n, b); dependent directions of unit energy are dropped."""
     base = model.without_rigid(base)
     base = base / np.sqrt(np.einsum("nb,nb->b", base, model.K @ base))
     values, vectors = np.linalg.eigh(base.T @ (model.K @ base))
@@ -601,7 +601,7 @@ def _freed(model: ElasticModel, X: Array, base: Array) -> Array:
 
 def _leading(model: ElasticModel, X: Array, base: Array, wanted: int) -> tuple[Array, float]:
     """Up to `wanted` leading vectors (n, m) of the columns of X, K-orthogonal to the base, scaled to unit energy, and
-    what they leave out."""
+    the omitted part."""
     energy = np.einsum("nt,nt->t", X, model.K @ X)
     straining = energy > ROUND_OFF * energy.max(initial=0.0)
     if not straining.any() or not wanted:
@@ -619,11 +619,11 @@ def _leading(model: ElasticModel, X: Array, base: Array, wanted: int) -> tuple[A
 @named_arguments
 @dataclass(frozen=True, kw_only=True)
 class TrialVectorDerivatives(ModalBasis):
-    """Vibration modes of the free body and joint modes of two faces `first` and `second` (facet sets of the mesh) that
-    touch: derivatives of static and vibration modes with respect to the state of the joint (Witteveen, Pichler 2014).
+    """Vibration modes of the free body and joint modes of two touching faces `first` and `second` (facet sets of the
+    mesh): derivatives of static and vibration modes with respect to the state of the joint (Witteveen, Pichler 2014).
 
-    normal, tangential: number of joint modes from pressures and from tractions. For comparison with the published way;
-    a lap (`reduce(laps=...)`) knows every cell and needs no such modes. Raises `InputError`.
+    normal, tangential: number of joint modes from pressures and from tractions. For comparison with the published
+    method; small-sliding contact (`reduce(laps=...)`) resolves every cell without such modes. Raises `InputError`.
     """
 
     kind: ClassVar[str] = "trial_vector_derivatives"
@@ -653,8 +653,8 @@ class TrialVectorDerivatives(ModalBasis):
         return self.first, self.second
 
     def columns(self, problem: BasisProblem) -> RawBasis:
-        """Vibration modes and joint modes of the body `problem`. Raises `InputError` where there is no mode to take
-        derivatives of."""
+        """Vibration modes and joint modes of the body `problem`. Raises `InputError` if there is no mode to
+        differentiate."""
         if problem.mesh is None:
             raise ValueError("trial vector derivatives need the mesh of the body")
         problem.require_fits(self.kind, problem.limits.count or 0, "vibration modes")

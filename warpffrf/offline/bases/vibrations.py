@@ -1,27 +1,27 @@
 r"""Fixed-interface modes and constraint modes (Craig and Bampton 1968), for any kind of interface.
 
-The interface coordinates are F^T u, with F the unit loads. Holding them at rest means reactions `-F lam`:
+The interface coordinates are F^T u, with F the unit loads. Fixing them causes reactions `-F lam`:
 
     K u = f - F lam,      F^T u = 0.
 
-The free body must be in balance, `R^T (f - F lam) = 0`, and then `u = G (f - F lam) + R c` with the inertia-relief
-flexibility G and a rigid motion c. So the same factorisation serves, and what holds the interface is a small system,
+The free body must be in equilibrium, `R^T (f - F lam) = 0`, and then `u = G (f - F lam) + R c` with the inertia-relief
+flexibility G and a rigid motion c. So the same factorisation is used, and the interface constraint is a small system,
 
     [ F^T G F   B^T ] [ lam ]   [ F^T G f ]
     [ B         0   ] [ -c  ] = [ R^T f   ],      B = R^T F (r, a),
 
-whatever F is: dofs of rigid interfaces, dofs of nodes, or averages of nodes. Any one interface holds the body, rank B
+for any F: dofs of rigid interfaces, dofs of nodes, or averages of nodes. Any one interface constrains the body, rank B
 = r. *Fixed-interface modes* are those of this flexibility; the *constraint mode* of interface coordinate j has the
-right-hand side (e_j, 0) and no load f. Its reactions are in balance, so that
+right-hand side (e_j, 0) and no load f. Its reactions are in equilibrium, so that
 
     u_j = G F lam_j + R c_j
 
-is a combination of attachment modes and rigid motion: the constraint modes lie in the span of the attachment modes that
-come first anyway. What those add are responses to interface loads with inertia relief, r directions.
+is a combination of attachment modes and rigid motion: the constraint modes lie in the span of the attachment modes,
+which come first anyway. The latter add the responses to interface loads with inertia relief, r directions.
 
 Craig chang. Free vibration modes and residual flexibility (Craig and Chang 1977, after MacNeal 1971 and Rubin 1975).
 
-The residual-flexibility attachment modes are what the kept modes V lack of the static response to interface loads,
+The residual-flexibility attachment modes are the part of the static response to interface loads outside the modes V,
 
     A_res = G F - V Omega^-2 V^T F,      G = P^T K^+ P.
 
@@ -33,11 +33,11 @@ and stiffness alike, which is what the Rayleigh-Ritz step here does. Since V Ome
 the *space* is that of `free_free` with the same modes, and so is every frequency and response. The two differ in their
 coordinates before orthonormalisation only.
 
-Free free. Vibration modes of the free body: nothing is held, so that they are modes of the floating body itself.
+Free free. Vibration modes of the free body: no constraints, hence modes of the floating body itself.
 
 Shifted. Solves with the dynamic stiffness of the free body, K - lambda M, real and indefinite or complex.
 
-SuperLU with partial pivoting by threshold: the ordering for low fill stays, pivots that are too small are exchanged.
+SuperLU with partial pivoting by threshold: the ordering for low fill is kept, pivots that are too small are exchanged.
 """
 
 from __future__ import annotations
@@ -57,15 +57,15 @@ from warpffrf.offline.bases.modes import BasisProblem, RawBasis, lowest_modes
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.solvers.ordering import nested_dissection
 
-# Singular value, of the largest, of the scaled small system below which interface coordinates depend on each other (two
-# free interfaces share nodes): the square of what round-off leaves of a dependent column.
+# Singular value, of the largest, of the scaled small system below which interface coordinates are dependent (two free
+# interfaces share nodes): the square of the round-off of a dependent column.
 DEPENDENT = 1e-12
 
 
 @named_arguments
 @dataclass(frozen=True, kw_only=True)
 class CraigBampton(ModalBasis):
-    """Vibration modes of the body with all interfaces held, and constraint modes (Craig and Bampton 1968)."""
+    """Vibration modes of the body with all interfaces fixed, and constraint modes (Craig and Bampton 1968)."""
 
     kind: ClassVar[str] = "craig_bampton"
     takes: ClassVar[Mapping[str, str]] = {
@@ -88,11 +88,11 @@ class CraigBampton(ModalBasis):
 
 
 def hold_interfaces(problem: BasisProblem) -> tuple[ElasticModel, Array, int]:
-    """The body with all interface coordinates held, constraint modes (n, a), and the number of held coordinates."""
+    """The body with all interface coordinates fixed, constraint modes (n, a), and the number of fixed coordinates."""
     model, F, A = problem.model, problem.system.loads, problem.attachments
     r, a = model.R.shape[1], F.shape[1]
     B = model.R.T @ F
-    # unit energy a load, unit norm a rigid motion: forces and moments, lengths and angles become comparable
+    # unit energy per load, unit norm per rigid motion: forces and moments, lengths and angles become comparable
     D = F.T @ A
     scale = 1.0 / np.sqrt(np.diag(D))
     rows = 1.0 / np.linalg.norm(B * scale, ord=2)
@@ -108,7 +108,7 @@ def hold_interfaces(problem: BasisProblem) -> tuple[ElasticModel, Array, int]:
 
     def solve(f: Array) -> Array:
         u, on_rigid = model.flexibility(f), model.R.T @ f
-        for _ in range(2):  # the second pass takes out what round-off left of the interface's motion
+        for _ in range(2):  # the second pass removes the round-off in the interface's motion
             lam, c = reactions(F.T @ u, on_rigid)
             u, on_rigid = u - A @ lam - model.R @ c, np.zeros_like(on_rigid)
         return u
@@ -135,7 +135,7 @@ class FreeFree(ModalBasis):
         return RawBasis(V, notes=notes, facts={"vibration_modes": len(omega)})
 
 
-# Energy norm, of that of the whole attachment mode, below which a residual one is the round-off of the subtraction.
+# Energy norm relative to the whole attachment mode below which a residual one is round-off of the subtraction.
 NEGLIGIBLE = 1e-7
 
 
@@ -169,8 +169,8 @@ ACCURATE = 1e-8
 def shifted_solver(K: Any, M: Any, shift: complex, coordinates: Array, what: str) -> Callable[[Array], Array]:
     """Solver of (K - shift M) u = f for blocks f (n, m); `shift` = omega^2 [rad^2/s^2].
 
-    coordinates (n, 3) [m], place of each dof, NaN where it has none. Raises `InputError`, naming `what` is solved,
-    where the matrix is singular to working precision: a natural frequency.
+    coordinates (n, 3) [m], position of each dof, NaN if it has none. Raises `InputError`, naming `what` is solved,
+    if the matrix is singular to working precision: a natural frequency.
     """
     S: Any = sp.csc_matrix(K - shift * M)
     order, permutation = np.arange(len(coordinates)), "MMD_AT_PLUS_A"

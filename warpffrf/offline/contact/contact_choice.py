@@ -1,23 +1,24 @@
-r"""How coarse may a contact be for a wanted error: the spacing of its grid, and its sampling points.
+r"""Grid spacing and sampling points of a contact for a required error.
 
-A contact force is wrong by what the grid of hats misses and by what few points miss of all of them. The wanted
-error is shared, half to each. The spacing follows from the rule of `grid_rule`, error <= c (s/b)^p. Of the points, an
-error e of the integrals over training patches moves the gap of a patch by at most e of its depth; force over approach
-is a power of at most 3/2 (an ellipse; 1 of a line), so that e = share/(3/2) keeps it. That is safe: on rollers the
-force moved by a tenth of it (`tests/offline/test_contact_choice.py`, `bench/evaluations.py`).
+The error of a contact force has two parts: that of the contact grid, and that of the few sampling points compared with
+all points. The required error is divided equally between them. The spacing follows from the rule of `grid_rule`,
+error <= c (s/b)^p. For the points, an error e of the integrals over training patches changes the gap of a patch by at
+most e of its depth; the force is a power of at most 3/2 of the approach (an ellipse; 1 for a line), so that
+e = share/(3/2) suffices. This is conservative: on rollers the force changed by a tenth of it
+(`tests/offline/test_contact_choice.py`, `bench/evaluations.py`).
 
 The mesh must be as fine as the grid; `reduce` refuses a finer grid.
 
-Cell depth. Are the cells behind a contact surface shallow enough for the pressures that its grid can carry?
+Cell depth. Whether the cells behind a contact surface are shallow enough for the pressures on its grid.
 
-A pressure that varies over a length a deforms the body down to a depth of about a. Cells deeper than that cannot
-follow: the surface is too stiff to short waves, the patch too narrow and the pressure too high, without any other
-sign. What counts is the distance between layers of nodes, `depth / degree` of the cells, against the spacing of the
-hats, the shortest length that the pressure can vary over.
+A pressure that varies over a length a deforms the body down to a depth of about a. Deeper cells cannot represent this:
+the surface is too stiff for short waves, the patch too narrow and the pressure too high, without any other indication.
+The criterion is the distance between layers of nodes, `depth / degree` of the cells, relative to the spacing of the
+grid, the shortest length over which the pressure can vary.
 
-Wall. How much of one material lies behind a contact surface: a half-space, or a thin cover?
+Wall. The thickness of one material behind a contact surface: a half-space, or a thin cover.
 
-Expected contact. The contact grid of each surface where an expected half-width is given instead of a spacing.
+Expected contact. The contact grid of each surface if an expected half-width is given instead of a spacing.
 """
 
 from __future__ import annotations
@@ -46,14 +47,14 @@ from warpffrf.offline.contact.mesh_error import line_mesh_error, touched_in_line
 from warpffrf.offline.fe import Assignment, facet_material
 from warpffrf.offline.settings import Settings
 
-GRID_SHARE = 0.5  # of the wanted error
+GRID_SHARE = 0.5  # of the required error
 POWERS = {"line": 1.0, "ellipse": 1.5}  # of the force in the approach: Hertz, line (up to a logarithm) and point
 
 
 @dataclass(frozen=True)
 class ContactChoice:
-    """What to give `reduce`: traction_spacing [m] and sampling_error; `grid_error` and `sampling_share` are the parts
-    of the wanted error that they take, None where the patch is smaller than the spacing."""
+    """For `reduce`: traction_spacing [m] and sampling_error; `grid_error` and `sampling_share` are their parts
+    of the required error, None if the patch is smaller than the spacing."""
 
     traction_spacing: float
     sampling_error: float
@@ -66,7 +67,7 @@ class ContactChoice:
 
 
 def contact_choice(half_width: float, *, error: float = 0.01, patch: str = "line") -> ContactChoice:
-    """Grid and points for a contact force right to `error` on patches of `half_width` [m] or larger.
+    """Grid and points for a contact force accurate to `error` on patches of `half_width` [m] or larger.
 
     patch: "line" or "ellipse", as in `contact_spacing`. Raises `InputError` for impossible numbers and unknown names.
     """
@@ -83,7 +84,7 @@ def contact_choice(half_width: float, *, error: float = 0.01, patch: str = "line
 # worst of four phases: errors of half-width and of peak pressure at mid-width against Hertz.
 #
 #     depth / spacing                       0.5           1            2            4            8
-#     hex8,  2 spacings a half-width     -7, -4 %     -8, +4 %    -11, +10 %   -19, +19 %   -41, +68 %
+#     hex8,  2 spacings per half-width   -7, -4 %     -8, +4 %    -11, +10 %   -19, +19 %   -41, +68 %
 #     hex8,  4                           -3,  0       -3, +1       -5,  +2     -10,  +7     -18, +21
 #     hex27, 2                           -6, -6       -6, -6       -7,  -5     -12, +10     -37, +41
 #     hex27, 4                           -2, -1       -2, -1       -2,  -1      -5,  +3
@@ -106,7 +107,7 @@ def layer_depth(mesh: Mesh, name: str, shape) -> float:
 
 def node_spacing(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float | None:
     """Distance [m] of nodes and of the columns of the `grid`, along the surface or into the depth, whichever is larger;
-    None where there are cells behind the facets that are no hexahedra."""
+    None if cells behind the facets are not hexahedra."""
     kinds = _behind(mesh, name)
     if not kinds or any(cell_kind(kind).corner_count != 8 for kind in kinds):
         return None
@@ -134,7 +135,7 @@ def depth_ratio(depth: float, shape, grid: ContactGrid) -> float:
 
 
 def depth_warning(name: str, depth: float, ratio: float) -> str | None:
-    """What to tell the user where the cells are too deep, else None."""
+    """The warning if the cells are too deep, else None."""
     if ratio <= DEEPEST:
         return None
     return (
@@ -146,14 +147,14 @@ def depth_warning(name: str, depth: float, ratio: float) -> str | None:
 
 
 ROUND_OFF = 1e-9  # of the size of the mesh: other nodes on the surface itself are not below it
-INSIDE = 0.05  # of the extent of the grid: end faces, which meet the surface there, are no other side of the body
+INSIDE = 0.05  # of the extent of the grid: end faces, which meet the surface there, are not another side of the body
 
 
 def wall(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment) -> float | None:
-    """Smallest distance [m] from the surface `shape` of facet set `name` with the `grid` to where its material ends.
+    """Smallest distance [m] from the surface `shape` of facet set `name` with the `grid` to the end of its material.
 
-    That is the outside of the body, or another material than most facets have. None where there is nothing below the
-    facets, as in a solid shaft.
+    That is the outside of the body, or another material than that of most facets. None if there is no such limit, as
+    in a solid shaft.
     """
     facets = mesh.facets(name)
     ends = np.zeros(len(mesh.points), dtype=bool)
@@ -165,7 +166,7 @@ def wall(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assig
     ends[facets.node_set] = False
     if not ends.any():
         return None
-    rough = float(np.abs(shape.chart(mesh.points[facets.node_set])[2]).max())  # nodes of the surface lie so far off it
+    rough = float(np.abs(shape.chart(mesh.points[facets.node_set])[2]).max())  # deviation of nodes from the shape
     theta, z, height = shape.chart(mesh.points[ends])
     below = (height < -2.0 * rough - ROUND_OFF * np.ptp(mesh.points, axis=0).max()) & _inside(
         z - grid.z[0], float(grid.z[-1] - grid.z[0])
@@ -181,9 +182,9 @@ def _inside(x: np.ndarray, extent: float) -> np.ndarray:
 
 
 def expected_grids(mesh: Mesh, shapes: dict[str, Any], settings: Settings) -> dict[str, GridChoice]:
-    """The rule's choice by surface; empty where no half-width is expected. A surface that is curved in both directions,
-    or a plane, on which anything may lie, is touched in an ellipse; one with a straight or a slightly profiled meridian
-    along a line."""
+    """The rule's choice by surface; empty if no half-width is expected. Contact on a surface curved in both directions,
+    or on a plane, on which anything may lie, is taken as an ellipse; on one with a straight or slightly profiled
+    meridian as a line."""
     if settings.expected_half_width is None:
         return {}
     return {
@@ -203,7 +204,7 @@ def _patch(shape: Any) -> str:
 
 
 def _finest(mesh: Mesh, name: str, shape: Any) -> float:
-    """Spacing [m] that the surface mesh can carry: the distance of its nodes where they form a grid, else its longest
+    """Finest spacing [m] of the surface mesh: the distance of its nodes if they form a grid, otherwise its longest
     facet edge."""
     chart = ContactFacets.of(mesh.points, mesh.facets(name), shape).chart
     plan = nodal_plan(chart, name)
@@ -213,8 +214,8 @@ def _finest(mesh: Mesh, name: str, shape: Any) -> float:
 def spacings(mesh: Mesh, shapes: dict[str, Any], settings: Settings, chosen: dict[str, GridChoice]) -> dict[str, Any]:
     """Spacing [m] by surface, None for the mesh's own grid.
 
-    Columns divide a sector of a periodic mesh evenly; where one is wider than the spacing, the spacing is rounded down
-    to do so, since rounding up could double it.
+    Columns divide a sector of a periodic mesh evenly; if a sector is wider than the spacing, the spacing is rounded
+    down to do so, since rounding up could double it.
     """
     found = {}
     for name, shape in shapes.items():
@@ -230,12 +231,12 @@ def spacings(mesh: Mesh, shapes: dict[str, Any], settings: Settings, chosen: dic
 
 
 def _radius(mesh: Mesh, name: str, shape: Any) -> float:
-    """Largest radius [m] of the surface where its facets are."""
+    """Largest radius [m] of the surface on its facets."""
     return largest_radius(shape, shape.chart(mesh.points[mesh.facets(name).node_set])[1])
 
 
 def promised(choice: GridChoice, grid: ContactGrid, shape: Any, mesh: Mesh) -> GridChoice:
-    """The choice with the spacing that the finished grid has, and what that promises on the mesh."""
+    """The choice with the spacing of the finished grid, and its expected error on the mesh."""
     spacing = grid.pitch * largest_radius(shape, grid.z)
     error = grid_error(spacing, choice.half_width, quantity=choice.quantity, patch=_patch(shape), traction=grid.kind)
     behind = line_mesh_error(mesh, shape, grid, choice.half_width)

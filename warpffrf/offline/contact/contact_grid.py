@@ -1,38 +1,39 @@
-r"""Choice of the hats' grid on a contact surface, in the chart (theta, z) of its true shape.
+r"""Choice of the contact grid on a surface, in the chart (theta, z) of its true shape.
 
-On a plane theta is a length, never comes back to where it was, and the radius that makes it one is 1.
+On a plane theta is a length without periodicity, and the corresponding radius is 1.
 
 Two grids exist. The *nodal* one takes the surface nodes of a structured quadrilateral mesh, where they form a tensor
-product with equal angles: then hats and finite-element trace are as fine as each other and `G` is definite. Every other
-mesh gets a structured grid of a given spacing, by default the longest facet edge, so that the trace stays independent.
+product with equal angles: then shape functions and finite-element trace have the same resolution and `G` is definite.
+Every other mesh gets a structured grid of a given spacing, by default the longest facet edge, so that the trace stays
+independent.
 
-Grid rule. How fine must a contact grid be for a patch of a given half-width?
+Grid rule. The required fineness of a contact grid for a patch of a given half-width.
 
-Against the exact elastic half-space, a pressure made of the functions of a grid of spacing s misses, for the worst
-position of the patch (half-width b) over the grid and the worst position of the other body's grid,
+Compared with the exact elastic half-space, the error of a pressure on a grid of spacing s is, for the worst position of
+the patch (half-width b) over the grid and the worst position of the other body's grid,
 
     error <= c (s/b)^p.
 
 **Rates.** A Hertz pressure ends in a square root at the edge of the patch. There, over a length s, the grid misses a
-pressure of order sqrt(s), which carries an energy of order (sqrt(s) s)^2 = s^3: by so much the *compliance* (the
-energy, or the mean approach, under a given pressure) is too small, p = 3. Cells miss s^3 from every length s beside
-the edge too, s^3 ln(b/s) together, for which p = 2.5 is written. The contact on the grid is a minimum over the
-pressures that the grid has; its energy over the approach d is `W(d) (1 - k s^3)` with a k that varies as the edges of
-the patch pass the lines of the grid. The *force* is dW/dd, and that derivative costs a factor 1/s: p = 2, with a sign
-that changes with position and size. Around an ellipse the edge passes the lines at all phases and only the stretches
-along a line add up, of length sqrt(s): p = 2.5. The *half-width*, which is that of the second moment of the pressure,
-goes with the force. Inside the patch the mean over a function misses s^2 times the curvature of the pressure: *peak
-pressure*, p = 2. The *pressure* as a field, in the L2 norm: a square root that ends inside a length s is missed by
-sqrt(s) over s, which is s^2 in the square of the norm, p = 1.
+pressure of order sqrt(s), with an energy of order (sqrt(s) s)^2 = s^3: the *compliance* (the energy, or the mean
+approach, under a given pressure) is too small by this amount, p = 3. Cells miss s^3 from every length s near the edge
+too, s^3 ln(b/s) together, for which p = 2.5 is used. The contact on the grid is a minimum over the pressures of the
+grid; its energy over the approach d is `W(d) (1 - k s^3)` with a k that varies as the edges of the patch pass the lines
+of the grid. The *force* is dW/dd, and that derivative costs a factor 1/s: p = 2, with a sign that changes with position
+and size. Around an ellipse the edge passes the lines at all phases and only the stretches along a line add up, of
+length sqrt(s): p = 2.5. The *half-width*, defined by the second moment of the pressure, has the rate of the force.
+Inside the patch the mean over a function misses s^2 times the curvature of the pressure: *peak pressure*, p = 2. The
+*pressure* as a field, in the L2 norm: a square root that ends inside a length s is missed by sqrt(s) over s, which is
+s^2 in the square of the norm, p = 1.
 
 **Factors** c are the largest found by `studies.contact.contact_grid`, which sweeps sizes, positions and positions of
 the opposite grid (docs/studies/contact_grid.md), rounded up. They hold for b/s >= 1; the rule gives no coarser grid.
-On an ellipse b is the half-width *in the direction of the spacing*: ask once for each semi-axis, or take the smaller
-one for both directions, which is safer. Errors of compliance and force of a line contact depend on how deep the body
-is, because the rest of its compliance does: the factors are those of a depth of 10 half-widths, at 100 they are six
-tenths.
+On an ellipse b is the half-width *in the direction of the spacing*: apply the rule once for each semi-axis, or use the
+smaller one for both directions, which is conservative. Errors of compliance and force of a line contact depend on the
+depth of the body, because the rest of its compliance does: the factors are those of a depth of 10 half-widths, at 100
+they are six tenths.
 
-Grid values. Values of the functions of a contact grid at places of its surface.
+Grid values. Values of the functions of a contact grid at points of its surface.
 """
 
 from __future__ import annotations
@@ -50,17 +51,17 @@ from warpffrf.model.reduced.contact_grid import cell_edges
 from warpffrf.model.reduced.stress_field import GridSpan
 from warpffrf.offline.fe import Sparse
 
-SAME_PLACE = 1e-6  # chart coordinates of nodes closer than this fraction of the extent are the same line of the grid
-ROUND_SPACING = 1e-9  # a spacing that divides a length up to round-off divides it
+SAME_PLACE = 1e-6  # nodes closer than this fraction of the extent (chart coordinates) are on the same line of the grid
+ROUND_SPACING = 1e-9  # a spacing that divides a length up to this round-off is taken to divide it
 FULL_TURN = 2.0 * np.pi
-RADII = 33  # places along a meridian at which its radius is looked at: it decides how many columns there are, no more
-FEWEST_COLUMNS = 4  # of a grid that is not the mesh's own: on a full turn fewer hats would overlap on both sides
+RADII = 33  # points along a meridian at which its radius is evaluated, to determine the number of columns only
+FEWEST_COLUMNS = 4  # of a grid other than the mesh's own: fewer on a full revolution would overlap on both sides
 
 
 @dataclass(frozen=True)
 class GridPlan:
-    """A full rectangle of hats before those that reach over its edge are dropped: `columns` at `theta_start + j*pitch`
-    (the full turn when `periodic`, otherwise an arc with a hat on both edges), rows at `z` (rows,) [m]."""
+    """A full rectangle of nodes before those that reach over its edge are dropped: `columns` at `theta_start + j*pitch`
+    (the full revolution if `periodic`, otherwise an arc with a node on both edges), rows at `z` (rows,) [m]."""
 
     theta_start: float
     pitch: float
@@ -87,15 +88,15 @@ class Chart:
     theta: np.ndarray
     z: np.ndarray
     edge: float  # longest distance between neighbouring corners [m]
-    turn: float = FULL_TURN  # after which theta is the same place again: 2 pi, or infinity on a plane
+    turn: float = FULL_TURN  # period of theta: 2 pi, or infinity on a plane
 
     def part(self, mask: np.ndarray) -> Chart:
-        """The facets that `mask` (m,) keeps."""
+        """The facets selected by `mask` (m,)."""
         return Chart(self.theta[mask], self.z[mask], self.edge, self.turn)
 
     @property
     def scale(self) -> float:
-        """Length of theta that tolerances are fractions of: the full turn, or the extent on a plane."""
+        """Reference length of theta for tolerances: the full revolution, or the extent on a plane."""
         return self.turn if np.isfinite(self.turn) else float(np.ptp(self.theta))
 
     @staticmethod
@@ -112,7 +113,7 @@ class Chart:
 
 
 def facet_chart(points: np.ndarray, kind: str, nodes: np.ndarray, shape) -> Chart:
-    """Chart coordinates of the nodes of facets `nodes` (m, k) of one `kind`; neighbours may differ by a full turn."""
+    """Chart coordinates of the nodes of facets `nodes` (m, k) of one `kind`; neighbours may differ by a revolution."""
     theta, z, _ = shape.chart(points[nodes.ravel()])
     theta, z = theta.reshape(nodes.shape), z.reshape(nodes.shape)
     turn = full_turn(shape)
@@ -123,12 +124,12 @@ def facet_chart(points: np.ndarray, kind: str, nodes: np.ndarray, shape) -> Char
 
 
 def full_turn(shape) -> float:
-    """theta after which the chart of `shape` comes back to the same place: 2 pi, or infinity on a plane."""
+    """Period of theta in the chart of `shape`: 2 pi, or infinity on a plane."""
     return np.inf if shape.profile().planar else FULL_TURN
 
 
 def wrapped(theta: np.ndarray, turn: float, low: float = -0.5) -> np.ndarray:
-    """theta, or anything counted like it, between `low` and `low` + 1 turns; as it is where there is no turn."""
+    """theta, or a quantity counted like it, between `low` and `low` + 1 periods; unchanged if there is no period."""
     return (theta - low * turn) % turn + low * turn if np.isfinite(turn) else theta
 
 
@@ -140,7 +141,7 @@ def _lines(values: np.ndarray, extent: float) -> np.ndarray:
 
 
 def covered_arc(chart: Chart, name: str) -> tuple[float, float, bool]:
-    """Start angle, extent [rad; m on a plane] of the facets, and whether they cover the full turn.
+    """Start angle, extent [rad; m on a plane] of the facets, and whether they cover the full revolution.
 
     Raises `InputError` when the facets lie on more than one arc.
     """
@@ -165,15 +166,15 @@ def covered_arc(chart: Chart, name: str) -> tuple[float, float, bool]:
 
 
 def centred(start: float, extent: float, turn: float) -> float:
-    """Start of an arc, counted so that its middle lies within half a turn of theta = 0, where charts have their
-    points."""
+    """Start of an arc, shifted so that its middle lies within half a revolution of theta = 0, as the chart coordinates
+    do."""
     return float(wrapped(np.asarray(start + 0.5 * extent), turn)) - 0.5 * extent if np.isfinite(turn) else start
 
 
 def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> GridPlan | None:
-    """The grid of the surface nodes, or None where they form no tensor product with equal angles.
+    """The grid of the surface nodes, or None if they form no tensor product with equal angles.
 
-    `theta_first`: angle of the line that shall be column 0 of a full turn (the first plane of sector 0).
+    `theta_first`: angle of the line that becomes column 0 of a full revolution (the first plane of sector 0).
     """
     start, extent, full = covered_arc(chart, name)
     turn, scale = chart.turn, chart.scale
@@ -197,9 +198,9 @@ def nodal_plan(chart: Chart, name: str, theta_first: float | None = None) -> Gri
 
 
 def spaced_plan(chart: Chart, shape, name: str, spacing: float, nodes: int | None = None) -> GridPlan:
-    """A structured grid of `spacing` [m] or a little more around and along, whatever the mesh.
+    """A structured grid of `spacing` [m] or slightly more around and along, independent of the mesh.
 
-    Raises `InputError` for a grid of more functions than there are `nodes` to carry them, where those are given.
+    Raises `InputError` for a grid of more functions than there are supporting `nodes`, if these are given.
     """
     start, extent, full = covered_arc(chart, name)
     low, high = float(chart.z.min()), float(chart.z.max())
@@ -220,16 +221,16 @@ def largest_radius(shape, z: np.ndarray) -> float:
 
 
 def check_count(functions: int, nodes: int, name: str, edge: float) -> None:
-    """Raises `InputError` for more functions than the facets have nodes: some combination of them loads none.
+    """Raises `InputError` for more functions than the facets have nodes: some combination of them causes no load.
 
-    `edge` is the longest facet edge [m], named as the cure.
+    `edge` is the longest facet edge [m], named in the message as the cure.
     """
     if functions > nodes:
         raise too_fine(f"{functions} functions on {nodes} nodes", name, edge)
 
 
 def too_fine(detail: str, name: str, edge: float) -> InputError:
-    """The error for a contact grid whose functions the surface mesh cannot tell apart."""
+    """The error for a contact grid whose functions are dependent on the surface mesh."""
     return InputError(
         f"contact {name!r}: contact grid finer than the surface mesh ({detail}); use traction_spacing >= {edge:.3g} m, "
         "or a finer mesh"
@@ -239,8 +240,8 @@ def too_fine(detail: str, name: str, edge: float) -> InputError:
 def thinned_rows(z: np.ndarray, spacing: float) -> np.ndarray:
     """Axial rows (rows,) [m] among the corner positions `z` [m] of a structured surface, at least `spacing` apart.
 
-    Both ends are kept. Cells along a roller are often much longer than around it: a grid coarsened around the roller
-    then keeps its rows.
+    Both ends are kept. Cells along a roller are often much longer than around it: a grid coarsened in circumferential
+    direction then keeps its rows.
     """
     lines = _lines(z.ravel(), float(np.ptp(z)))
     rows = [lines[0]]
@@ -285,7 +286,7 @@ RULES: dict[tuple[str, str], dict[str, tuple[float, float]]] = {  # (c, p) by (t
 PATCHES = ("line", "ellipse")
 TRACTIONS = ("hats", "cells")
 ROUND_OFF = 1e-12  # a spacing of one half-width up to round-off is one half-width
-COARSEST = 1.0  # spacing in half-widths: beyond it a patch is a hat or two, and the errors follow no rate
+COARSEST = 1.0  # spacing in half-widths: beyond it a patch has one or two nodes, and the errors follow no rate
 
 
 @named_arguments
@@ -298,21 +299,21 @@ def contact_spacing(
     traction: str = "hats",
 ) -> float:
     """Spacing [m] of a contact grid, for `reduce(..., traction_spacing=)`, that keeps the error of the grid below
-    `error` wherever on the grid the patch lies.
+    `error` for any position of the patch on the grid.
 
     Parameters
     ----------
-    half_width [m]: expected half-width b of the patch in the direction of the spacing. With a load that varies, the
-        smallest that shall be right.
+    half_width [m]: expected half-width b of the patch in the direction of the spacing. For varying loads, the smallest
+        that must be accurate.
     error: relative, between 0 and 1.
-    quantity: what `error` is of. "force": contact force at a given approach; "compliance": mean approach under a given
-        pressure; "peak_pressure"; "half_width" of the patch; "pressure": all pressures, in the L2 norm.
-    patch: "line" (long beside its width; along it the pressure varies slowly and the spacing may be far larger) or
-        "ellipse" (circle included).
+    quantity: the quantity of `error`. "force": contact force at a given approach; "compliance": mean approach under a
+        given pressure; "peak_pressure"; "half_width" of the patch; "pressure": all pressures, in the L2 norm.
+    patch: "line" (long compared with its width; along it the pressure varies slowly and the spacing may be far larger)
+        or "ellipse" (circle included).
     traction: "hats" (normal pressure) or "cells" (friction).
 
-    `s = b (error/c)^(1/p)`, at most b; c and p in the module docstring. It is the error of the grid alone: the mesh
-    under it must be as fine, `reduce` refuses others. Raises `InputError` for impossible numbers and unknown names.
+    `s = b (error/c)^(1/p)`, at most b; c and p in the module docstring. This is the error of the grid alone: the mesh
+    below must be as fine, otherwise `reduce` refuses it. Raises `InputError` for impossible numbers and unknown names.
     """
     b = require_number(half_width, "contact_spacing: half_width", positive=True)
     error = require_number(error, "contact_spacing: error", positive=True)
@@ -325,7 +326,7 @@ def contact_spacing(
 def grid_error(
     spacing: float, half_width: float, *, quantity: str = "force", patch: str = "line", traction: str = "hats"
 ) -> float | None:
-    """Error that a grid of `spacing` [m] stays below on a patch of `half_width` [m]: `c (s/b)^p`, or None where the
+    """Bound on the error of a grid of `spacing` [m] on a patch of `half_width` [m]: `c (s/b)^p`, or None if the
     spacing is larger than the half-width and the rule does not hold."""
     s = require_number(spacing, "grid_error: spacing", positive=True)
     b = require_number(half_width, "grid_error: half_width", positive=True)
@@ -334,7 +335,7 @@ def grid_error(
 
 
 def rule(quantity: str, patch: str, traction: str) -> tuple[float, float]:
-    """Factor c and rate p of the rule; raises `InputError` for names it does not know."""
+    """Factor c and rate p of the rule; raises `InputError` for unknown names."""
     if quantity not in QUANTITIES:
         raise InputError(f"contact_spacing: quantity {quantity!r} is not available, use one of {', '.join(QUANTITIES)}")
     if patch not in PATCHES:
@@ -346,11 +347,11 @@ def rule(quantity: str, patch: str, traction: str) -> tuple[float, float]:
 
 @dataclass(frozen=True)
 class GridChoice:
-    """Spacing of a contact grid for an expected patch, and what it promises.
+    """Spacing of a contact grid for an expected patch, and its expected error.
 
-    `error`: for `quantity`, of the grid and of the mesh behind it; None where the patch is smaller than the spacing.
-    `limited_by_mesh`: the wanted error needs a finer grid than the mesh can carry. `mesh_error`: the part of the mesh,
-    None where it is not known (`mesh_error.line_mesh_error`).
+    `error`: for `quantity`, of the grid and of the mesh behind it; None if the patch is smaller than the spacing.
+    `limited_by_mesh`: the required error needs a finer grid than the mesh admits. `mesh_error`: the part of the mesh,
+    None if unknown (`mesh_error.line_mesh_error`).
     """
 
     spacing: float  # m
@@ -358,7 +359,7 @@ class GridChoice:
     quantity: str
     half_width: float  # m, expected
     wanted_error: float
-    wanted_spacing: float  # m, that the rule asks for
+    wanted_spacing: float  # m, from the rule
     limited_by_mesh: bool
     mesh_error: float | None = None
 
@@ -375,7 +376,7 @@ class GridChoice:
         }
 
     def warning(self, name: str) -> str | None:
-        """What to tell the user where the mesh of contact surface `name` cannot keep the wanted error, else None."""
+        """The warning if the mesh of contact surface `name` cannot achieve the required error, else None."""
         behind = self.mesh_error or 0.0
         wanted = (
             f"contact {name!r}: an error of {self.wanted_error:g} in {self.quantity.replace('_', ' ')} at a half-width "
@@ -383,7 +384,7 @@ class GridChoice:
         )
         if not self.limited_by_mesh:
             kept = self.error is None or self.error <= self.wanted_error
-            if kept or behind <= 0.5 * self.wanted_error:  # what else is missing is a spacing that was rounded up
+            if kept or behind <= 0.5 * self.wanted_error:  # the remaining error is due to a spacing that was rounded up
                 return None
             return f"{wanted} is not kept: the cells behind the surface alone err by about {behind:.2g}; {FINER_BEHIND}"
         left = "is larger than the half-width" if self.error is None else f"keeps it below {self.error:.2g} only"
@@ -403,8 +404,8 @@ def choose_spacing(
     patch: str = "line",
     traction: str = "hats",
 ) -> GridChoice:
-    """The rule's spacing, but not below `finest` [m], the smallest that the surface mesh can carry; `error` of the
-    choice is what the spacing then promises. Other arguments as in `contact_spacing`."""
+    """The rule's spacing, but not below `finest` [m], the smallest that the surface mesh admits; `error` of the
+    choice is the expected error of that spacing. Other arguments as in `contact_spacing`."""
     finest = require_number(finest, "choose_spacing: finest", positive=True)
     wanted = contact_spacing(half_width, error=error, quantity=quantity, patch=patch, traction=traction)
     spacing = max(wanted, finest)
@@ -413,13 +414,13 @@ def choose_spacing(
 
 
 Array = np.ndarray
-BORDER = 1e-6  # of a cell: a place this close to the border of two cells, as nodes of the mesh are, takes their mean
+BORDER = 1e-6  # of a cell: points this close to a border of two cells, such as mesh nodes, get the mean of both
 
 
 def grid_values(theta: Array, z: Array, grid: Any, span: GridSpan, turn: float) -> Sparse:
-    """Hats or cells of `grid` at chart points theta [rad], z [m] (n,): csr (n, whole columns * rows).
+    """Values of the functions of `grid` at chart points theta [rad], z [m] (n,): csr (n, whole columns * rows).
 
-    z is cut to the grid; on an arc, places beyond the whole grid have zeros. `turn`: `full_turn` of the shape.
+    z is cut to the grid; on an arc, points beyond the whole grid have zeros. `turn`: `full_turn` of the shape.
     """
     lines, whole = grid.z, span.columns
     x = (theta - grid.theta_start) / grid.pitch + span.first

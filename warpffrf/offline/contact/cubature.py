@@ -1,74 +1,74 @@
 r"""Choice of few sampling points with positive weights for a contact surface: `reduce(..., sampling_error=)`.
 
-Of many candidates in a strip of the contact grid those are kept, and weighted, that integrate a training set
-(`warpffrf.offline.contact.cubature`) as all points do, to a wanted error:
+From many candidates in a strip of the contact grid, those points are selected and weighted that integrate a training
+set (`warpffrf.offline.contact.cubature`) like all points do, to a required error:
 
     minimise  sum over families |V_f w - t_f|^2   subject to   E w = e,   w >= 0,
 
-V_f snapshots at the candidates, t_f the integrals by all points, E w = e the areas of the hats row by row: a constant
-pressure has its resultant exactly, whatever the error. Non-negative least squares (`nonnegative`) with the areas as
-heavy rows, begun with the columns that QR with pivoting takes first and stopped at the first set for which the *worst*
-family is good enough; then the weights of that set with E w = e exact, by its null space. Empirical cubature: J. A.
-Hernandez, M. A. Caicedo, A. Ferrer, Comput. Methods Appl. Mech. Engng 313, 2017; weights that are not negative, and the
-early stop: C. Farhat, T. Chapman, P. Avery, Int. J. Numer. Meth. Engng 102, 2015.
+V_f snapshots at the candidates, t_f the integrals by all points, E w = e the areas of the shape functions row by row:
+the resultant of a constant pressure is exact for any error. Non-negative least squares (`nonnegative`) has the areas as
+heavy rows, starts with the columns that pivoted QR selects first and stops at the first set for which the *worst*
+family is accurate enough; then the weights of that set are computed with E w = e exact, by its null space. Empirical
+cubature: J. A. Hernandez, M. A. Caicedo, A. Ferrer, Comput. Methods Appl. Mech. Engng 313, 2017; non-negative weights,
+and the early stop: C. Farhat, T. Chapman, P. Avery, Int. J. Numer. Meth. Engng 102, 2015.
 
-**How few.** Because a strip repeats itself, a point counts for a hat twice, at x and at x - 1, and what it sees of u^2
-is x (1 - x): the exact mean 1/6 is that of *one* Gauss point x = (1 - 1/sqrt 3)/2 a row of points. With two along z a
-cell, a third of the 3 x 2 points of the full rule, all quadratic gaps and all products of hats are integrated exactly;
-a larger wanted error needs fewer. The method takes what helps most at once and so prefers pairs of points at x = 0 and
-1/2; it is run on these single points, on opposite sides by turns, and on the two sets of `CANDIDATES`; the smallest
-result counts. Points that the others can replace are taken out afterwards, those of the smallest weights first. Errors
-below what these sets reach, some tenths of a per cent, are looked for among all points themselves.
+**Number of points.** As a strip repeats itself, a point counts twice for a node, at x and at x - 1, and samples u^2
+as x (1 - x): the exact mean 1/6 is that of *one* Gauss point x = (1 - 1/sqrt 3)/2 per row of points. With two along z
+per cell, a third of the 3 x 2 points of the full rule, all quadratic gaps and all products of shape functions are
+integrated exactly; a larger admissible error needs fewer. The method prefers the largest immediate gain, hence pairs of
+points at x = 0 and 1/2; it is run on these single points, on alternating sides, and on the two sets of `CANDIDATES`;
+the smallest result counts. Points that the others can replace are removed afterwards, smallest weights first. For
+errors below those of these sets, some tenths of a per cent, all points themselves are the candidates.
 
-**What few points cannot see.** Between two grids of unequal spacing every hat has the other grid's nodes at another
-place, and one point a column tells less of them than three. That is an error from hat to hat, to which force and
-approach are blind (0.05 % at 4.5 columns a half-width) but the pressure is not: it varies by 4 to 7 % (L2) about that
-of all points. On equal grids that roll on each other there is no such difference (1e-5). The online check reports
+**Limits of few points.** Between two grids of unequal spacing every shape function has the other grid's nodes at
+different positions, which one point per column samples worse than three. This error varies from node to node: it does
+not affect force and approach (0.05 % at 4.5 columns per half-width) but the pressure, which varies by 4 to 7 % (L2)
+about that of all points. Equal grids that roll on each other show no such difference (1e-5). The online check reports
 it.
 
-**Energy.** Weights are positive and the same on both sides of a product, so that the tangent in the hats stays
-symmetric, and the area of a hat is exact, so that a force and its reaction stay the same number. What is inexact is
-which gap belongs to a hat; that enters the *grid defect* of the energy ledger, as the Gauss rule's own error does.
+**Energy.** Weights are positive and the same on both sides of a product, so that the tangent in the nodes stays
+symmetric, and the area of a shape function is exact, so that a force and its reaction stay equal. Only the distribution
+of the gap over the nodes is inexact; that enters the *grid defect* of the energy ledger, like the Gauss rule's error.
 
 Nonnegative. Non-negative least squares that may stop early: few points, positive weights.
 
     minimise |A c - b|^2   subject to   c >= 0
 
 by the active-set method of Lawson and Hanson (Solving Least Squares Problems, 1974, chapter 23): the column whose
-gradient `A^T (b - A c)` is largest enters, the least-squares problem of the columns that are in is solved, and columns
-whose coefficient would fall below zero leave on the way. Two things are added. The columns of a `seed` enter first,
-each if its gradient is positive; that saves rounds and, of many equal solutions, decides which is found. And `enough`
-may end it before the minimum: each round adds about one column, so the first set that is good enough is a small one
+gradient `A^T (b - A c)` is largest enters, the least-squares problem of the active columns is solved, and columns
+whose coefficient would fall below zero are removed. Two features are added. The columns of a `seed` enter first,
+each if its gradient is positive; that saves rounds and selects one of many equal solutions. And `enough`
+may stop the iteration before the minimum: each round adds about one column, so the first adequate set is a small one
 (Farhat, Chapman, Avery, Int. J. Numer. Meth. Engng 102, 2015). At the end of a full run
 
     A^T (A c - b) = 0 where c > 0,      >= 0 where c = 0,
 
-which is what makes a minimum (Karush, Kuhn, Tucker).
+the conditions of a minimum (Karush, Kuhn, Tucker).
 
-Columns are compared by their gradient over their own norm, so that scaling a column changes nothing.
+Columns are compared by their gradient over their own norm, so that scaling a column has no effect.
 
-Training. What sampling points are trained on: the integrals that evaluating a contact takes, for patches of all kinds.
+Training. The training set of sampling points: the integrals of a contact evaluation, for patches of all kinds.
 
-The strip of a contact grid repeats itself, so that the weak value of a function f on the hat of column j and row k is
-a sum over one list of points (x, z) of the strip, each used in the two strips that the hat covers,
+The strip of a contact grid repeats itself, so that the weak value of a function f on the node of column j and row k is
+a sum over one list of points (x, z) of the strip, each used in the two strips of the node's support,
 
     int psi_jk f dA = int over the strip of  psi_k(z) [ (1 - x) f(j + x, z) + x f(j - 1 + x, z) ] dA:
 
-the integrand of the bracket, at the points, is a *snapshot*; no simulation is needed to have it. Families of snapshots:
+the integrand of the bracket, at the points, is a *snapshot*; it requires no simulation. Families of snapshots:
 
     areas      f = 1, which must be exact: a constant pressure has its resultant, and the weights add up to the area
-    stress     f = psi_jl, the hats themselves: products of two hats, the overlap of the grid with itself
+    stress     f = psi_jl, the shape functions: products of two of them, the overlap of the grid with itself
     gaps       f = u^2/a^2 + v^2/b^2 - 1 inside the ellipse f < 0: the undeformed gap of a patch
     response   f = u_n, the displacement of the body's local modes under the pressure sqrt(1 - u^2/a^2 - v^2/b^2) of
                that patch, interpolated on a grid that is displaced by a part of a column and of a row, the one opposite
     modes      f = the displacement of a global mode
 
-with u, v along the axes of the patch. Semi-axes a, b, position, skew and the place of the opposite grid follow a
+with u, v along the axes of the patch. Semi-axes a, b, position, skew and the position of the opposite grid follow a
 low-discrepancy sequence (Halton), the same each time. Every family is scaled to size one.
 
-The targets are the integrals by *all* points, the Gauss points of evaluation "semi": few points stand for many, and
-what the many miss of an opposite grid whose kinks lie inside a cell is no fault of the few (2 % of a response where
-rows are far apart). Only the areas are those of the exact surface.
+The targets are the integrals by *all* points, the Gauss points of evaluation "semi": the reduced set replaces the full
+set, and is not charged with the full set's own error for an opposite grid whose kinks lie inside a cell (2 % of a
+response if rows are far apart). Only the areas are those of the exact surface.
 """
 
 from __future__ import annotations
@@ -84,7 +84,7 @@ from warpffrf.model.errors import InputError, require_number
 from warpffrf.model.reduced.contact_surface import ALL_ALONG, ALL_AROUND, Sampling, gauss_points
 
 OPTIMAL = 1e-11  # gradient over the norms of column and b: below it is round-off of the products
-DEPENDENT = 1e-10  # of the norm: a column that the others make up to this adds nothing
+DEPENDENT = 1e-10  # of the norm: a column that the others represent to this accuracy adds nothing
 ROUNDS_PER_COLUMN = 5  # a column enters and leaves a few times at most; more is cycling by round-off
 
 
@@ -95,8 +95,8 @@ def nonnegative_least_squares(
     seed: Iterable[int] = (),
     enough: Callable[[np.ndarray], bool] | None = None,
 ) -> np.ndarray:
-    """c (n,) >= 0 that minimises |A c - b|, A (m, n); or the first on the way there for which `enough(c)` is true.
-    Columns `seed` are tried first. Raises `ArithmeticError` where the method does not end."""
+    """c (n,) >= 0 that minimises |A c - b|, A (m, n); or the first iterate for which `enough(c)` is true.
+    Columns `seed` are tried first. Raises `ArithmeticError` if the method does not end."""
     n = A.shape[1]
     norm = np.linalg.norm(A, axis=0)
     norm[norm == 0.0] = 1.0
@@ -123,7 +123,7 @@ def nonnegative_least_squares(
 
 
 def _settle(A: np.ndarray, b: np.ndarray, c: np.ndarray, inside: np.ndarray) -> np.ndarray:
-    """Least squares of the columns `inside`, from which those leave that reach zero on the way there."""
+    """Least squares of the columns `inside`, removing those that reach zero on the way."""
     while inside.any():
         chosen = np.flatnonzero(inside)
         target = np.zeros_like(c)
@@ -147,7 +147,7 @@ def least_squares(A: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def pivots(A: np.ndarray, count: int) -> np.ndarray:
-    """The `count` columns of A that QR with column pivoting takes first (DEIM's choice of points, Drmac and Gugercin,
+    """The first `count` columns of A selected by QR with column pivoting (DEIM's choice of points, Drmac and Gugercin,
     SIAM J. Sci. Comput. 38, 2016), fewer where A has a lower rank."""
     R, order = (np.asarray(part) for part in qr(A, mode="r", pivoting=True))
     diagonal = np.abs(np.diag(R))
@@ -155,19 +155,19 @@ def pivots(A: np.ndarray, count: int) -> np.ndarray:
     return order[: min(count, rank)]
 
 
-HALF_WIDTHS = (1.5, 8.0)  # columns: a patch that a grid resolves at all, and one that it resolves well
-PATCHES = 48  # more changed the choice of points on no grid tried
-MARGIN = 3  # columns beside a patch whose displacement its hats see
-PRIMES = (2, 3, 5, 7, 11, 13, 17)  # bases of the sequence, one a parameter
+HALF_WIDTHS = (1.5, 8.0)  # columns: a patch barely resolved by a grid, and a well resolved one
+PATCHES = 48  # more did not change the choice of points on any grid tried
+MARGIN = 3  # columns next to a patch whose displacement affects its nodes
+PRIMES = (2, 3, 5, 7, 11, 13, 17)  # bases of the sequence, one per parameter
 LINE = 0.25  # share of patches that reach over all rows: lines
 SKEW = 0.5 * np.pi  # largest angle between a patch and the columns [rad]
-StripField: TypeAlias = Callable[[int], np.ndarray]  # values (n,) at places that are shifted by so many columns
-MODES = 12  # global modes, the lowest: a surface is small beside the waves of any of them
+StripField: TypeAlias = Callable[[int], np.ndarray]  # values (n,) at points shifted by a number of columns
+MODES = 12  # global modes, the lowest: their wavelengths are large compared with the surface
 
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Points of a strip: fraction x (n,) of a column, row (n,) and zeta (n,) between rows, axial place z (n,) [m], and
+    """Points of a strip: fraction x (n,) of a column, row (n,) and zeta (n,) between rows, axial z (n,) [m], and
     the measure (n,) [m] `R sqrt(1 + R'^2)` there."""
 
     x: np.ndarray
@@ -178,14 +178,14 @@ class Places:
 
     @classmethod
     def of(cls, surface: Any, x: np.ndarray, row: np.ndarray, zeta: np.ndarray) -> Places:
-        """Places on `surface` (shape and grid)."""
+        """Points on `surface` (shape and grid)."""
         lines = surface.grid.z
         z = lines[row] + zeta * (lines[row + 1] - lines[row])
         shape = surface.shape
         return cls(x, row, zeta, z, shape.radius_at(z) * np.sqrt(1.0 + shape.slope_at(z) ** 2))
 
     def along(self, rows: int) -> np.ndarray:
-        """psi_k at the places (rows, n)."""
+        """psi_k at the points (rows, n)."""
         out = np.zeros((rows, len(self.x)))
         n = np.arange(len(self.x))
         out[self.row, n] += 1.0 - self.zeta
@@ -203,7 +203,7 @@ class Family:
 
 
 def all_points(surface: Any, around: int = ALL_AROUND, along: int = ALL_ALONG) -> tuple[Places, np.ndarray]:
-    """Gauss points of a strip and their weights [m^2], as many a cell as evaluation "semi" has or as told."""
+    """Gauss points of a strip and their weights [m^2], with the number per cell of evaluation "semi" or as given."""
     grid = surface.grid
     x, row, zeta, share = gauss_points(grid.rows, around, along)
     places = Places.of(surface, x, row, zeta)
@@ -211,7 +211,7 @@ def all_points(surface: Any, around: int = ALL_AROUND, along: int = ALL_ALONG) -
 
 
 def strip_areas(surface: Any) -> np.ndarray:
-    """Areas of the hats by row (rows,) [m^2]; their sum is the area of the strip."""
+    """Areas of the nodes by row (rows,) [m^2]; their sum is the area of the strip."""
     return surface.grid.pitch * np.asarray(surface.grid.gram_z(surface.shape)).sum(axis=1)
 
 
@@ -240,8 +240,8 @@ def families(surface: Any, candidates: Places, patches: int = PATCHES) -> Iterat
 
 
 def patch_fields(surface: Any, numbers: Iterable[int]) -> Iterator[tuple[str, Callable[[Places], StripField], Patch]]:
-    """Gap and response of the patches of these numbers of the sequence: name, field at places, and patch. Training has
-    the first ones; those behind are held out."""
+    """Gap and response of the patches of these numbers of the sequence: name, field at points, and patch. The first
+    numbers are used for training, later ones for validation."""
     for number in numbers:
         patch = Patch.of(surface, number)
         yield f"gap {number + 1}", patch.gap, patch
@@ -250,8 +250,8 @@ def patch_fields(surface: Any, numbers: Iterable[int]) -> Iterator[tuple[str, Ca
 
 @dataclass(frozen=True)
 class Patch:
-    """An ellipse on the grid: semi-axes a [columns] and b [m], centre x0 [columns], z0 [m], turned by `skew` [rad];
-    `spacing` [m] of a column; `moved` (2,): place of the opposite grid, parts of a column and of a row."""
+    """An ellipse on the grid: semi-axes a [columns] and b [m], centre x0 [columns], z0 [m], rotated by `skew` [rad];
+    `spacing` [m] of a column; `moved` (2,): offset of the opposite grid, parts of a column and of a row."""
 
     a: float
     b: float
@@ -278,7 +278,7 @@ class Patch:
         return cls(a, b, u[3], z0, SKEW * (u[4] - 0.5), spacing, moved)
 
     def level(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
-        """u^2/a^2 + v^2/b^2 - 1 at columns x and axial places z: negative inside."""
+        """u^2/a^2 + v^2/b^2 - 1 at columns x and axial positions z: negative inside."""
         du, dv = (x - self.x0) * self.spacing, z - self.z0
         c, s = np.cos(self.skew), np.sin(self.skew)
         return ((c * du + s * dv) / (self.a * self.spacing)) ** 2 + ((c * dv - s * du) / self.b) ** 2 - 1.0
@@ -306,7 +306,7 @@ def halton(number: int, base: int) -> float:
 
 
 class _Field:
-    """A hat field (columns, rows) whose first column is `first`, at places that are shifted by columns and `moved`."""
+    """A nodal field (columns, rows) whose first column is `first`, at points shifted by columns and `moved`."""
 
     def __init__(self, places: Places, field: np.ndarray, first: int, moved: tuple[float, float] = (0.0, 0.0)) -> None:
         self.field, self.first = field, first
@@ -314,7 +314,7 @@ class _Field:
         zeta = places.zeta + moved[1]
         up = np.minimum(np.floor(zeta).astype(np.int64), 1)
         self.row = np.minimum(places.row + up, field.shape[1] - 2)
-        self.v = np.clip(places.row + zeta - self.row, 0.0, 1.0)  # beyond the last row the field goes on constant
+        self.v = np.clip(places.row + zeta - self.row, 0.0, 1.0)  # the field continues as constant beyond the last row
 
     def __call__(self, shift: int) -> np.ndarray:
         x = self.x + shift
@@ -328,7 +328,7 @@ class _Field:
 
 
 def _folded(places: Places, along: np.ndarray, field: Any, patch: Patch | None = None) -> np.ndarray:
-    """Snapshots (hats, n) of a field: all rows of the columns that the patch touches, of the column 0 without one."""
+    """Snapshots (nodes, n) of a field: all rows of the columns touched by the patch, of column 0 without one."""
     reach = 0 if patch is None else patch.reach
     before = field(-reach - 1)
     out = []
@@ -348,7 +348,7 @@ def _overlaps(places: Places, along: np.ndarray) -> np.ndarray:
 
 
 def _response(surface: Any, patch: Patch) -> Any:
-    """Displacement under the patch's pressure, as a function of places."""
+    """Displacement under the patch's pressure, as a function of points."""
     grid = surface.grid
     rows = grid.rows
     half = min(patch.reach + MARGIN, (grid.columns - 1) // 2)
@@ -365,22 +365,22 @@ def _response(surface: Any, patch: Patch) -> Any:
 GAUSS = 0.5 - 0.5 / np.sqrt(3.0)  # of the two-point rule on (0, 1)
 PAIR = (GAUSS, 1.0 - GAUSS)
 LINES = (0.0, GAUSS, 0.5, 1.0 - GAUSS)
-# places across a column and between two rows: the Gauss points, and with them the lines and their middles
+# points across a column and between two rows: the Gauss points, the lines and their middles
 GAUSS_PAIRS = (PAIR, PAIR)
 CANDIDATES = (GAUSS_PAIRS, (LINES, LINES))
 ALL = tuple(tuple(0.5 * (p + 1.0) for p in np.polynomial.legendre.leggauss(n)[0]) for n in (ALL_AROUND, ALL_ALONG))
-HEAVY = 1e3  # weight of the areas beside the families: they hold to 1e-6 before they are made exact
-EXACT = 1e-12  # of the strip's area: what is left of the area conditions
-SMALLEST = 1e-6  # of the area: a weight below it is a point that does nothing
+HEAVY = 1e3  # weight of the areas relative to the families: they are satisfied to 1e-6 before they are made exact
+EXACT = 1e-12  # of the strip's area: tolerance of the area conditions
+SMALLEST = 1e-6  # of the area: points with a smaller weight have no effect
 MOST_ROWS = 200  # rows of a grid: candidates and snapshots by the thousand beyond
 
 
 def choose_sampling(surface: Any, wanted_error: float, *, patches: int = PATCHES, label: str = "") -> Sampling:
-    """Points and weights for `surface` (shape, grid, compliance) whose worst training family errs by `wanted_error` at
-    most.
+    """Points and weights for `surface` (shape, grid, compliance) with an error of the worst training family of at most
+    `wanted_error`.
 
-    Raises `InputError` for an impossible error, for cells in place of hats, and where no weights of the candidates
-    reach it; the message says which error can be reached.
+    Raises `InputError` for an impossible error, for cells instead of nodal functions, and if no weights of the
+    candidates reach it; the message states the attainable error.
     """
     wanted = require_number(wanted_error, "reduce: sampling_error", positive=True)
     where = f"contact {label!r}" if label else "contact surface"
@@ -419,7 +419,7 @@ def choose_sampling(surface: Any, wanted_error: float, *, patches: int = PATCHES
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Least squares over one set of candidate `places`; the unknowns are shares (n,) of the strip's `area` [m^2].
+    """Least squares over one set of candidate `places`; the unknowns are fractions (n,) of the strip's `area` [m^2].
 
     values: snapshots of each of the families `trained`, times the area; A, b: all of them and the areas as heavy rows;
     E, e: the areas.
@@ -436,7 +436,7 @@ class Problem:
 
     @classmethod
     def of(cls, surface: Any, places: Places, patches: int) -> Problem:
-        """The problem of `surface` with so many training patches."""
+        """The problem of `surface` with this number of training patches."""
         trained = list(families(surface, places, patches))
         E, e = area_conditions(surface, places)
         area = float(strip_areas(surface).sum())
@@ -446,8 +446,8 @@ class Problem:
         return cls(places, area, trained, values, *compressed(A, b), E, e)
 
     def solve(self, wanted: float) -> np.ndarray | None:
-        """The first shares on the way to the minimum that err by `wanted` at most, without the points that the others
-        can replace; else the shares of the minimum, None where these miss the areas."""
+        """The first iterate with an error of at most `wanted`, without points that the others can replace; otherwise
+        the minimiser, None if it misses the areas."""
         seed = [int(i) for i in pivots(self.A, len(self.e))]
         found = nonnegative_least_squares(self.A, self.b, seed=seed, enough=lambda c: self._good(c, wanted) is not None)
         share = self.with_areas(found)
@@ -463,12 +463,12 @@ class Problem:
         return share
 
     def _good(self, share: np.ndarray, wanted: float) -> np.ndarray | None:
-        """Shares on the points of `share` with exact areas, where they err by `wanted` at most."""
+        """Weights on the points of `share` with exact areas, if their error is at most `wanted`."""
         exact = self.with_areas(share)
         return None if exact is None or self.errors(exact)[0] > wanted else exact
 
     def with_areas(self, share: np.ndarray) -> np.ndarray | None:
-        """Least squares on the points of `share` with E w = e exact; None where positive weights cannot do it."""
+        """Least squares on the points of `share` with E w = e exact; None if that requires negative weights."""
         chosen = np.flatnonzero(share)
         if not len(chosen):
             return None
@@ -494,10 +494,10 @@ class Problem:
 
 
 def candidate_places(surface: Any, fractions: tuple[float, ...], zetas: tuple[float, ...]) -> Places:
-    """Places of a strip among which points are chosen: `fractions` of a column x `zetas` between every two rows.
+    """Candidate points of a strip: `fractions` of a column x `zetas` between every two rows.
 
     The two ends of the surface are no candidates: the other one may end there too, and round-off would decide whether
-    the point faces anything.
+    the point faces the opposite surface.
     """
     cells = np.arange(surface.grid.rows - 1)
     row, zeta, x = (a.ravel() for a in np.meshgrid(cells, zetas, fractions, indexing="ij"))
@@ -506,8 +506,8 @@ def candidate_places(surface: Any, fractions: tuple[float, ...], zetas: tuple[fl
 
 
 def alternating(places: Places) -> Places:
-    """Of `places` with two fractions of a column each, one for every place along the axis, the one and the other by
-    turns: what each leaves of odd powers of u the next takes back."""
+    """From `places` with two fractions of a column each, one for every axial position, alternating between the two
+    fractions, so that errors in odd powers of u cancel between neighbours."""
     order = np.lexsort([places.x, places.zeta, places.row])
     pairs = order.reshape(-1, 2)
     chosen = np.where(np.arange(len(pairs)) % 2 == 0, pairs[:, 0], pairs[:, 1])
@@ -516,7 +516,7 @@ def alternating(places: Places) -> Places:
 
 
 def area_conditions(surface: Any, places: Places) -> tuple[np.ndarray, np.ndarray]:
-    """E (rows, n) and e (rows,): shares of the strip's area that the hats of each row must get."""
+    """E (rows, n) and e (rows,): fractions of the strip's area assigned to the nodes of each row."""
     areas = strip_areas(surface)
     return places.along(surface.grid.rows), areas / areas.sum()
 

@@ -1,9 +1,9 @@
 r"""Consistent nodal loads of the functions of a contact grid: `B psi_i`, `(B psi_i)_a = int N_a psi_i d dA`.
 
-psi are the hats on the nodes of a grid or the cells around them (1 on a cell, 0 elsewhere; `model.contact_grid` says
-why not between them), d a direction of the surface: the normal n away from the material, the circumferential
-`e_theta`, or the meridian `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`, with `e_theta x t_z = n`; where the material lies
-outside (a bore), e_theta points against the columns. The integral runs over the *chart* of the true
+psi are the bilinear shape functions on the nodes of a grid or the cells around them (1 on a cell, 0 elsewhere;
+`model.contact_grid` states why not between them), d a direction of the surface: the normal n away from the material,
+the circumferential `e_theta`, or the meridian `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`, with `e_theta x t_z = n`; if the
+material lies outside (a bore), e_theta points against the columns. The integral runs over the *chart* of the true
 surface, pulled back to the facets: theta and z of a facet are interpolated from its nodes' chart coordinates,
 `theta = sum N_a theta_a`, `z = sum N_a z_a`, and
 
@@ -11,32 +11,32 @@ surface, pulled back to the facets: theta and z of a facet are interpolated from
 
 So neighbouring facets meet without gap or overlap and the area is that of the true surface; since `sum_a N_a = 1` and
 `sum_i psi_i = 1` a constant pressure is applied exactly, and on a structured linear mesh with the nodal grid
-`N_a = psi_a`: the loads are then `f_a = sum_i M_ai s_i` with the hat Gram matrix `M`.
+`N_a = psi_a`: the loads are then `f_a = sum_i M_ai s_i` with the Gram matrix `M` of the shape functions.
 The transposed operator gives the coefficients of a displacement, `M^-1 B^T u`: loads and displacements are conjugate.
 
 Cut quadrature. Quadrature over facets that are cut by the lines of a contact grid.
 
-The functions of a contact grid have kinks (hats) or jumps (cells) at its lines, which run anywhere through the facets
-of an unstructured mesh. Facets are split into triangles of their reference domain, and each triangle is cut along the
-lines that cross it, as they run through the triangle if theta and z are taken as linear in it. That is exact where they
-are (triangles with straight edges, quadrilaterals that are parallelograms in the chart), and no piece then holds a
-kink: a Gauss rule on each is exact for polynomials. Other facets are split until a line is off by at most `BEND` of a
-spacing. The pieces fill every facet whatever they are, so that areas and loads are complete in any case.
+The shape functions of a contact grid have kinks, and those of cells jumps, at its lines, which cross the facets of an
+unstructured mesh anywhere. Facets are split into triangles of their domain, and each triangle is cut along the
+lines that cross it, with theta and z taken as linear in the triangle. That is exact if they are linear (triangles with
+straight edges, quadrilaterals that are parallelograms in the chart), and no piece then contains a kink: a Gauss rule on
+each is exact for polynomials. Other facets are split until a line deviates by at most `BEND` of a spacing. The pieces
+fill every facet in any case, so that areas and loads are complete.
 
 Traction fields on the grid of a contact surface: their loads on the mesh and their Gram matrix, for both paths.
 
-A field is a basis (hats on the nodes of one `GridPlan`, or cells around them) in one direction or in several.
+A field is a basis (shape functions on the nodes of one `GridPlan`, or cells around them) in one or several directions.
 Coefficients s of a traction load the mesh by `B s`, and `M^-1 B^T u` are the coefficients of a displacement u: its L2
 projection. Functions are numbered by direction, column, row.
 
-Where a reduced body has only some of the functions, K, the projection is that on their span, with the Gram matrix of
+If a reduced body has only some of the functions, K, the projection is that on their span, with the Gram matrix of
 these alone,
 
     a = M_KK^-1 B_K^T u,        so that        sum_j (M_KK)_ij a_j = B_i^T u = int psi_i u dA for every i in K:
 
 weak displacements, all that contact laws use, are exact up to the last kept column. Coefficients of the projection on
-*all* functions, of which those outside K are forgotten, would lose what the forgotten ones add to it: of a constant
-displacement a sixth beside each end, on one lone column a third.
+*all* functions, with those outside K discarded, would lose their contribution: for a constant
+displacement a sixth at each end, on a single column a third.
 """
 
 from __future__ import annotations
@@ -62,13 +62,13 @@ from warpffrf.offline.contact.contact_grid import (
 )
 from warpffrf.offline.fe import FACET_DEGREE, Sparse, rule
 
-# Lines of the nodal grid run along the edges of linear facets and through the middle of quadratic ones: these many
-# equal pieces of a facet hold no kink. All other grids cut the facets, see `cut_quadrature`.
+# Lines of the nodal grid run along the edges of linear facets and through the middle of quadratic ones: this number of
+# equal pieces of a facet contains no kink. All other grids cut the facets, see `cut_quadrature`.
 PIECES = {"quad4": 1, "quad9": 2}
-CHUNK = 2000  # facets worked on together: with a grid as fine as the mesh some 100 MB
-POINTS = 20_000  # quadrature points worked on together: 9 nodes, 4 hats and 4 values of each are 23 MB
+CHUNK = 2000  # facets processed together: with a grid as fine as the mesh some 100 MB
+POINTS = 20_000  # quadrature points processed together: 9 nodes, 4 functions and 4 values of each are 23 MB
 DIRECTIONS = ("normal", "theta", "meridian")
-Direction = str | Callable[[np.ndarray, np.ndarray], np.ndarray]  # one of them, or vectors (..., 3) at (theta, z)
+Direction = str | Callable[[np.ndarray, np.ndarray], np.ndarray]  # one of the names, or vectors (..., 3) at (theta, z)
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ class HatLoads:
     `row`).
 
     `area` (e,) [m^2] is the part int N_a psi_i dA of the function's area, so that the sum over nodes is int psi_i dA.
-    Columns count from the plan's `theta_start` and on a full turn are not wrapped: take them modulo `columns`.
+    Columns count from the plan's `theta_start` and on a full revolution are not wrapped: take them modulo `columns`.
     """
 
     node: np.ndarray
@@ -98,8 +98,8 @@ def hat_loads(
     direction: Direction = "normal",
 ) -> HatLoads:
     """Loads of all functions of `plan` that reach the facets `nodes` (m, k) of `kind`: `basis` "hats" on its nodes or
-    "cells" around them, between the lines `GridPlan.lines`, in one of `DIRECTIONS` or in
-    vectors of one's own. Rows and edge columns are clipped."""
+    "cells" around them, between the lines `GridPlan.lines`, in one of `DIRECTIONS` or in user-defined vectors. Rows and
+    edge columns are clipped."""
     parts = []
     for start in range(0, len(nodes), CHUNK):
         here = slice(start, start + CHUNK)
@@ -143,7 +143,7 @@ def _loads(kind, nodes, theta, z, shape, plan: GridPlan, basis: str, direction: 
     area = weight * stretch * shape.measure_at(at_z)
     load = surface_vectors(shape, plan.theta_start + plan.pitch * at_x, at_z, direction) * area[:, None]
 
-    # points of one facet under the same functions are summed first: few sums instead of many entries to sort
+    # points of one facet under the same functions are summed first, which leaves fewer entries to sort
     column, row, psi = _functions(plan, basis, at_x, at_z, j, k)
     low = column[:, 0].min(initial=0)
     width = (column[:, 0].max(initial=0) - low + 1) * len(plan.z)
@@ -205,19 +205,19 @@ def merged_loads(parts: list[HatLoads], rows: int) -> HatLoads:
 
 
 Array = np.ndarray
-# Degree of the rule on a piece: 4 of node function times hat, the rest for the turning normal (1e-9 over 20 degrees).
-# On facets split in three and more the pieces are small, and the bend limits what is gained.
+# Degree of the rule on a piece: 4 of the product of node function and grid function, the rest for the rotating normal
+# (1e-9 over 20 degrees). On facets split in three and more the pieces are small, and the bend limits the accuracy.
 DEGREE, DEGREE_OF_SMALL, SMALL_PIECES = 8, 5, 3
 TOUCHES = 1e-9  # of the distance between lines: a line this close to a vertex does not cut
-# Distance of a cut from its true line, in spacings of the lines: that much of the area of a cell, and less of that of a
-# hat, which vanishes at its outer lines, is counted with its neighbour.
+# Distance of a cut from its true line, in spacings of the lines: this fraction of the area of a cell, and less of that
+# of a shape function, which vanishes at its outer lines, is assigned to the neighbour.
 BEND = 2e-3
 MOST_PIECES = 4  # along an edge of a facet; a mesh that would need more is distorted beyond use
 
 
 def cut_points(kind: str, x: Array, z: Array, columns: tuple[int, int], rows: Array) -> tuple[Array, ...]:
     """Facet number (p,), reference point (p, 2) and reference weight (p,) of a rule without kinks in its pieces, and
-    the numbers (p,) of the column and of the row of lines below the piece that each point belongs to.
+    the numbers (p,) of the column and of the row of lines below the piece of each point.
 
     `x`, `z` (m, k): chart coordinates of the facets' nodes, x counted in columns of the grid, whose lines are all
     integers from `columns[0]` to `columns[1]`; `rows`: the ascending lines of z.
@@ -246,7 +246,7 @@ def cut_points(kind: str, x: Array, z: Array, columns: tuple[int, int], rows: Ar
 def _pieces(kind: str, x: Array, z: Array) -> int:
     """Pieces along an edge of the facets with chart coordinates x, z (m, k) in spacings.
 
-    A triangle's bend, the distance of the middle of its edges from straight, falls with the square of their number.
+    A triangle's bend, the deviation of the middle of its edges from straight, falls with the square of their number.
     """
     corners = _triangles(kind, 1)
     middles = 0.5 * (corners + np.roll(corners, 1, axis=1))
@@ -270,7 +270,7 @@ def _triangles(kind: str, n: int) -> Array:
 
 
 def _cut(facet: Array, place: Array, chart: Array, axis: int, lines: Array) -> tuple[Array, Array, Array]:
-    """Cut triangles along `lines` of one chart coordinate; each pass halves the lines that cross a triangle."""
+    """Cut triangles along `lines` of one chart coordinate; each pass halves the number of lines crossing a triangle."""
     slack = TOUCHES * np.min(np.diff(lines)) if len(lines) > 1 else 0.0
     done = []
     while len(facet):
@@ -322,8 +322,8 @@ class ContactFacets:
         return Chart.joined([chart for _, _, chart in self.blocks])
 
     def plan(self, name: str, spacing: float | None, nodes: int | None = None) -> GridPlan:
-        """Grid for these facets: their nodes where they form one, else lines `spacing` [m] apart (None: the longest
-        facet edge), on at most as many functions as there are `nodes`."""
+        """Grid for these facets: their nodes if they form one, otherwise lines `spacing` [m] apart (None: the longest
+        facet edge), with at most as many functions as there are `nodes`."""
         chart = self.chart
         found = None
         if spacing is None and len(self.blocks) == 1 and self.blocks[0][0] in NODAL_KINDS:
@@ -340,7 +340,7 @@ class ContactFacets:
         return merged_loads(parts, len(lines.z))
 
     def part(self, mask: Array) -> ContactFacets:
-        """The facets that `mask` (m,), over the blocks in their order, keeps."""
+        """The facets selected by `mask` (m,), over the blocks in their order."""
         kept, start = [], 0
         for kind, nodes, chart in self.blocks:
             here = mask[start : start + len(nodes)]
@@ -353,7 +353,7 @@ class ContactFacets:
 @dataclass(frozen=True)
 class TractionField:
     """Functions of one `kind` ("hats", "cells") in `directions` on all nodes of `plan`, edge columns of arcs
-    included, where hats and cells are half ones."""
+    included, where the functions are half ones."""
 
     kind: str
     directions: tuple[str, ...]
@@ -434,8 +434,8 @@ class TractionField:
 
 @dataclass(frozen=True)
 class KeptFunctions:
-    """Functions of `field` on `columns` neighbouring columns of it, from its column `first` on: those that a reduced
-    body has."""
+    """Functions of `field` on `columns` neighbouring columns of it, starting at column `first`: those of a reduced
+    body."""
 
     field: TractionField
     first: int
@@ -450,7 +450,7 @@ class KeptFunctions:
 
     @cached_property
     def _inverse_grams(self) -> tuple[Array, Array]:
-        """Of both Gram matrices; their condition is at most a few rows' and columns' worth (hats of equal size: 3)."""
+        """Of both Gram matrices; their condition is at most that of a few rows and columns (equal spacing: 3)."""
         part = slice(self.first, self.first + self.columns)
         return np.linalg.inv(self.field.gram_theta()[part, part]), np.linalg.inv(self.field.gram_z())
 

@@ -1,6 +1,6 @@
 r"""Inertia of the local modes of a contact surface: Gram matrices of the residual static responses, for both paths.
 
-Of the residual responses U (n, count) to the loads `B s` of unit coefficients, `N = U^T M U` and `W = Phi_g^T M U` are
+The residual responses U (n, count) to the loads `B s` of unit coefficients give `N = U^T M U` and `W = Phi_g^T M U`,
 projected like the compliance, so that they belong to unit forces of the functions:
 
     N := M_psi^-1 N M_psi^-1,      W := W M_psi^-1.
@@ -10,45 +10,45 @@ times the sum of the waves, so N is block-circulant with `lags[l] = 1/N sum_k N_
 `sqrt(2/N) Re (phi e^{i k s phi})` overlaps with the response of sector s by `sqrt(2/N) Re ((u^H M_k phi) e^{i k s
 phi})`: the wave `u^H M_k phi` becomes a real field just as a displacement of the modes does.
 
-Consistent mass matrices throughout, or the one that came with the mesh.
+Consistent mass matrices throughout, or the one supplied with the mesh.
 
-Slopes. What pressures do that are not along the normal of the undeformed surface: the compliance of slopes.
+Slopes. The effect of pressures that deviate from the normal of the undeformed surface: the compliance of slopes.
 
-Pressure acts along the normal of the deformed surface, and the gap opens along it. Where that normal leans from the
-undeformed one by the angle G, towards the middle of the patch, a pressure p at the arc position x loads the body by
--p (n - G t) and its gap moves by -u.(n - G t), with t = e_theta and, of a narrow patch,
+Pressure acts along the normal of the deformed surface, and the gap is measured along it. If that normal is inclined to
+the undeformed one by the angle G, towards the middle of the patch, a pressure p at the arc position x loads the body by
+-p (n - G t) and its gap changes by -u.(n - G t), with t = e_theta and, for a narrow patch,
 
     G = kappa (x - x_c),
 
 kappa the difference of the curvatures of the deformed and the undeformed surface. To first order in G the compliance
-between two hats is
+between two grid nodes is
 
-    D_ij - G_i D^t_ij - G_j D^t_ji,          D^t_ij: displacement along t at hat i under a normal load on hat j.
+    D_ij - G_i D^t_ij - G_j D^t_ji,          D^t_ij: displacement along t at node i under a normal load on node j.
 
-Sideways displacement is odd: on a body of revolution D^t_ji = -D^t_ij. Then the middle x_c drops out,
+Tangential displacement is odd: on a body of revolution D^t_ji = -D^t_ij. Then the middle x_c drops out,
 
     D_ij - kappa (x_i - x_j) D^t_ij = D_ij + kappa R S_ij,          S_ij = -(theta_i - theta_j) (D^t_ij - D^t_ji)/2,
 
-which turns with the body as D does: nothing but the table of the compliance changes. S is kept of bodies so soft that
+which rotates with the body as D does: only the table of the compliance changes. S is stored for bodies so soft that
 a patch can be a noticeable part of the radius (`SOFT`); kappa follows from the partner
-(`warpffrf.model.reduced.local_modes`). Of other bodies the even part of D^t is left out. On a rigid plane kappa R = 1.
-Second order, G_i G_j D^tt and what the cosines of G make, is up to 0.7 (b/R*)^2 of the line load, b the half-width, R*
+(`warpffrf.model.reduced.local_modes`). Otherwise the even part of D^t is neglected. On a rigid plane kappa R = 1.
+Second order, G_i G_j D^tt and the cosines of G, is up to 0.7 (b/R*)^2 of the line load, b the half-width, R*
 the relative radius (tests/verification/test_rubber_cover.py).
 
-Independence. Are the hats independent on the surface mesh?
+Independence. Whether the shape functions are independent on the surface mesh.
 
-The contact problem is unique only if no combination of hats loads the mesh with nothing. A contact grid finer than
-the mesh has such combinations: `C = (B psi)^T G (B psi)` becomes semidefinite (an eigenvalue ratio of -1.5e-16 was
-met, with a wrong contact force). Two ratios of a window of neighbouring columns are looked at, because dependence is
-local:
+The contact problem is unique only if no combination of grid functions causes zero load on the mesh. A contact grid
+finer than the mesh has such combinations: `C = (B psi)^T G (B psi)` becomes semidefinite (an eigenvalue ratio of
+-1.5e-16 occurred, with a wrong contact force). Two ratios of a window of neighbouring columns are computed, because
+dependence is local:
 
-* the *traces*: with `b_ia = int psi_i N_a dA`, lumped areas `A_i = sum_a b_ia` of hats and `L_a = sum_i |b_ia|` of
+* the *traces*: with `b_ia = int psi_i N_a dA`, lumped areas `A_i = sum_a b_ia` of functions and `L_a = sum_i |b_ia|` of
   nodes (vertex functions of quadratic triangles have no area of their own), the smallest
-  over the largest eigenvalue of `A^-1/2 b L^-1 b^T A^-1/2`. It is a number of the two grids alone: at best about
-  (1/9)^2 for a nodal grid, where b is the hats' Gram matrix, and zero where hats outnumber nodes. The loads
-  themselves cannot tell so sharply: the normal turns within a facet, so that a dependent combination still loads the
-  mesh a little, tangentially. Being known before any solve, they are looked at first;
-* C itself, taken with the global modes' part in it.
+  over the largest eigenvalue of `A^-1/2 b L^-1 b^T A^-1/2`. It depends on the two grids alone: at best about
+  (1/9)^2 for a nodal grid, where b is the Gram matrix, and zero if there are more functions than nodes. The loads
+  themselves are a weaker criterion: the normal rotates within a facet, so that a dependent combination still loads the
+  mesh slightly, tangentially. The traces are known before any solve and are checked first;
+* C itself, including the part of the global modes.
 """
 
 from __future__ import annotations
@@ -74,7 +74,7 @@ Array = np.ndarray
 
 
 class HarmonicMass:
-    """N and W of one field of a periodic body's contact surface, as the harmonics come."""
+    """N and W of one field of a periodic body's contact surface, accumulated over the harmonics."""
 
     def __init__(self, field: CyclicField) -> None:
         self.field = field
@@ -91,7 +91,7 @@ class HarmonicMass:
             self._W.append((k, self.field.without_gram(k, inertia.conj().T @ Phi)))
 
     def product(self, combine: Callable[[list[Array]], Array]) -> LocalMass:
-        """What the reduced body keeps; `combine` makes real fields of the waves of the harmonics with global modes."""
+        """The stored part; `combine` forms real fields of the waves of the harmonics with global modes."""
         field = self.field
         lags = np.fft.irfft(self._N, n=field.N, axis=0)[:: field.stride]
         whole = len(lags) * field.c
@@ -108,19 +108,19 @@ def dense_mass(kept: KeptFunctions, N: Array, W: Array) -> LocalMass:
     return LocalMass(lags, np.ascontiguousarray(kept.without_gram(W)))
 
 
-SOFT = 1e10  # Pa, E/(1 - nu^2): above it a half-width of 3 % of the radius takes a pressure of 150 MPa and more
+SOFT = 1e10  # Pa, E/(1 - nu^2): above it a half-width of 3 % of the radius requires a pressure of 150 MPa and more
 AROUND = ("theta",)
 
 
 def may_slope(shape: object, material: Material | None) -> bool:
-    """Whether the compliance of slopes is kept of a surface of resolved `shape` on this material."""
+    """Whether the compliance of slopes is stored for a surface of resolved `shape` on this material."""
     curved = not shape.profile().planar  # type: ignore[attr-defined]
     return curved and material is not None and material.plane_strain_modulus < SOFT
 
 
 def slope_lags(along: Array, pitch: float, rows: int) -> Array:
-    """S (L, c rows, c rows) [m/N] in the layout of `ContactSurface.lags`, of D^t in the same layout; L = 1: dense, on
-    an arc; else a full turn, `pitch` [rad] between columns."""
+    """S (L, c rows, c rows) [m/N] in the layout of `ContactSurface.lags`, from D^t in the same layout; L = 1: dense, on
+    an arc; else a full revolution, `pitch` [rad] between columns."""
     count, side = along.shape[:2]
     c = side // rows
     column = np.repeat(np.arange(c), rows)
@@ -132,8 +132,8 @@ def slope_lags(along: Array, pitch: float, rows: int) -> Array:
     return -0.5 * angle * (along - swapped)
 
 
-# Nodal grids have 3e-3 to 1e-2, a grid 1.4 times as fine as linear facets 1e-6 or less: in between, and towards the
-# lower end more and more, the pressure oscillates from hat to hat but is unique.
+# Nodal grids have 3e-3 to 1e-2, a grid 1.4 times as fine as linear facets 1e-6 or less: in between, increasingly
+# towards the lower end, the pressure oscillates from node to node but is unique.
 TRACES = 1e-4
 # Smallest over largest eigenvalue of C on a window. Nodal grids have 1e-2 to 1e-6 (rows much longer than columns
 # lower it).
@@ -144,12 +144,12 @@ LEAST_COLUMNS = 7
 
 
 def window_columns(columns: int, rows: int) -> int:
-    """Number of neighbouring columns that are judged."""
+    """Number of neighbouring columns that are checked."""
     return min(columns, max(LEAST_COLUMNS, min(WINDOW_COLUMNS, WINDOW_HATS // rows)))
 
 
 def eigenvalue_ratio(window: np.ndarray) -> float:
-    """Smallest over largest eigenvalue of the symmetric `window` (h, h); NaN where it holds what is no number."""
+    """Smallest over largest eigenvalue of the symmetric `window` (h, h); NaN if a value is not finite."""
     if not np.all(np.isfinite(window)):
         return np.nan
     values = np.linalg.eigvalsh(0.5 * (window + window.T))
@@ -159,13 +159,13 @@ def eigenvalue_ratio(window: np.ndarray) -> float:
 def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
     """Eigenvalue ratio of the traces of the grid's first columns on the facets of set `name` (module docstring).
 
-    NaN where a hat has no area.
+    NaN if a function has no area.
     """
     facets = ContactFacets.of(mesh.points, mesh.facets(name), shape)
     chart = facets.chart
     count, rows = window_columns(grid.columns, grid.rows), grid.rows
-    # the window alone as a grid on an arc, with a margin of columns whose hats complete the lumped areas of its nodes
-    # (a plane, which has no turn, gets one as long as all of its columns, that the margin is on both sides)
+    # the window alone as a grid on an arc, with a margin of columns that completes the lumped areas of its nodes (a
+    # plane, which has no period, gets one as long as all of its columns, so that the margin is on both sides)
     turn = chart.turn if np.isfinite(chart.turn) else grid.pitch * np.ceil(np.ptp(chart.theta) / grid.pitch + 2.0)
     low = (chart.theta.min(axis=1) - grid.theta_start) % turn
     span = np.ptp(chart.theta, axis=1)
@@ -188,7 +188,7 @@ def trace_ratio(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
 
 
 def check_traces(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
-    """`trace_ratio` of the grid; raises `InputError` where it is too small."""
+    """`trace_ratio` of the grid; raises `InputError` if it is too small."""
     traces = trace_ratio(mesh, name, shape, grid)
     _require_finite(traces, name)
     if not traces > TRACES:
@@ -199,9 +199,9 @@ def check_traces(mesh: Mesh, name: str, shape, grid: ContactGrid) -> float:
 
 
 def check_compliance(window: np.ndarray, name: str, edge: float, held: str = "") -> float:
-    """The eigenvalue ratio of C; raises `InputError` where it is too small.
+    """The eigenvalue ratio of C; raises `InputError` if it is too small.
 
-    Cures that it names: the longest facet `edge` [m] as spacing, or what `held_nodes` says.
+    Cures named in the message: the longest facet `edge` [m] as spacing, or the text of `held_nodes`.
     """
     ratio = eigenvalue_ratio(window)
     _require_finite(ratio, name)
@@ -222,9 +222,9 @@ def _require_finite(ratio: float, name: str) -> None:
 
 
 def held_nodes(mesh: Mesh, name: str, interfaces: Mapping[str, str]) -> str:
-    """What is wrong where nodes of the contact surface are on a rigid or free interface, "" where none is.
+    """The fault if nodes of the contact surface are on a rigid or free interface, otherwise "".
 
-    Tractions on them move the interface alone: the local modes have no compliance there.
+    Tractions on them move only the interface: the local modes have no compliance there.
     """
     nodes = mesh.facets(name).node_set
     for other, kind in interfaces.items():

@@ -1,16 +1,18 @@
-r"""How much too stiff the cells behind a contact surface are for a line load: what the mesh adds to the grid's error.
+r"""Excess stiffness of the cells behind a contact surface for a line load: the error of the mesh in addition to the
+grid's.
 
-The rule of `grid_rule` is for the grid on an exact body. Under a line load the strain energy of a plane body is spread
-evenly over the logarithm of the distance from the load, so that each layer of cells counts as much as the next, down to
+The rule of `grid_rule` is for the grid on an exact body. Under a line load the strain energy of a plane body is
+distributed evenly over the logarithm of the distance from the load, so that each layer of cells counts equally, down to
 the axis: layers that grow quickly inwards cost more than a coarse rim. Cells of the degree p miss a part of their
-energy that grows with their height h, along the ray from the load, over their distance d from it. With the mean over
-the energy of the radial stress under the load (Flamant), phi the angle of the ray with the normal, b the half-width,
+energy that grows with the ratio of their height h, along the ray from the load, to their distance d from it. With the
+mean over the energy of the radial stress under the load (Flamant), phi the angle of the ray with the normal and b the
+half-width,
 
     error = c_p mean of (h/r)^(n_p) with the weights dV cos^2(phi)/r^2,      r^2 = d^2 + b^2,
 
-is how much too high the force at a given approach is: n_1 = 1.5, c_1 = 0.2 of linear cells, n_2 = 2, c_2 = 0.014 of
+is the excess of the force at a given approach: n_1 = 1.5, c_1 = 0.2 for linear cells, n_2 = 2, c_2 = 0.014 for
 quadratic ones, fitted to hexahedra in rollers whose layers grow by 1.15 to 3 from one to the next
-(`studies.contact.grid_on_roller.layer_states`, docs/studies/contact_grid.md). Point loads are not judged: their energy
+(`studies.contact.grid_on_roller.layer_states`, docs/studies/contact_grid.md). Point loads are excluded: their energy
 lies within a few half-widths.
 """
 
@@ -27,20 +29,20 @@ from warpffrf.model.reduced.contact_grid import ContactGrid
 from warpffrf.offline.contact.contact_grid import FINER_BEHIND, largest_radius
 
 FACTORS = {1: (0.2, 1.5), 2: (0.014, 2.0)}  # c_p, n_p by degree of the cells
-EXPECTED = 4.0  # half-width, in spacings of the grid, where none is expected
-MOST = 0.03  # of the force: beyond it `reduce` warns
-PLACES = 3  # of the load around the surface
-# of the line load at mid-width of a nearly incompressible cover, over the cube of the spacings along the axis, and what
-# it does not exceed: covers of 5 and 10 mm, 100 mm wide, nu 0.47 to 0.4999, beside 24 cells (tests/offline)
+EXPECTED = 4.0  # half-width, in spacings of the grid, if no half-width is expected
+MOST = 0.03  # of the force: above it `reduce` warns
+PLACES = 3  # positions of the load around the surface
+# of the line load at mid-width of a nearly incompressible cover, over the cube of the spacings along the axis, and its
+# upper bound: covers of 5 and 10 mm, 100 mm wide, nu 0.47 to 0.4999, compared with 24 cells (tests/offline)
 AXIAL, MOST_AXIAL, WORTH_A_WORD = 10.0, 0.05, 0.01
-CHUNK = 100_000  # cells looked at together
+CHUNK = 100_000  # cells processed together
 
 
 def line_mesh_error(mesh: Mesh, shape: Any, grid: ContactGrid, half_width: float | None = None) -> float | None:
     """Relative error of the force at a given approach under a line load at mid-width, `half_width` [m] to either side
     (None: `EXPECTED` spacings of the grid), on surface `shape` with the contact `grid`: the worst of `PLACES` around.
 
-    None for surfaces that are touched in points, planes among them, and for meshes without cells.
+    None for surfaces in point contact, planes among them, and for meshes without cells.
     """
     if not touched_in_lines(shape) or not mesh.cells:
         return None
@@ -52,13 +54,13 @@ def line_mesh_error(mesh: Mesh, shape: Any, grid: ContactGrid, half_width: float
 
 
 def touched_in_lines(shape: Any) -> bool:
-    """Whether the meridian is straight or slightly profiled; a plane may be touched by anything, in points too."""
+    """Whether the meridian is straight or slightly profiled; a plane may also be in point contact."""
     profile = shape.profile()
     return not (profile.planar or profile.crown)
 
 
 def mesh_error_warning(name: str, error: float | None) -> str | None:
-    """What to tell the user where the cells behind contact surface `name` are too coarse, else None."""
+    """The warning if the cells behind contact surface `name` are too coarse, else None."""
     if error is None or error <= MOST:
         return None
     return (
@@ -68,8 +70,8 @@ def mesh_error_warning(name: str, error: float | None) -> str | None:
 
 
 def axial_error(shape: Any, grid: ContactGrid, material: Material | None) -> float:
-    """About what few cells along the axis add to the line load at mid-width, of it: between two free ends, pressures of
-    a nearly incompressible cover on few nodes are not smooth. 0 of other surfaces and materials."""
+    """Estimated relative excess of the line load at mid-width due to few cells along the axis: between two free ends,
+    pressures of a nearly incompressible cover on few nodes are not smooth. 0 for other surfaces and materials."""
     if material is None or not material.mixed or not touched_in_lines(shape) or len(grid.z) < 2:
         return 0.0
     spacings = float(np.ptp(grid.z) / np.diff(grid.z).max())
@@ -77,7 +79,7 @@ def axial_error(shape: Any, grid: ContactGrid, material: Material | None) -> flo
 
 
 def axial_warning(name: str, error: float) -> str | None:
-    """What to tell the user where that is worth a word, else None."""
+    """The warning if that is significant, else None."""
     if error <= WORTH_A_WORD:
         return None
     return (

@@ -1,9 +1,9 @@
 r"""Cholesky factors of many matrices with one pattern, by dense blocks in a chain.
 
-The nodes of a sector are put into levels: the loaded ones first, then their neighbours, and so on. A level is split
-into the nodes that touch the next level (S) and those that do not (I). Eliminated from the farthest level inwards, in
-the order `S_l, I_l, S_(l-1), I_(l-1), ...`, a block S is coupled to the next two blocks of the order and a block I to
-the next one only, also after fill. For quadratic cells I are the layers of nodes in the middle of cells. With blocks
+The nodes of a sector are divided into levels: the loaded ones first, then their neighbours, and so on. A level is split
+into the nodes that touch the next level (S) and those that do not (I). With elimination from the farthest level
+inwards, in the order `S_l, I_l, S_(l-1), I_(l-1), ...`, a block S is coupled to the next two blocks of the order and a
+block I to the next one only, also after fill. For quadratic cells I are the layers of mid-cell nodes. With blocks
 of b columns and panels of r rows the work is
 
     sum over blocks of  b^3/3 + b^2 r + b r^2,
@@ -14,8 +14,8 @@ For every block i with diagonal D_i and panel P_i (its columns in the rows of th
 
     D_i = L_i L_i^H,   P_i := P_i L_i^-H,   (rows coupled) -= P_i P_i^H.
 
-Entries are added up straight into the blocks: `BlockPattern.place` says where entry (row, column) of the reduced matrix
-goes, so that a factorisation starts from an array of values and not from a sparse matrix.
+Entries are summed directly into the blocks: `BlockPattern.place` is the position of entry (row, column) of the reduced
+matrix, so that a factorisation starts from an array of values and not from a sparse matrix.
 """
 
 from __future__ import annotations
@@ -31,12 +31,11 @@ Array = np.ndarray
 
 
 class NotDefiniteError(np.linalg.LinAlgError):
-    """The matrix that was to be factorised is not positive definite."""
+    """The matrix to be factorised is not positive definite."""
 
 
 def _levels(graph: Sparse, roots: Array) -> list[Array]:
-    """Nodes by distance from `roots`; what is not connected to them follows from the nodes left, as levels of its
-    own."""
+    """Nodes by distance from `roots`; components that are not connected to them follow as levels of their own."""
     n = graph.shape[0]
     seen = np.zeros(n, dtype=bool)
     levels: list[Array] = []
@@ -54,7 +53,7 @@ def _levels(graph: Sparse, roots: Array) -> list[Array]:
 
 
 def chain(graph: Sparse, roots: Array) -> tuple[list[Array], list[int]]:
-    """Blocks of nodes in the order of elimination, and how many of the following blocks each is coupled to (0, 1, 2).
+    """Blocks of nodes in the order of elimination, and the number of following blocks coupled to each (0, 1, 2).
 
     `graph` (n, n): non-zero where nodes are coupled, with its diagonal; `roots`: the nodes eliminated last.
     """
@@ -85,15 +84,15 @@ class _Block:
     start: int  # first of its columns in the order
     size: int
     rows: int  # rows of its panel, the columns that follow it
-    diagonal: int  # place of its entries (size, size), column by column
-    panel: int  # place of its entries (rows, size), column by column
+    diagonal: int  # position of its entries (size, size), column by column
+    panel: int  # position of its entries (rows, size), column by column
 
 
 class BlockPattern:
-    """Blocks of the dofs of a matrix (n, n); `order` (n,) is the dof at each place of the elimination."""
+    """Blocks of the dofs of a matrix (n, n); `order` (n,) is the dof at each position of the elimination."""
 
     def __init__(self, graph: Sparse, candidates: list[Array], dofs_per_node: int = 3) -> None:
-        """`candidates`: sets of root nodes; the one that makes least work is taken."""
+        """`candidates`: sets of root nodes; the one with the least work is used."""
         chains = [chain(graph, roots) for roots in candidates if len(roots)] or [chain(graph, np.zeros(1, np.int64))]
         nodes, reach = min(chains, key=lambda c: work(*c))
         d = dofs_per_node
@@ -116,9 +115,9 @@ class BlockPattern:
         return max(block.size for block in self.blocks)
 
     def place(self, row: Array, column: Array) -> tuple[Array, Array]:
-        """Which entries (row, column) of the matrix are stored, (mask), and where (positions of those).
+        """Which entries (row, column) of the matrix are stored, (mask), and their positions.
 
-        Entries of the lower triangle, in the order of elimination, are; those of the upper one follow by symmetry.
+        Entries of the lower triangle, in the order of elimination, are stored; the upper ones follow by symmetry.
         """
         i, j = self.rank[row], self.rank[column]
         kept = i >= j

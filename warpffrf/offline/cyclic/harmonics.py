@@ -1,7 +1,7 @@
 r"""The rotational harmonics of a periodic body with rigid interfaces on its axis.
 
-In harmonic k (travelling wave `u_s = u e^{i k s phi}`, each sector in its own axes) a rigid interface has the motion
-that is itself such a wave. A vector v fixed in space has the components `R(-s phi) v` in sector s, and `R(-a) (1, i,
+In harmonic k (travelling wave `u_s = u e^{i k s phi}`, each sector in its own axes) the motion of a rigid interface is
+itself such a wave. A vector v fixed in space has the components `R(-s phi) v` in sector s, and `R(-a) (1, i,
 0) = e^{i a} (1, i, 0)`, `R(-a) (0, 0, 1) = (0, 0, 1)`. So
 
 * k = 0: translation along and rotation about the axis, direction `d = (0, 0, 1)`;
@@ -9,46 +9,45 @@ that is itself such a wave. A vector v fixed in space has the components `R(-s p
 * k >= 2: none, the interface nodes are at rest.
 
 The same directions give the rigid modes of the body, two in each of the harmonics 0 and 1. There the sparse solver of
-`elastic` is used; all other harmonics are definite, and a block Cholesky factorisation takes them one after the other.
+`elastic` is used; all other harmonics are definite and use a block Cholesky factorisation one after the other.
 
-Everything is written in the coordinates v of `waves`, in which a sector that is its own mirror image has real
-matrices. With `(1, i, 0) = e^{i theta} (e_r + i e_theta)` the translation of k = 1 is real in them and the rotation i
+All quantities are in the coordinates v of `waves`, in which a mirror-symmetric sector has real matrices. With
+`(1, i, 0) = e^{i theta} (e_r + i e_theta)` the translation of k = 1 is real in them and the rotation i
 times a real vector: its amplitude is then counted in units of -i (`ROTATION_UNIT`).
 
-One thread takes the harmonics in turn: the calls of LAPACK are small and hold the interpreter's lock, two threads over
-harmonics took 1.5 times as long as one.
+The harmonics are processed by one thread: the calls of LAPACK are small and hold the interpreter's lock; two threads
+over harmonics took 1.5 times as long as one.
 
-Waves. Matrices of all harmonics of a sector as sums of few constant ones, real where the sector is its own mirror
-image.
+Waves. Matrices of all harmonics of a sector as sums of few constant ones, real if the sector is mirror-symmetric.
 
 In harmonic k the matrix of a sector is `K_k = A + e^{ik phi} B + e^{-ik phi} B^T`, complex and Hermitian. On a mesh of
-node planes that is mirrored at each of them it is real in other coordinates. Describe the displacement of node a, at
-angle theta_a, in its own cylindrical axes, without the phase of the wave, the circumferential part turned by i:
+node planes with mirror symmetry at each of them it is real in other coordinates: the displacement of node a, at angle
+theta_a, in its own cylindrical axes, without the phase of the wave, with the circumferential part multiplied by i:
 
     u_a = e^{i k theta_a} (v_r e_r + i v_theta e_theta + v_z e_z)      u = Q_k v,  Q_k unitary.
 
-The mirror theta -> -theta turns the wave k into the wave -k and changes the sign of u_theta; complex conjugation turns
-it back. Both together leave every v as it is where each node is mirrored to itself (theta_a = 0 or phi/2, modulo phi),
-so `Q_k^H K_k Q_k` is its own conjugate: real and symmetric, a quarter of the work and half of the memory. With
+The reflection theta -> -theta maps the wave k to the wave -k and changes the sign of u_theta; complex conjugation
+reverses this. Both together leave every v unchanged if each node maps to itself (theta_a = 0 or phi/2, modulo phi), so
+`Q_k^H K_k Q_k` is its own conjugate: real and symmetric, a quarter of the work and half of the memory. With
 `delta = theta_b - theta_a` (the angle between the nodes themselves, of whatever sectors) an entry K_ab between them
 contributes, K_ab in cylindrical axes,
 
     Re(s e^{i k delta}) K_ab = cos(k delta) K_ab   (s = 1: both or none circumferential),
                                sin(k delta) K_ab   (s = -i: row circumferential),  - sin(k delta) K_ab  (s = i: column),
 
-with as many different |delta| as the distances of coupled node planes. Whether a sector is such a one is found by
-looking at the imaginary part in one harmonic (`MIRRORED`); where it is not, Q_k = 1 and the three complex terms stay.
-So they do in the harmonics 0 and N/2, where they are real anyway and a real mode must stay a real displacement.
+with as many different |delta| as the distances of coupled node planes. Mirror symmetry of a sector is detected by
+the imaginary part in one harmonic (`MIRRORED`); without it, Q_k = 1 and the three complex terms remain.
+The same holds in the harmonics 0 and N/2, where they are real anyway and a real mode must stay a real displacement.
 
 Real modes. The global modes of all harmonics of a periodic body as real modes.
 
-A complex mode `u` of harmonic 0 < k < N/2 with `u^H M_k u = 1` stands for the two real modes
-`sqrt(2/N) Re, Im (u e^{i k s phi})`; one of k = 0 or N/2 for `u e^{i k s phi}/sqrt(N)`.
+A complex mode `u` of harmonic 0 < k < N/2 with `u^H M_k u = 1` represents the two real modes
+`sqrt(2/N) Re, Im (u e^{i k s phi})`; one of k = 0 or N/2 represents `u e^{i k s phi}/sqrt(N)`.
 
-Vibration modes of a periodic body: which harmonics have any, and the modes of these.
+Vibration modes of a periodic body: the harmonics that have any, and their modes.
 
-Whether a harmonic has modes below a limit is one factorisation (Sylvester's law of inertia), modes are many solves: so
-all harmonics are asked and few are worked on, and none is forgotten.
+Whether a harmonic has modes below a limit takes one factorisation (Sylvester's law of inertia), modes take many solves:
+all harmonics are therefore tested, only few are solved, and none is missed.
 """
 
 from __future__ import annotations
@@ -89,9 +88,9 @@ def rigid_wave(k: int, coordinates: Array, height: float) -> Array:
 
 
 class Harmonics:
-    """Solvers for every harmonic of one sector; interface dofs, two an interface, come after the free ones for k < 2.
+    """Solvers for every harmonic of one sector; interface dofs, two per interface, come after the free ones for k < 2.
 
-    `loaded`: nodes of the sector that carry loads; they are eliminated last where that is not much more work.
+    `loaded`: nodes of the sector with loads; they are eliminated last if that is not much more work.
     """
 
     def __init__(self, sector: Sector, interfaces: list[AxialInterface], loaded: Array | None = None) -> None:
@@ -203,7 +202,7 @@ class Harmonics:
         return out
 
     def _gathered(self, terms: list[Sparse]) -> tuple[Array, Array]:
-        """Places (e,) and values (t, e) of the entries that any of the terms has."""
+        """Positions (e,) and values (t, e) of the entries present in any of the terms."""
         found = []
         for term in terms:
             reduced = sp.coo_matrix(term[self.free][:, self.free])
@@ -240,8 +239,8 @@ def _node_graph(sector: Sector) -> Sparse:
 
 
 Array = np.ndarray
-# Imaginary part, relative to the largest entry, below which a sector is its own mirror image: round-off of cells a
-# thousandth of the radius wide is 1e-12. What is left out is then below the agreement with the general path, 1e-9.
+# Imaginary part, relative to the largest entry, below which a sector counts as mirror-symmetric: round-off of cells a
+# thousandth of the radius wide is 1e-12. The neglected part is then below the agreement with the general path, 1e-9.
 MIRRORED = 1e-10
 SAME_ANGLE = 1e-9  # rad; angles between node planes closer than this are one: planes are 1e-4 rad apart at least
 MOST_TERMS = 16  # more different angles between coupled nodes than this cost more than complex arithmetic
@@ -250,7 +249,7 @@ MOST_TERMS = 16  # more different angles between coupled nodes than this cost mo
 class Waves:
     """K and M of every harmonic in the coordinates v, `K_k = sum_t coefficient_t(k) terms[t]`, and Q_k.
 
-    `mirrored`: whether the sector is its own mirror image, `angles` (d,) [rad]: the |delta| that occur.
+    `mirrored`: whether the sector is mirror-symmetric, `angles` (d,) [rad]: the |delta| that occur.
     """
 
     def __init__(self, sector: Sector) -> None:
@@ -275,7 +274,7 @@ class Waves:
         return self.sector.count
 
     def mirrored_at(self, k: int) -> bool:
-        """Whether harmonic k is described in mirrored coordinates; elsewhere Q_k = 1."""
+        """Whether harmonic k uses mirrored coordinates; otherwise Q_k = 1."""
         return self.mirrored and 0 < 2 * k < self.count
 
     def real_at(self, k: int) -> bool:
@@ -283,11 +282,11 @@ class Waves:
         return self.mirrored or k == 0 or 2 * k == self.count
 
     def terms(self, what: str, k: int) -> list[Sparse]:
-        """The constant matrices (3 nn, 3 nn) of "K" or "M" that make harmonic k."""
+        """The constant matrices (3 nn, 3 nn) of "K" or "M" that harmonic k consists of."""
         return (self._mirror_terms if self.mirrored_at(k) else self._sector_terms)[what]
 
     def coefficients(self, k: int) -> Array:
-        """What the terms are multiplied by in harmonic k."""
+        """The coefficients of the terms in harmonic k."""
         if self.mirrored_at(k):
             return np.concatenate([np.cos(k * self.angles), np.sin(k * self.angles)])
         e = phase(k, self.count)
@@ -309,7 +308,7 @@ class Waves:
         return sp.csr_matrix(self._turn @ sp.diags(wave.ravel()))
 
     def _is_mirrored(self) -> bool:
-        k = max(2, self.count // 3)  # large enough for planes a pitch apart to be a third of a turn out of phase
+        k = max(2, self.count // 3)  # large enough for planes a pitch apart to be a third of a revolution out of phase
         Q = self._mirror_basis(k)
         for pair in (self.sector.K, self.sector.M):
             v = Q.conj().T @ self.sector.harmonic(pair, k) @ Q
@@ -379,7 +378,7 @@ class HarmonicModes:
 
 
 class RealModes:
-    """The complex modes of all harmonics as real modes, ascending in frequency, the two of a pair beside each other."""
+    """The complex modes of all harmonics as real modes, ascending in frequency, the two of a pair adjacent."""
 
     def __init__(self, N: int, found: list[HarmonicModes]) -> None:
         self.N, self.found = N, found
@@ -435,13 +434,13 @@ class RealModes:
         return fields
 
     def facts(self) -> dict:
-        """Harmonics that carry global modes, for the report."""
+        """Harmonics with global modes, for the report."""
         return {"harmonics_with_modes": [int(h.k) for h in self.found]}
 
 
-LIMIT_GROWTH = 1.35  # factor by which the frequency limit grows until it holds the wanted number of modes
-# Harmonics that are looked at alone until they hold the wanted number of modes; the limit they set is then asked of all
-# others. The first ones hold most of the lowest modes of a round body.
+LIMIT_GROWTH = 1.35  # factor by which the frequency limit grows until the required number of modes lies below it
+# Harmonics solved first until they have the required number of modes; the limit found is then applied to all others.
+# The first ones contain most of the lowest modes of a round body.
 FIRST_HARMONICS = 8
 
 
@@ -457,7 +456,7 @@ class _Found:
 def vibrations(
     harmonics: Harmonics, limits: Limits, progress: Progress
 ) -> tuple[dict[int, tuple[ElasticModel, Array]], dict]:
-    """Vibration modes by harmonic, {k: (model, V (n_k, p))}, whole pairs only, and what was rounded."""
+    """Vibration modes by harmonic, {k: (model, V (n_k, p))}, whole pairs only, and notes on rounding."""
     if limits.none:
         return {}, {}
     last = harmonics.count // 2
@@ -477,7 +476,7 @@ def vibrations(
 
 
 def _enough(harmonics: Harmonics, count: int, progress: Progress) -> dict[int, _Found]:
-    """All modes up to a limit that holds `count` of them, or all that the mesh has."""
+    """All modes up to a limit that includes `count` of them, or all modes of the mesh."""
     last = harmonics.count // 2
     models = {k: harmonics.model(k) for k in range(min(3, last + 1))}
     lowest = [w[0] for m in models.values() if len(w := vibration_modes(m, count=1)[0])]

@@ -1,20 +1,20 @@
 r"""Inertia invariants of a rotationally periodic body, from one sector's share of each mode.
 
-A wave of harmonic k moves sector s by `u e^{i k s phi}` in the sector's own axes. In axes at rest its components along
+A wave of harmonic k moves sector s by `u e^{i k s phi}` in the sector's own axes. In fixed axes its components along
 `e_+ , e_-`: `u^+- = u_x +- i u_y`, and `u^z`, are scalar waves of the harmonics k + 1, k - 1 and k. The mass matrix of
-finite elements is the same scalar one for every component and every axes, with factors m_A (within a sector) and m_B
-(to the next), so that the scalar wave of harmonic l sees `m_l = m_A + e^{i l phi} m_B + e^{-i l phi} m_B^T`, and
+finite elements is the same scalar one for every component and in any axes, with factors m_A (within a sector) and m_B
+(to the next), so that the scalar wave of harmonic l has the mass `m_l = m_A + e^{i l phi} m_B + e^{-i l phi} m_B^T`,
 
     int a b dm = N a^T m_l b   where harmonics h of a and l of b have h + l = 0 modulo N, else zero.
 
-So J1 comes from the harmonics 0, 1 and 2 alone, and J2 and G couple harmonics that differ, or sum to N, by at most 2:
-all else is never computed. The position X is itself a wave of harmonic 0. A real mode `Re z` or `Im z` is made of the
+So J1 depends on the harmonics 0, 1 and 2 alone, and J2 and G couple harmonics that differ, or sum to N, by at most 2:
+nothing else is computed. The position X is itself a wave of harmonic 0. A real mode `Re z` or `Im z` is composed of the
 waves z of harmonic k and conj(z) of -k.
 
-Centrifugal. Loads of turning on a rotationally periodic body, as waves of the harmonics 0, 1 and 2.
+Centrifugal. Loads of rotation of a rotationally periodic body, as waves of the harmonics 0, 1 and 2.
 
 In sector axes with the axis e = (0, 0, 1) and d = (1, i, 0)/root 2 an angular velocity is `w = a e + b d + b* d*`. The
-constant e has the same components in every sector, d turns as `e^{i s phi}` (`harmonics`). So the six products of w are
+constant e has the same components in every sector, d varies as `e^{i s phi}` (`harmonics`). The six products of w are
 
     a^2      -e x (e x X)                                        harmonic 0,
     |b|^2    -(d x (d* x X) + d* x (d x X))                      harmonic 0,
@@ -26,9 +26,9 @@ In cylindrical axes, r and z of the point about the centre of mass, the last two
 harmonics coincide: of three, the conjugate of the wave 2 is one of harmonic 1; of four, the wave 2 is its own
 conjugate's, and its real and imaginary part are two loads.
 
-Observers. What is looked at in every harmonic of a periodic body: linear operators on its displacement.
+Observers. Quantities observed in every harmonic of a periodic body: linear operators on its displacement.
 
-An observer gives `rows` values a sector, those of sector s from the displacements u_{s+o} of sectors near it, each in
+An observer has `rows` values per sector, those of sector s from the displacements u_{s+o} of sectors near it, each in
 its own axes: `y_s = sum_o blocks[o] u_{s+o}`. Under a wave `u_s = u e^{i k s phi}` the values are a wave too, of
 amplitude `y = sum_o e^{i k o phi} blocks[o] u`. The display skin is one (o = 0 alone), stresses at points are others.
 """
@@ -48,7 +48,7 @@ from warpffrf.offline.fe import Sparse
 from warpffrf.offline.inertia.invariants import TurningResponse, from_moments
 
 Array = np.ndarray
-SHIFTS = (1, -1, 0)  # of the harmonic, in axes at rest: of the components +, -, z
+SHIFTS = (1, -1, 0)  # of the harmonic, in fixed axes: of the components +, -, z
 # x, y, z from the components +, -, z
 CARTESIAN = np.array([[0.5, 0.5, 0.0], [-0.5j, 0.5j, 0.0], [0.0, 0.0, 1.0]])
 
@@ -71,7 +71,7 @@ class _Waves:
 def cyclic_inertia_terms(sector: Sector, harmonics: Sequence[HarmonicModes], kept: int, center: Array) -> InertiaTerms:
     """Invariants, user axes, of the first `kept` real modes; `center` (3,) [m] of mass, user frame.
 
-    Real modes are ordered as in `RealModes`: ascending in frequency, the two of a pair beside each other.
+    Real modes are ordered as in `RealModes`: ascending in frequency, the two of a pair adjacent.
     """
     N = sector.count
     every = np.sort(np.concatenate([np.zeros(0), *(np.repeat(h.omega, _copies(h.k, N)) for h in harmonics)]))
@@ -143,8 +143,8 @@ REAL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class TurningWaves:
-    """Loads of turning of one harmonic: `loads` (n_k, c) in its coordinates, and how much of each the
-    products of the angular velocity in sector axes make, `weights` (c, 6) in the order of `PRODUCTS`: the load on
+    """Loads of rotation of one harmonic: `loads` (n_k, c) in its coordinates, and their dependence on the products of
+    the angular velocity in sector axes, `weights` (c, 6) in the order of `PRODUCTS`: the load on
     sector s is the real part of `loads @ weights @ products e^{i k s phi}`."""
 
     k: int
@@ -189,12 +189,12 @@ def turning_waves(harmonics: Harmonics, k: int, height: float) -> TurningWaves:
     W = np.concatenate(weights)
     if harmonics.waves.real_at(k):
         F, W = _real(F, W)
-    # a wave that is real itself has real parts only
+    # a real wave has real parts only
     return TurningWaves(k, F, np.real(W) if 2 * k == N else W)
 
 
 def _real(F: Array, W: Array) -> tuple[Array, Array]:
-    """The same loads as real columns: the imaginary parts, where there are any, become columns of their own."""
+    """The same loads as real columns: the imaginary parts, if any, become columns of their own."""
     apart = np.abs(np.imag(F)).max(axis=0, initial=0.0) > REAL * np.abs(F).max(axis=0, initial=0.0)
     F = np.concatenate([np.real(F), np.imag(F)[:, apart]], axis=1)
     return F, np.concatenate([W, 1j * W[apart]]) if apart.any() else W
@@ -203,12 +203,12 @@ def _real(F: Array, W: Array) -> tuple[Array, Array]:
 def left_out_products(
     found: Mapping[int, tuple[TurningWaves, TurningResponse]], harmonics: Harmonics, limit: float
 ) -> Array:
-    """S (6, 6) [kg m2 s4] of `inertia.centrifugal` for the whole body, sector axes: what modes up to `limit` [rad/s]
-    lack, from the loads and responses of each harmonic."""
+    """S (6, 6) [kg m2 s4] of `inertia.centrifugal` for the whole body, sector axes: the part outside the modes up to
+    `limit` [rad/s], from the loads and responses of each harmonic."""
     N = harmonics.count
     S = np.zeros((6, 6))
     for k, (waves, response) in found.items():
-        # the square of a wave has the mean 1/2 over the sectors, that of one which is real itself, 1
+        # the square of a wave has the mean 1/2 over the sectors, that of a real one 1
         share = N / harmonics.multiplicity(k)
         S += share * np.real(waves.weights.conj().T @ response.beyond(limit) @ waves.weights)
     return S
@@ -223,7 +223,7 @@ class CyclicObserver:
 
     @property
     def rows(self) -> int:
-        """Values a sector."""
+        """Values per sector."""
         return next(iter(self.blocks.values())).shape[0]
 
     def harmonic(self, k: int, count: int) -> Sparse:
@@ -249,7 +249,7 @@ class ObservedModes:
     combine: Callable[[list[Array]], Array]
 
     def real(self, sampled: Callable[[int, Array], Array]) -> Array:
-        """Real values (n, m); `sampled(k, wave (rows, p)) -> (n, p)` gives `wave e^{i k s phi}` where it is wanted."""
+        """Real values (n, m); `sampled(k, wave (rows, p)) -> (n, p)` gives `wave e^{i k s phi}` at the points."""
         if not self.waves:
             return np.real(sampled(0, np.zeros((self.rows, 0))))
         return self.combine([sampled(k, wave) for k, wave in self.waves])

@@ -1,8 +1,8 @@
 r"""The cyclic path: a rotationally periodic body, one harmonic after the other.
 
 Only the matrices of one sector are assembled. In each harmonic k = 0..N/2 the responses to the loads of one sector's
-traction functions are found, the global modes of that harmonic are taken out, and the residual compliance
-`D_k = M_k^-1 C_k M_k^-1` and what the observers see are stored; since deflation happens within the harmonic, the result
+traction functions are computed, the global modes of that harmonic are projected out, and the residual compliance
+`D_k = M_k^-1 C_k M_k^-1` and the observed values are stored; since deflation is within the harmonic, the result
 stays block-circulant and
 
     lags[l] = 1/N sum_k D_k e^{i k l phi}
@@ -10,8 +10,8 @@ stays block-circulant and
 is an inverse FFT.
 
 The matrices are real in the coordinates of `waves` on most meshes, and a complex load is two real ones there. All loads
-of all fields act on few dofs (those of the surface's nodes): where the loads are more, unit loads on these dofs are
-solved instead, `G F = (G E) (E^T F)`, so that tangential fields cost few solves beyond the normal one.
+of all fields act on few dofs (those of the surface's nodes): with more loads than dofs, unit loads on these dofs are
+solved instead, `G F = (G E) (E^T F)`, so that tangential fields cost few solves in addition to the normal one.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ REAL_LOADS = 1e-12  # imaginary part of loads, relative to the largest, that is 
 
 
 def axes_of(mesh: Mesh) -> Array:
-    """Axes (3, 3) of sector 0 of a periodic mesh, in columns: towards its first node, beside it, along the axis."""
+    """Axes (3, 3) of sector 0 of a periodic mesh in columns: towards its first node, circumferential, axial."""
     cyclic = mesh.cyclic
     if cyclic is None:
         raise ValueError("axes_of needs a periodic mesh")
@@ -83,11 +83,12 @@ def reduce_cyclic(
     See the module docstring.
 
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `traction`, `tangential`: kind of the functions
-    of normal and of tangential tractions ("hats", "cells"; None: no tangential ones). `observers` are looked at besides
-    the display skin. `sloping`: surfaces of which the compliance of slopes is kept. `local_dynamics`: the mass of the
-    normal local modes is computed too. `inertia_modes`: how many modes get inertia terms (None: `invariants.MODES`);
-    `centrifugal`: attachment modes of turning too.
+    of normal and of tangential tractions ("hats", "cells"; None: no tangential ones). `observers` are added to the
+    display skin. `sloping`: surfaces for which the compliance of slopes is stored. `local_dynamics`: also compute the
+    mass of the normal local modes. `inertia_modes`: number of modes with inertia terms (None: `invariants.MODES`);
+    `centrifugal`: also attachment modes of rotation.
     """
+    # matrices of one sector, interfaces on the axis, and contact grids
     with progress.stage("sector"):
         sector = assemble_sector(mesh, assignment, axes_of(mesh))
         N, nn = sector.count, sector.nodes
@@ -103,6 +104,7 @@ def reduce_cyclic(
         skin_dofs = (3 * skin[:, None] + np.arange(3)).ravel()
     looking = [selected_dofs(SKIN, skin_dofs, 3 * nn), *observers]
 
+    # vibration modes by harmonic
     mass, center, inertia = mass_properties(_rigid_mass(sector), sector.origin)
     height = float((center - sector.origin) @ sector.axes[:, 2])
     found, facts = vibrations(harmonics, limits, progress)
@@ -113,6 +115,7 @@ def reduce_cyclic(
     turned: dict[int, tuple[TurningWaves, TurningResponse]] = {}
     dropped = 0
     worst: list[float] = []
+    # each harmonic: global modes, responses to the loads of rotation, residual responses to the unit loads
     for k in progress.track(range(N // 2 + 1), "static responses"):
         omega, Phi = np.zeros(0), np.zeros((0, 0))
         Q = harmonics.waves.basis(k)
@@ -151,6 +154,7 @@ def reduce_cyclic(
             along = None if around is None else sp.csr_matrix(T.conj().T @ around.load(k))
             result.add(k, loads, views, flexibility, omega, Phi, M, along, F[:i])
 
+    # real modes and inertia terms of the whole body
     modes = RealModes(N, modes_of)
     facts.update(
         modes.facts(),
@@ -197,7 +201,7 @@ def reduce_cyclic(
 
 
 class _SurfaceResults:
-    """Operators of one contact surface as they come, harmonic by harmonic."""
+    """Operators of one contact surface, accumulated harmonic by harmonic."""
 
     def __init__(
         self, surface: CyclicSurface, rows: list[int], local_dynamics: bool, earlier: list[CyclicSurface]
@@ -205,7 +209,7 @@ class _SurfaceResults:
         self.surface = surface
         harmonics = surface.N // 2 + 1
         counts = [field.count for field in surface.fields]
-        # residual compliance [field][field], of the first field also that with the global modes' part
+        # residual compliance [field][field], for the first field also that with the global modes' part
         self.C = {
             (a, b): np.zeros((harmonics, counts[a], counts[b]), dtype=complex)
             for a in range(len(counts))
@@ -230,7 +234,7 @@ class _SurfaceResults:
         earlier: Sequence[list[Sparse]] = (),
     ) -> None:
         """Harmonic k: sparse `loads` (n, count) of each field, operators `views` (rows, n) of the observers, the mass
-        matrix M where the mass of local modes is wanted, loads `along` (n, count) where slopes are, loads of each field
+        matrix M if the mass of local modes is computed, loads `along` (n, count) if slopes are, loads of each field
         of the `earlier` surfaces."""
         touched = np.flatnonzero(sum(np.diff(load.indptr) for load in loads))
         phases = [field.phases(k) for field in self.surface.fields]
@@ -335,7 +339,7 @@ def _columns(loads: list[Sparse]) -> list[slice]:
 
 
 def _of_complex(model: ElasticModel):
-    """The flexibility of `model`, of complex loads too where its matrices are real."""
+    """The flexibility of `model`, for complex loads too if its matrices are real."""
 
     def flexibility(F: Array) -> Array:
         if np.iscomplexobj(F) and not np.iscomplexobj(model.K.data):
@@ -355,7 +359,7 @@ def _window(lags: Array, s: CyclicSurface) -> Array:
 
 
 def _rigid_mass(sector: Sector) -> Array:
-    """R^T M R (6, 6) of the whole body about the axis point, user axes: the sum over turned sectors."""
+    """R^T M R (6, 6) of the whole body about the axis point, user axes: the sum over rotated sectors."""
     A, B = sector.M
     turn = np.zeros((3, 3))
     c, s = np.cos(sector.phi), np.sin(sector.phi)
@@ -363,7 +367,7 @@ def _rigid_mass(sector: Sector) -> Array:
     R = rigid_modes(sector.coordinates, np.zeros(3))
     both = np.zeros((6, 6))
     both[:3, :3] = both[3:, 3:] = turn
-    # the rigid motion as sector 1 sees it in its own axes: turn back the motion, keep the coordinates
+    # the rigid motion in the axes of sector 1: rotate the motion back, keep the coordinates
     R_next = R @ both.T
     J = R.T @ (A @ R) + R.T @ (B @ R_next) + R_next.T @ (B.T @ R)
     total = np.zeros((6, 6))

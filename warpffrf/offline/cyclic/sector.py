@@ -1,12 +1,12 @@
-r"""One sector of a rotationally periodic mesh: is it one, and its matrices.
+r"""One sector of a rotationally periodic mesh: check of periodicity, and its matrices.
 
-Every sector describes displacements in its own axes, those of sector 0 turned by `s phi`, `phi = 2 pi/N`, about the
+Every sector describes displacements in its own axes, those of sector 0 rotated by `s phi`, `phi = 2 pi/N`, about the
 third axis (the axis of rotation). In them all sectors have the same matrices: with the cells of sector 0 between its
 own nodes (0) and those of the next (1),
 
     A = K_00 + K_11,     B = K_01,     f_s = A u_s + B u_{s+1} + B^T u_{s-1},
 
-and likewise for M. A travelling wave `u_s = Re(u e^{i k s phi})` sees `K_k = A + e^{i k phi} B + e^{-i k phi} B^T`
+and likewise for M. A travelling wave `u_s = Re(u e^{i k s phi})` has `K_k = A + e^{i k phi} B + e^{-i k phi} B^T`
 (Thomas 1979, J. Sound Vib. 66, 585).
 """
 
@@ -20,7 +20,7 @@ import scipy.sparse as sp
 from warpffrf.model.mesh import Mesh
 from warpffrf.offline.fe import Assignment, Sparse, assemble
 
-PERIODIC = 1e-10  # of the body's radius: nodes of turned sectors agree to round-off, 1 nm on 50 mm is seen (2e-8)
+PERIODIC = 1e-10  # of the body's radius: nodes of rotated sectors agree to round-off; 1 nm on 50 mm is detected (2e-8)
 
 
 @dataclass(frozen=True)
@@ -69,15 +69,15 @@ def sector_axes(axis: np.ndarray, toward: np.ndarray) -> np.ndarray:
 
 
 def turned(points: np.ndarray, axes: np.ndarray, angle: float) -> np.ndarray:
-    """Vectors (n, 3) in user axes turned by `angle` [rad] about the third of `axes`."""
+    """Vectors (n, 3) in user axes rotated by `angle` [rad] about the third of `axes`."""
     local = points @ axes
     c, s = np.cos(angle), np.sin(angle)
     return (local @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])) @ axes.T
 
 
 def periodicity_fault(mesh: Mesh, whole_sets: list[str], assignment: Assignment | None = None) -> str | None:
-    """Why `mesh` cannot be treated as its `cyclic` says, or None. `whole_sets` are facet sets that must be periodic
-    too, and so must the materials."""
+    """The reason why `mesh` cannot be treated as its `cyclic` states, or None. `whole_sets` are facet sets that must be
+    periodic too, and so must the materials."""
     if mesh.cyclic is None:
         return "the mesh is not marked as rotationally periodic"
     N, n = mesh.cyclic.sectors, len(mesh.points)

@@ -1,31 +1,31 @@
 r"""A contact surface of a rotationally periodic body: grid, loads per harmonic, Gram matrix per harmonic.
 
-Functions (hats or cells) of sector o load the nodes of sector 0 by `B_o` (in that sector's axes); a wave of
+Functions (of nodes or cells) of sector o load the nodes of sector 0 by `B_o` (in that sector's axes); a wave of
 coefficients `s_o = s e^{i k o phi}` loads it by `B_k s`, `B_k = sum_o B_o e^{i k o phi}`, and `B_k^H u` are the
 conjugate displacements. A grid coarser than the sectors, one column in q of them, has functions that are sums of fine
-ones with weights w_a: hats `1 - |a|/q`, cells 1 for -q/2 <= a < q/2 (cells around the fine columns for odd q, between
-them for even q: the sum is centred). Stuffed with zeros it is a periodic signal on the fine columns, so `B_k` is
-multiplied by `w_k = sum_a w_a e^{-i k a phi}` and results are read at every q-th column: everything stays one harmonic
-at a time.
+ones with weights w_a: nodes `1 - |a|/q`, cells 1 for -q/2 <= a < q/2 (cells around the fine columns for odd q, between
+them for even q: the sum is centred). Padded with zeros it is a periodic signal on the fine columns, so `B_k` is
+multiplied by `w_k = sum_a w_a e^{-i k a phi}` and results are read at every q-th column: the harmonics stay
+decoupled.
 
-A facet set on an arc uses the operators of the full turn, of which it is a part: its functions keep their whole
-support, and D is that of the full turn restricted to the columns of the arc. So `M D M`, with M of the full turn, is
-exact on the arc. The displacements u of the global modes are multiplied by the Gram matrix M_KK of the arc alone where
-they are used, which lacks the overlap of an outermost hat with the next one beyond the arc. They are therefore
-projected on the arc's own hats, `u_K = M_KK^-1 (M u)_K`, and the weak displacements `M_KK u_K` are exact to the last
-column.
+A facet set on an arc uses the operators of the full revolution, of which it is a part: its functions keep their whole
+support, and D is that of the full revolution restricted to the columns of the arc. So `M D M`, with M of the full
+revolution, is exact on the arc. The displacements u of the global modes are multiplied by the Gram matrix M_KK of the
+arc alone, which lacks the overlap of an outermost function with the next one beyond the arc. They are therefore
+projected on the arc's own functions, `u_K = M_KK^-1 (M u)_K`, and the weak displacements `M_KK u_K` are exact to the
+last column.
 
 Cross. Compliance between two contact surfaces of a periodic body, harmonic by harmonic.
 
-In harmonic k the residual response to the loads `B_k^s` of surface s does to the functions of surface t
+In harmonic k the residual response to the loads `B_k^s` of surface s is, for the functions of surface t,
 
     C_k = (B_k^t)^H G_res,k B_k^s,      D_k = M_k^t^-1 C_k M_k^s^-1,
 
 and the block of two sectors that are l apart is `1/N sum_k D_k e^{i k l phi}`, as on one surface. Column J of a grid
-stands on the fine column `offset + stride J` (`surface`); where both grids are full turns of the same stride, that
-makes a block-circulant operator, every stride-th of the blocks. An arc, or two strides, has the dense operator of its
-columns: like the compliance of an arc itself that of the full turn, restricted to the columns that there are, so that
-own and foreign compliances stay one symmetric positive semidefinite matrix.
+lies on the fine column `offset + stride J` (`surface`); if both grids are full revolutions of the same stride, that
+gives a block-circulant operator, every stride-th of the blocks. An arc, or two strides, has the dense operator of its
+columns: like the compliance of an arc itself that of the full revolution, restricted to the existing columns, so that
+own and cross compliances stay one symmetric positive semidefinite matrix.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class FacetPattern:
-    """Facets of one sector, `nodes` {kind: (u, k)} (numbers below 2 nn), and the run of sectors that carry them."""
+    """Facets of one sector, `nodes` {kind: (u, k)} (numbers below 2 nn), and the run of sectors that contain them."""
 
     nodes: dict[str, np.ndarray]
     first: int
@@ -71,7 +71,7 @@ class FacetPattern:
 
 
 def facet_pattern(mesh: Mesh, name: str) -> FacetPattern | str:
-    """How the facet set repeats from sector to sector, or why it does not."""
+    """The repetition of the facet set from sector to sector, or the reason why there is none."""
     if mesh.cyclic is None:
         return "the mesh is not marked as rotationally periodic"
     N, n = mesh.cyclic.sectors, len(mesh.points)
@@ -101,8 +101,8 @@ def facet_pattern(mesh: Mesh, name: str) -> FacetPattern | str:
 
 
 class CyclicSurface:
-    """Grid and traction fields of one contact surface: `normal`, and `tangential` (None where not wanted); `around`:
-    no load, but where displacements along the surface are looked at (`contact.slopes`; None where not wanted)."""
+    """Grid and traction fields of one contact surface: `normal`, and `tangential` (None if not requested); `around`:
+    no load, but the direction of observed tangential displacements (`contact.slopes`; None if not requested)."""
 
     def __init__(
         self,
@@ -129,7 +129,7 @@ class CyclicSurface:
 
     @property
     def fields(self) -> list[CyclicField]:
-        """The fields that there are."""
+        """The existing fields."""
         return [self.normal] if self.tangential is None else [self.normal, self.tangential]
 
     @property
@@ -162,14 +162,14 @@ class CyclicSurface:
         return stride, GridPlan(first, 2.0 * np.pi / columns, columns, True, rows, False)
 
     def _whole(self, mesh: Mesh, pattern: FacetPattern) -> ContactFacets:
-        """The facets of the full turn."""
+        """The facets of the full revolution."""
         n = len(mesh.points)
         shift = n // self.N * np.arange(self.N)[:, None, None]
         whole = {kind: (nodes[None] + shift).reshape(-1, nodes.shape[1]) % n for kind, nodes in pattern.nodes.items()}
         return ContactFacets.of(mesh.points, whole, self.shape)
 
     def _extent(self, pattern: FacetPattern) -> tuple[int, int, bool]:
-        """First column of the grid, number of columns of hats, full turn or not."""
+        """First column of the grid, number of columns of nodes, full revolution or not."""
         q, c = self.stride, self.c
         if pattern.count == self.N:
             return 0, self.plan.columns // q, True
@@ -224,7 +224,7 @@ class CyclicField:
         return len(self.directions) * self.c * self.rows
 
     def grid(self) -> ContactGrid:
-        """The grid of the field as the reduced body keeps it."""
+        """The grid of the field as stored in the reduced body."""
         s = self.surface
         start = s.plan.theta_start + s.first * self.pitch
         if not s.periodic:
@@ -263,7 +263,7 @@ class CyclicField:
         return sp.csr_matrix(total * weight)
 
     def phases(self, k: int) -> Array:
-        """Unit factors p (count,): loads `Q_k^H B_k diag(p)` of hats on node planes are real in the coordinates of
+        """Unit factors p (count,): loads `Q_k^H B_k diag(p)` of functions on node planes are real in the coordinates of
         `waves`."""
         plan, shape = self.surface.plan, self.surface.shape
         around = np.cross(shape.e_a, shape.e_0)
@@ -287,15 +287,15 @@ class CyclicField:
         return np.linalg.solve(self._gram_z, around).reshape(values.shape)
 
     def sampled(self, k: int, amplitude: Array, columns: int | None = None, start: int = 0) -> Array:
-        """Waves `amplitude` (count, m) e^{i k s phi} at the columns of the grid, or at the `columns` from its column
-        `start` on: (directions columns rows, m)."""
+        """Waves `amplitude` (count, m) e^{i k s phi} at the columns of the grid, or at the `columns` starting at column
+        `start`: (directions columns rows, m)."""
         fine = self.surface.offset + self.stride * (start + np.arange(self.columns if columns is None else columns))
         wave = np.array([phase(k * int(s), self.N) for s in fine // self.c])
         parts = amplitude.reshape(len(self.directions), self.c, self.rows, -1)[:, fine % self.c]
         return (parts * wave[:, None, None]).reshape(len(self.directions) * len(fine) * self.rows, -1)
 
     def projected(self, k: int, amplitude: Array) -> Array:
-        """As `sampled` at the columns of the grid, of an arc projected on its own functions."""
+        """As `sampled` at the columns of the grid; on an arc projected on its own functions."""
         if self.surface.periodic or self.kind == "cells":
             return self.sampled(k, amplitude)
         around = self.sampled(k, amplitude, self.columns + 2, -1)
@@ -306,7 +306,7 @@ class CyclicField:
 
 
 class CyclicCross:
-    """Displacements of surface `target` under loads on surface `source`, as the harmonics come."""
+    """Displacements of surface `target` under loads on surface `source`, accumulated over the harmonics."""
 
     def __init__(self, target: CyclicSurface, source: CyclicSurface) -> None:
         self.target, self.source = target, source
@@ -326,7 +326,7 @@ class CyclicCross:
         on_modes: Sequence[Array],
     ) -> None:
         """Harmonic k: `targets` (n, count) are the loads of the target's fields, `response @ parts[b]` the responses
-        (n, count) to those of the source's field b; `scaled` (n, p) the global modes over their frequencies, None where
+        (n, count) to those of the source's field b; `scaled` (n, p) the global modes over their frequencies, None if
         there are none, and `on_modes[b]` (count, p) those loads on them."""
         for a, load in enumerate(targets):
             seen = load.conj().T @ response
@@ -357,7 +357,7 @@ class CyclicCross:
 
 
 def _places(surface: CyclicSurface) -> tuple[Array, Array]:
-    """Sector and place in it of the grid's columns."""
+    """Sector of the grid's columns and position in it."""
     fine = surface.offset + surface.stride * np.arange(surface.columns)
     return fine // surface.c, fine % surface.c
 

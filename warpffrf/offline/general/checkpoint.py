@@ -1,12 +1,12 @@
-"""A work file that lets an interrupted reduction go on where it stopped.
+"""A work file from which an interrupted reduction is resumed.
 
 Finished parts (the modes, each block of static responses) are appended as records
 
     magic (4), length (8), checksum (4), payload: an .npz archive of the part's arrays and its name,
 
-so a file cut off anywhere keeps all records before the cut, and what is damaged is noticed. The first record holds a
-signature of whatever decides the numbers beside the key of the input; another signature starts anew. Records wait in
-memory and go to disk every few seconds: a short reduction writes no file, a killed one loses those seconds.
+so a truncated file keeps all records before the cut, and damage is detected. The first record contains a signature of
+everything that determines the numbers in addition to the key of the input; with another signature the work restarts.
+Records are buffered and written every few seconds: a short reduction writes no file, a killed one loses those seconds.
 """
 
 from __future__ import annotations
@@ -30,30 +30,30 @@ Array = np.ndarray
 MAGIC = b"WFP1"
 HEADER = struct.Struct("<4sQI")
 SUFFIX = ".part"
-SECONDS = 3.0  # between writes: longer loses more of a killed run, shorter writes files for reductions of no length
+SECONDS = 3.0  # between writes: longer loses more of a killed run, shorter writes files for very short reductions
 NAME = "__name__"
-UNREADABLE = (OSError, ValueError, KeyError, EOFError, MemoryError, zipfile.BadZipFile)  # what a damaged archive raises
+UNREADABLE = (OSError, ValueError, KeyError, EOFError, MemoryError, zipfile.BadZipFile)  # errors of a damaged archive
 
 
 class Checkpoint:
     """Parts finished so far: `get` and `put` by name. Use as a context manager around the work.
 
-    Leaving the context normally removes the file; an error or an interruption keeps it, and an interruption says how to
-    go on. Without a `path` nothing is kept on disk. A file that cannot be written is reported once and given up: it
+    Leaving the context normally removes the file; an error or an interruption keeps it, and an interruption logs how to
+    resume. Without a `path` nothing is kept on disk. A file that cannot be written is reported once and abandoned: it
     must not lose the work.
     """
 
     def __init__(self, path: Path | None = None, *, seconds: float = SECONDS) -> None:
         self.path = path
         self.seconds = seconds
-        self.found = 0  # parts taken over from an earlier run
-        self._records: dict[str, tuple[int, int]] = {}  # payload's place and length in the file
+        self.found = 0  # parts reused from an earlier run
+        self._records: dict[str, tuple[int, int]] = {}  # position and length of the payload in the file
         self._waiting: dict[str, bytes] = {}
         self._written = time.monotonic()
         self._file: BinaryIO | None = None
 
     def begin(self, signature: dict[str, Any]) -> None:
-        """Take over the parts of an earlier run with the same `signature` (plain data), and keep it with new ones."""
+        """Load the parts of an earlier run with the same `signature` (plain data); new parts are stored with it."""
         text = json.dumps(signature, sort_keys=True)
         first = _packed("signature", {"text": np.array(text)})
         self._waiting = {"signature": first}
@@ -79,20 +79,20 @@ class Checkpoint:
             logger.info("going on with %d finished parts of %s", self.found, self.path)
 
     def get(self, name: str) -> dict[str, Array] | None:
-        """Arrays of part `name`, None where it is not finished."""
+        """Arrays of part `name`, None if it is not finished."""
         if name in self._waiting:
             return _unpacked(self._waiting[name])
         if name not in self._records:
             return None
         try:
             return self._read(*self._records[name])
-        except UNREADABLE as error:  # checked when found, so the file changed since
+        except UNREADABLE as error:  # checked when found, so the file has changed since
             logger.warning("work file %s: part %r cannot be read (%s), it is made again", self.path, name, error)
             del self._records[name]
             return None
 
     def put(self, name: str, arrays: dict[str, Array]) -> None:
-        """Keep the finished part `name`."""
+        """Store the finished part `name`."""
         if self.path is None:
             return
         self._waiting[name] = _packed(name, arrays)
@@ -100,7 +100,7 @@ class Checkpoint:
             self.flush()
 
     def flush(self) -> None:
-        """Write what is waiting, to the disk."""
+        """Write the buffered records to the disk."""
         if self.path is None or not self._waiting:
             return
         try:
@@ -122,14 +122,14 @@ class Checkpoint:
         self._written = time.monotonic()
 
     def remove(self) -> None:
-        """Forget all parts and delete the file."""
+        """Discard all parts and delete the file."""
         self._close()
         self._waiting, self._records = {}, {}
         if self.path is not None:
             try:
                 self.path.unlink(missing_ok=True)
             except OSError:
-                pass  # a file that stays costs space; the next run of this input finds the cache entry first
+                pass  # a remaining file only costs space; the next run of this input finds the cache entry first
 
     def __enter__(self) -> Checkpoint:
         return self
@@ -176,7 +176,7 @@ def _packed(name: str, arrays: dict[str, Array]) -> bytes:
 
 
 def _opened(payload: bytes) -> Any:
-    """The archive of a record; ValueError where it is compressed, which ours are not: it could be of any size."""
+    """The archive of a record; ValueError if it is compressed, which ours are not: its size would be unbounded."""
     with zipfile.ZipFile(io.BytesIO(payload)) as archive:
         if any(entry.compress_type != zipfile.ZIP_STORED for entry in archive.infolist()):
             raise ValueError("its records are compressed")
@@ -189,7 +189,7 @@ def _unpacked(payload: bytes) -> dict[str, Array]:
 
 
 def _scan(path: Path) -> tuple[dict[str, tuple[int, int]], int, int]:
-    """Undamaged leading records of a file (name -> place and length of the payload), their end, the file's size."""
+    """Undamaged leading records of a file (name -> position and length of the payload), their end, the file's size."""
     records: dict[str, tuple[int, int]] = {}
     size = path.stat().st_size
     end = 0

@@ -1,7 +1,7 @@
-"""What is looked at of a response: sparse operators on the displacements of all nodes.
+"""Observed quantities of a response: sparse operators on the displacements of all nodes.
 
-The skin for pictures is one, stress at chosen points another. The reduction keeps of every unit load and of every
-global mode only what some observer sees, so a further quantity costs its own size and nothing else.
+Examples are the display skin and the stress at chosen points. For every unit load and every global mode the reduction
+stores only the observed quantities, so a further quantity costs its own size only.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
 r"""The general path: any mesh, one sparse factorisation, blocks of right-hand sides.
 
-The constrained model (rigid interfaces slaved) is factorised once with as many dofs held as there are rigid modes;
+The constrained model (rigid interfaces eliminated) is factorised once with as many dofs fixed as there are rigid modes;
 the same factors serve vibration modes, attachment modes and the static responses `u_i = G B psi_i` of all unit loads.
-Of these only what is needed is kept: `C = (B psi)^T u` and what observers see of `u`, the skin first, both freed from
-the global modes; `D = M^-1 C M^-1` is dense. Finished parts go to a work file, from which an interrupted run goes on.
+Stored are `C = (B psi)^T u` and the observed values of `u`, the skin first, both without the part of the global modes;
+`D = M^-1 C M^-1` is dense. Finished parts are written to a work file, from which an interrupted run is resumed.
 """
 
 from __future__ import annotations
@@ -82,16 +82,17 @@ def reduce_general(
 
     `spacing` of the contact grid by surface [m] (None: the mesh's own); `options`: the basis of the global modes;
     `traction`, `tangential`: kind of the functions of normal and of tangential tractions ("hats", "cells"; None: no
-    tangential ones); `observers`: what is kept of modes and responses beside the skin;
-    `sloping`: surfaces of which the compliance of slopes is kept;
-    `local_dynamics`: the mass of the normal local modes is computed too; `inertia_modes`: how many modes get inertia
-    terms (None: `invariants.MODES`); `stiffening`: their geometric stiffness too, "membrane": and the membrane energy
-    of the first `membrane_modes` (None: `membrane.MODES`); `centrifugal`: attachment modes of turning too; `laps`:
-    faces with cells, by name; `solver`: a name in `solvers.SOLVERS`, None: the default; `checkpoint`: work file of
-    finished parts, whose caller enters its context.
+    tangential ones); `observers`: observed quantities of modes and responses in addition to the skin;
+    `sloping`: surfaces for which the compliance of slopes is stored;
+    `local_dynamics`: also compute the mass of the normal local modes; `inertia_modes`: number of modes with inertia
+    terms (None: `invariants.MODES`); `stiffening`: also their geometric stiffness, "membrane": and the membrane energy
+    of the first `membrane_modes` (None: `membrane.MODES`); `centrifugal`: also attachment modes of rotation; `laps`:
+    joint faces with cells, by name; `solver`: a name in `solvers.SOLVERS`, None: the default; `checkpoint`: work file
+    of finished parts, whose context is entered by the caller.
     Raises `InputError` for a memory limit that is too small, a model that can move without deforming, a solver that is
     not installed.
     """
+    # contact grids and observers; results that exceed the memory limit are refused first
     checkpoint = checkpoint or Checkpoint()
     limit = DEFAULT_MEMORY if memory_limit is None else memory_limit
     with progress.stage("contact grids"):
@@ -112,6 +113,7 @@ def reduce_general(
             beside_laps = lapped.observers(seen[0], observers)
             lapped.require_room(beside_laps, limit)
 
+    # constrained model: K and M of the nodes, rigid interfaces eliminated by T, one factorisation
     with progress.stage("assembly"):
         K, M = fe_matrices(mesh, assignment)
     middle = mesh.points.mean(axis=0)
@@ -131,6 +133,7 @@ def reduce_general(
         watched = [(o.name, o.rows, o.dtype.str) for o in seen]
         checkpoint.begin({"solver": factor.name, "observers": watched, "massed": massed})
 
+    # global modes, and the inertia terms of the lowest `kept` of them
     with progress.stage("global modes"):
         turning = np.asarray(T.T @ (nodal_mass @ centrifugal_acceleration(mesh.points, center)))
         basis = _global_modes(options, model, system, limits, turning if centrifugal else None, mesh, checkpoint)
@@ -147,6 +150,7 @@ def reduce_general(
         facts["centrifugal_left_out"] = lacking(float(omega[kept - 1]) if kept else 0.0)
         U = T @ Phi[:, :kept]
         terms = inertia_terms(nodal_mass, U, mesh.points, center)
+    # geometric stiffness of these modes, and their membrane energy
     membrane: MembraneTerms | None = None
     if stiffening:
         with progress.stage("geometric stiffness"):
@@ -167,6 +171,7 @@ def reduce_general(
         terms = replace(terms, stiffening=stiffness)
     del nodal_stiffness, nodal_mass, U
 
+    # unit loads of all contact surfaces, the accuracy of their responses, and the residual compliances
     with progress.stage("unit loads"):
         B = [s.loads() for s in contacts]
         loads = [UnitLoads(s.name, sp.csc_matrix(T.T @ b), n) for s, b, n in zip(contacts, B, massed, strict=True)]
@@ -228,7 +233,7 @@ def _global_modes(
     if (known := checkpoint.get("global modes")) is not None:
         return GlobalBasis(known["omega"], known["Phi"], json.loads(str(known["facts"])))
     basis = build_basis(options, model, system, limits, turning, mesh)
-    # as it comes back from a work file: the same products, bit for bit
+    # as read from a work file: the same products, bit for bit
     basis = GlobalBasis(basis.omega, np.ascontiguousarray(basis.Phi), basis.facts)
     arrays = {"omega": basis.omega, "Phi": basis.Phi, "facts": np.array(json.dumps(basis.facts))}
     checkpoint.put("global modes", arrays)
@@ -236,7 +241,7 @@ def _global_modes(
 
 
 def _check_results(counts: list[int], observers: list[Observer], massed: list[int], limit: int) -> None:
-    """Refuse results that do not fit before any work is done."""
+    """Refuse results that do not fit before the computation begins."""
     needed = results_bytes(counts, observers, massed)
     if needed > limit:
         raise InputError(

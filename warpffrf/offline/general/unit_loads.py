@@ -1,28 +1,28 @@
-r"""Static responses to unit loads, in blocks: what observers see of them and the compliance among them.
+r"""Static responses to unit loads, in blocks: their observed values and the compliance among them.
 
-Of the response `u_i` to load i, freed from rigid motion and from the global modes (`elastic.StaticResponse`), two
-things are kept: `C_ji = b_j^T u_i` among all loads of one surface and of those before it, and `O u_i` for every
-observer O; C between two surfaces is the transpose of that the other way round. Only the rows that loads or observers
-touch are ever computed. Where the inertia of the responses is wanted, all rows of u are made, and
+Of the response `u_i` to load i, without rigid motion and the part of the global modes (`elastic.StaticResponse`), two
+results are stored: `C_ji = b_j^T u_i` among all loads of one surface and of those before it, and `O u_i` for every
+observer O; C between two surfaces is the transpose of that in the opposite order. Only the rows of loads or observers
+are computed. If the inertia of the responses is requested, all rows of u are computed, and
 
     N_ji = u_j^T M u_i = b_j^T v_i,      v_i = G_res M u_i,      W_ji = phi_j^T M u_i
 
-with one more solve a load: G_res, the residual flexibility, is symmetric, so no response is kept. Blocks are
-shared among threads where the solver can use them, are kept in a work file as they are finished, and each is the same
-whoever computes it, so that a resumed run gives the same bits.
+with one more solve per load: G_res, the residual flexibility, is symmetric, so no response is stored. Blocks are
+distributed over threads if the solver supports it, are written to a work file when finished, and do not depend on the
+thread, so that a resumed run gives bitwise identical results.
 
 Surface. A contact surface of the general path: its grid, its traction fields, and its operators from the responses to
 them.
 
 The loads of a surface are those of its fields, each a set of tractions with a Gram matrix `M`: the normal one first,
-then the tangential one where it is wanted. With the compliance `C_ab = B_a^T G B_b` between fields a and b, of one
+then the tangential one if requested. With the compliance `C_ab = B_a^T G B_b` between fields a and b, of one
 surface or of two, displacement coefficients of a per unit force of b are
 
     D_ab = M_a^-1 C_ab M_b^-1.
 
-The loads stand on the whole rectangle of the grid's plan. On an arc or a plane the functions on its edges are half
-ones; they are left out of the reduced body, as all that reaches beyond the facets. B and M above are those of the
-functions that stay, so that the weak displacements `M_a D_ab M_b` and `M_a mode` of these are exact to the last column
+The loads cover the whole rectangle of the grid's plan. On an arc or a plane the functions on its edges are half
+ones; they are omitted from the reduced body, as are all that reach beyond the facets. B and M above are those of the
+remaining functions, so that the weak displacements `M_a D_ab M_b` and `M_a mode` of these are exact to the last column
 (`TractionField`).
 """
 
@@ -51,18 +51,18 @@ from warpffrf.offline.general.observers import SKIN, Observer
 from warpffrf.offline.products import SurfaceProduct
 from warpffrf.offline.progress import Progress, worker_count
 
-# Right-hand sides solved together: 64 are 6 times cheaper a side than one, 128 another 10 %, more gain nothing.
+# Right-hand sides per block: with 64 each is 6 times cheaper than one alone, with 128 another 10 %, more gain nothing.
 BLOCK = 128
-LEAST = 16  # below it a block is so dear a side that fewer threads with larger blocks do more
-COPIES = 3  # arrays of a block's rows alive at once beside the solver's: response, directions' part, product
-MASS_COPIES = 3  # arrays (n, block) alive at once for the inertia: response, M times it, response to that
+LEAST = 16  # smaller blocks cost so much per side that fewer threads with larger blocks are faster
+COPIES = 3  # arrays of a block's rows that exist at once besides the solver's: response, directions' part, product
+MASS_COPIES = 3  # arrays (n, block) that exist at once for the inertia: response, M times it, response to that
 SOLVER_COPIES = 2  # arrays (n, block) inside a solve: the loads in elimination order, and a front's part or a copy
 
 
 @dataclass(frozen=True, eq=False)
 class UnitLoads:
-    """Loads (n, count) csc of one surface in the model's coordinates, and the surface's `name`. Of the first `massed`
-    ones the inertia is wanted, too."""
+    """Loads (n, count) csc of one surface in the model's coordinates, and the surface's `name`. The inertia of the
+    first `massed` ones is computed too."""
 
     name: str
     loads: Any
@@ -85,9 +85,9 @@ class UnitResponses:
 class ResponseSolver:
     """Responses of one model to the loads of several surfaces.
 
-    `T` (3 n, n^) maps the model's coordinates to displacements of all nodes, which the `observers` see. `memory_limit`
-    [byte] bounds factors, results and blocks together. Raises `InputError` where it is too small for one load at a
-    time.
+    `T` (3 n, n^) maps the model's coordinates to displacements of all nodes, on which the `observers` act.
+    `memory_limit` [byte] bounds factors, results and blocks together. Raises `InputError` if it is too small for one
+    load at a time.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class ResponseSolver:
         self.width = self._width(model, memory_limit)
 
     def _width(self, model: ElasticModel, limit: int) -> int:
-        """Loads of a block, so that blocks of all workers fit into `limit` beside factors, modes and results."""
+        """Loads per block, so that blocks of all workers fit into `limit` with factors, modes and results."""
         kept = 0 if model.factor is None else model.factor.bytes
         kept += self.response.directions.nbytes + self.response.Phi.nbytes
         kept += results_bytes(
@@ -168,7 +168,7 @@ class ResponseSolver:
     def _blocks(
         self, surface: int, starts: list[int], checkpoint: Checkpoint
     ) -> Generator[dict[str, Array], None, None]:
-        """Blocks in order, those of the work file or computed; at most one more than the workers wait at a time."""
+        """Blocks in order, from the work file or computed; at most one more than the workers is pending at a time."""
         name = self.surfaces[surface].name
         with ThreadPoolExecutor(self.workers) as pool:
             waiting: list[tuple[int, dict[str, Array] | Future[dict[str, Array]]]] = []
@@ -225,8 +225,8 @@ def _key(surface: str, start: int, width: int) -> str:
 
 
 Array = np.ndarray
-COVERED = 0.02  # a hat counts as inside the facets when its area is covered to this: the error of a kinked quadrature
-ROWS = 4096  # rows of a transfer worked on at a time in double precision
+COVERED = 0.02  # relative area at which a node counts as inside the facets: the error of a kinked quadrature
+ROWS = 4096  # rows of a transfer processed at a time in double precision
 
 
 class GeneralSurface:
@@ -260,7 +260,7 @@ class GeneralSurface:
 
     @property
     def parts(self) -> list[slice]:
-        """Where the loads of each field stand among all."""
+        """Positions of the loads of each field among all."""
         stops = np.cumsum([f.count for f in self.fields])
         return [slice(int(stop) - f.count, int(stop)) for f, stop in zip(self.fields, stops, strict=True)]
 
@@ -269,13 +269,13 @@ class GeneralSurface:
         return sp.csc_matrix(sp.hstack([f.loads(self.nodes) for f in self.fields]))
 
     def observer(self) -> Observer | None:
-        """What normal loads move along the surface, where that is wanted."""
+        """Tangential displacements under normal loads, if requested."""
         if self.around is None:
             return None
         return Observer(f"along/{self.name}", sp.csr_matrix(self.around.loads(self.nodes).T), np.dtype(np.float64))
 
     def _extent(self, hats: TractionField) -> tuple[int, int]:
-        """First column, and number of columns, of those whose hats lie inside the facets. Raises `InputError` where
+        """First column, and number of columns, of those whose functions lie inside the facets. Raises `InputError` if
         there are holes."""
         inside = hats.covered(COVERED)
         if not self.plan.periodic:
@@ -297,7 +297,7 @@ class GeneralSurface:
         return ContactGrid(e_0, start, plan.pitch, self.columns, plan.periodic, plan.z, self.columns, f.kind)
 
     def product(self, C: Array, transfers: dict[str, Array], loads_on_modes: Array, omega: Array) -> SurfaceProduct:
-        """Operators from C (count, count), what the observers saw {name: (rows, count)}, and B^T Phi (count, m)."""
+        """Operators from C (count, count), the observed values {name: (rows, count)}, and B^T Phi (count, m)."""
         parts = self.parts
         along = None if (own := self.observer()) is None else transfers[own.name][:, parts[0]]
         transfers = {name: t for name, t in transfers.items() if not name.startswith("along/")}
@@ -340,7 +340,7 @@ class GeneralSurface:
         )
 
     def local_mass(self, N: Array, W: Array) -> LocalMass:
-        """The inertia that the reduced body keeps, of N (normal functions) and W^T (normal functions, m)."""
+        """The inertia stored in the reduced body, from N (normal functions) and W^T (normal functions, m)."""
         return dense_mass(self.kept[0], N, W)
 
 

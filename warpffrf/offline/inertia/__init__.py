@@ -1,1 +1,1 @@
-"""Inertia invariants of the modes, and the stiffness that prestress gives them."""
+"""Inertia invariants of the modes, and their geometric stiffness due to prestress."""

@@ -1,46 +1,44 @@
-r"""Inertia invariants from any mass matrix and modes at all nodes (`warpffrf.model.reduced.inertia` says what they
-mean).
+r"""Inertia invariants from any mass matrix and modes at all nodes (definitions: `warpffrf.model.reduced.inertia`).
 
-A turn about axis a moves the nodes by `R_a u`, `e_a x u` at every node. The kinetic energy of the nodal velocities
+A rotation about axis a moves the nodes by `R_a u`, `e_a x u` at every node. The kinetic energy of the nodal velocities
 `R_w (X + U q) + U qdot` is a quadratic form of M, without lumping it:
 
     w.J1_i w = 2 (R_w X)^T M (R_w phi_i),     w.J2_ij w = (R_w phi_i)^T M (R_w phi_j),
     2 e_a.G_ij = (R_a phi_i)^T M phi_j - (R_a phi_j)^T M phi_i,
 
-J2 made symmetric in its axes, which is all that w.J2_ij w tells of it. Of the mass matrix of finite elements, or any
-other that has no direction of its own, G is antisymmetric in itself. With `(R_a u)^T y = -u^T (R_a y)` only M times
-turned modes is ever formed, a block of modes at a time; `BLOCK` bounds the memory beside the modes themselves.
+J2 is symmetrised in its axes, which does not change w.J2_ij w. For the mass matrix of finite elements, or any
+other isotropic one, G is antisymmetric in itself. With `(R_a u)^T y = -u^T (R_a y)` only products of M with rotated
+modes are formed, a block of modes at a time; `BLOCK` bounds the memory in addition to the modes themselves.
 
 The consistent mass of finite elements is one scalar matrix m for all three components. All then follows from the
 moments `int X phi_i^T dm` and `int phi_i phi_j^T dm` with three products by m, at a tenth of the cost (`from_moments`).
 
-Centrifugal. The static response of a body to its own turning: attachment modes for it, and what a reduced body lacks of
-it.
+Centrifugal. The static response of a body to its own rotation: its attachment modes, and the part that a reduced body
+omits.
 
-At constant angular velocity w a body carries the load `-int rho w x (w x X) dV`, one field for each of the six products
-w_a w_b. For loads on interfaces attachment modes make the static response exact at any number of modes; the loads of
-turning are no different. With
+At constant angular velocity w the load of a body is `-int rho w x (w x X) dV`, one field for each of the six products
+w_a w_b. For loads on interfaces attachment modes make the static response exact for any number of modes; the same holds
+for the loads of rotation. With
 
     F_c = T^T M a,        a_ab = -(R_a R_b + R_b R_a) X,   a_aa = -R_a R_a X,        A_c = G F_c,
 
-beside the interface loads (`reduce(centrifugal=True)`), Phi Omega^-2 Phi^T F_c = G F_c. Vibration modes alone hardly
-hold it: that of a disc is the breathing one, above hundreds of others, and interface modes have it by accident only.
+in addition to the interface loads (`reduce(centrifugal=True)`), Phi Omega^-2 Phi^T F_c = G F_c. Vibration modes alone
+hardly contain it: that of a disc is the breathing one, above hundreds of others, and interface modes only by accident.
 
-Without it, or where the inertia terms cover the lowest k modes only, a part of G F_c is left out,
+Without it, or if the inertia terms cover the lowest k modes only, a part of G F_c is omitted,
 
     u = G F_c - Phi_k Omega_k^-2 Phi_k^T F_c,        S = u^T M u (6, 6).
 
-The products, those of two axes times root 2, have the length |w|^2, whichever axes they are taken in. So, with those
-columns over root 2, the displacement left out has at turning |w| a root mean square over the radius of gyration of at
-most
+The products, with those of two axes multiplied by root 2, have the length |w|^2 in any axes. So, with those columns
+divided by root 2, the omitted displacement at the angular speed |w| has a root mean square over the radius of gyration
+of at most
 
     |w|^2 left_out,        left_out = root(largest eigenvalue of S) / root(tr J0/2)      [s^2].
 
-Stiffening. Geometric stiffness of the modes: what the prestress of turning and of interface loads adds to their
-stiffness.
+Stiffening. Geometric stiffness of the modes due to the prestress of rotation and of interface loads.
 
-A displacement u of a body under the stress sigma0 turns and shortens its fibres; of second order in u the strain is
-`d_a u . d_b u/2`, on which sigma0 works, so that (Washizu, Variational Methods in Elasticity and Plasticity, ch. 5)
+A displacement u of a body under the stress sigma0 rotates and shortens its fibres. The second-order strain is
+`d_a u . d_b u/2`, on which sigma0 does work, so that (Washizu, Variational Methods in Elasticity and Plasticity, ch. 5)
 
     K_sigma,ij = sum_c int d_a phi_i^c sigma0_ab d_b phi_j^c dV,        V = q.K_sigma q/2.
 
@@ -48,16 +46,16 @@ Tension stiffens. On a mesh it is one scalar matrix for all three components, `k
 and `K_sigma = sum_c U_c^T k U_c` over the components U_c of the modes at the nodes. A bar under the axial force F gives
 `int F w'^2` for a deflection w.
 
-sigma0 is linear in what causes it. A unit load f at rest in the body's frame is balanced by the inertia of rigid motion
+sigma0 is linear in its cause. A unit load f at rest in the body's frame is balanced by the inertia of rigid motion
 (inertia relief), so that the stress is the elastic one of `flexibility(f)`:
 
-* turning with w: the body force `-rho w x (w x X)`, with X about the centre of mass. Per product of two components
-  `-(R_a R_b + R_b R_a) X` times the mass matrix, `-R_a R_a X` of squares, R_a u = e_a x u. Its moment is what
-  makes the body tumble (wdot of free motion), so that free motion at constant w about a principal axis has none;
+* rotation with w: the body force `-rho w x (w x X)`, with X about the centre of mass. Per product of two components
+  `-(R_a R_b + R_b R_a) X` times the mass matrix, `-R_a R_a X` for squares, R_a u = e_a x u. Its moment makes the body
+  tumble (wdot of free motion), so that free motion at constant w about a principal axis has none;
 * a unit force or moment on an interface, as its kind applies it.
 
-Integrals use the points of the stiffness matrix. The stress is that of the finite elements at these points, not
-smoothed: what is left of equilibrium goes to zero with the mesh as fast as their energy does.
+Integrals use the quadrature points of the stiffness matrix. The stress is that of the finite elements at these points,
+not smoothed: the equilibrium error converges with the mesh at the rate of their energy.
 """
 
 from __future__ import annotations
@@ -87,13 +85,13 @@ from warpffrf.offline.fe import (
 from warpffrf.offline.interfaces import InterfaceSystem
 
 Array = np.ndarray
-MODES = 60  # covered unless more are asked for: tables grow with the square, and modes above follow turning at rest
-BLOCK = 16  # modes turned at a time
+MODES = 60  # default limit: tables grow with the square, and higher modes follow rotation quasi-statically
+BLOCK = 16  # modes rotated at a time
 
 
 def covered_modes(omega: Array, asked: int | None) -> int:
-    """How many of the modes `omega` (m,) [rad/s] get inertia terms: the number `asked` for, None: `MODES`; raised where
-    it would cut a multiple frequency apart, so that the terms of a round body stay round."""
+    """Number of the modes `omega` (m,) [rad/s] with inertia terms: `asked`, None: `MODES`; raised if it would split a
+    multiple frequency, so that the terms of a round body stay isotropic."""
     return whole_multiples(omega, MODES if asked is None else asked)
 
 
@@ -161,7 +159,7 @@ def moments(m: Any, U: Array, X: Array) -> tuple[Array, Array]:
 
 def from_moments(first: Array, second: Array) -> InertiaTerms:
     """Invariants from the moments `first` (k, 3, 3) = int X phi_i^T dm [kg m] about the centre of mass and `second`
-    (k, k, 3, 3) = int phi_i phi_j^T dm [kg]: the definitions with a mass that has no direction of its own."""
+    (k, k, 3, 3) = int phi_i phi_j^T dm [kg]: the definitions for an isotropic mass."""
     one = np.eye(3)
     trace_1 = np.trace(first, axis1=1, axis2=2)[:, None, None]
     trace_2 = np.trace(second, axis1=2, axis2=3)[:, :, None, None]
@@ -172,14 +170,14 @@ def from_moments(first: Array, second: Array) -> InertiaTerms:
     return InertiaTerms(J1, 0.5 * (J2 + J2.transpose(1, 0, 2, 3)), 0.5 * (G - G.transpose(1, 0, 2)))
 
 
-# Of the static response to turning that inertia terms may leave to modes beyond those they cover: displacements are
-# usually wanted to that.
+# Part of the static response to rotation that may be left to modes beyond those with inertia terms: the usual
+# accuracy of displacements.
 BEYOND = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class TurningResponse:
-    """Static response u (n, c) to loads F (n, c) of turning beside the modes Phi (n, m), `omega` (m,) [rad/s]
+    """Static response u (n, c) to loads F (n, c) of rotation relative to the modes Phi (n, m), `omega` (m,) [rad/s]
     ascending: `on_modes` Phi^H F (m, c), `overlap` Phi^H M u (m, c), `gram` u^H M u (c, c)."""
 
     omega: Array
@@ -194,7 +192,7 @@ class TurningResponse:
         return cls(omega, Phi.conj().T @ F, Phi.conj().T @ Mu, u.conj().T @ Mu)
 
     def beyond(self, limit: float) -> Array:
-        """S (c, c): M-products of what modes up to `limit` [rad/s] lack of the response."""
+        """S (c, c): M-products of the part of the response outside the modes up to `limit` [rad/s]."""
         inside = self.omega <= limit
         c = self.on_modes[inside] / (self.omega[inside] ** 2)[:, None]
         both = self.overlap[inside].conj().T @ c
@@ -202,18 +200,18 @@ class TurningResponse:
 
 
 def covering_turning(omega: Array, least: int, lacking: Callable[[float], float]) -> int:
-    """How many of the modes `omega` (m,) [rad/s], `least` at least, get inertia terms so that they hold the static
-    response to turning but `BEYOND`; `lacking`: `left_out` [s^2] of the modes up to a limit [rad/s]."""
+    """Number of the modes `omega` (m,) [rad/s], `least` at least, with inertia terms, so that they contain the static
+    response to rotation up to `BEYOND`; `lacking`: `left_out` [s^2] of the modes up to a limit [rad/s]."""
     allowed = BEYOND * lacking(0.0)
     for kept in range(least, len(omega)):
-        whole = covered_modes(omega, kept) == kept  # cuts no multiple frequency apart
+        whole = covered_modes(omega, kept) == kept  # splits no multiple frequency
         if whole and lacking(float(omega[kept - 1]) if kept else 0.0) <= allowed:
             return kept
     return len(omega)
 
 
 def left_out(S: Array, inertia: Array) -> float:
-    """Bound of the displacement left out [s^2], see the module: S (6, 6) [kg m2 s4] in the order of `PRODUCTS`,
+    """Bound of the omitted displacement [s^2], see the module: S (6, 6) [kg m2 s4] in the order of `PRODUCTS`,
     `inertia` J0 (3, 3) [kg m2]."""
     scale = np.array([1.0 if a == b else np.sqrt(0.5) for a, b in PRODUCTS])
     largest = float(np.linalg.eigvalsh(0.5 * (S + S.T) * np.outer(scale, scale))[-1])
@@ -221,12 +219,12 @@ def left_out(S: Array, inertia: Array) -> float:
 
 
 def turning_response(model: ElasticModel, F: Array, omega: Array, Phi: Array) -> TurningResponse:
-    """`TurningResponse` of the free body `model` to loads F (n, c) beside modes Phi (n, m)."""
+    """`TurningResponse` of the free body `model` to loads F (n, c) relative to modes Phi (n, m)."""
     return TurningResponse.of(model.M, F, model.flexibility(F), omega, Phi)
 
 
 def require_cells(mesh: Mesh, material: Any, stiffening: bool | str) -> None:
-    """Raises `InputError` where there is nothing to compute stresses from."""
+    """Raises `InputError` if there is nothing to compute stresses from."""
     if not mesh.cells or not material:
         raise InputError(
             f"reduce: stiffening={stiffening!r} needs the stresses in cells of a known material, the body has matrices "
@@ -236,10 +234,10 @@ def require_cells(mesh: Mesh, material: Any, stiffening: bool | str) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Prestress:
-    """The loads that stiffen: turning (six products of its components), then six unit loads of each interface.
+    """The loads that cause stiffening: rotation (six products of its components), then six unit loads per interface.
 
     `loads` (n^, l) on the coordinates of the constrained model, of these `nodal` (3 n, l) on nodes, `static` (3 n, l)
-    [m] what the free body answers, `names` of the interfaces.
+    [m] the response of the free body, `names` of the interfaces.
     """
 
     loads: Array
@@ -260,7 +258,7 @@ class Prestress:
         return cls(loads, nodal, static, tuple(wrenches))
 
     def by_load(self, K: Array) -> GeometricStiffness:
-        """Stiffness K (l, k, k) of all loads, as the terms of turning and of each interface."""
+        """Stiffness K (l, k, k) of all loads, as the terms of rotation and of each interface."""
         named = {name: K[6 * (i + 1) : 6 * (i + 2)] for i, name in enumerate(self.names)}
         return GeometricStiffness(K[:6], named)
 

@@ -1,29 +1,29 @@
-r"""The membrane energy of a body as a sum of few squares: what no motion along itself relieves.
+r"""The membrane energy of a body as a sum of few squares: the part that no in-plane motion relieves.
 
 With the second-order strain E2 of `second_order`, which is orthogonal to that of every mode, the elastic energy is
 
     V = |z|^2/2 + V4 + ...,      z_i = omega_i q_i,      V4 = 1/2 int E2 . C E2 dV = 1/2 r.A r,
 
 r the products of z of `second_order.Pairs`, A (P, P) the Gram matrix of the strains of unit pairs in the energy, summed
-over cells: symmetric and never negative, whatever round-off does to the fields; as K4 - a.K_f^+ a/2, the same by
-algebra, it would be the small difference of large numbers. By its eigenvalues A v_r = lambda_r v_r
+over cells: symmetric and never negative, whatever the round-off in the fields. The algebraically identical
+K4 - a.K_f^+ a/2 would be the small difference of large numbers. With its eigenvalues A v_r = lambda_r v_r
 
     V4 = 1/2 sum_r e_r^2,      e_r = sqrt(lambda_r) v_r.r = q.L_r q/2,      L_r = 2 sqrt(lambda_r) Omega S_r Omega,
 
-S_r the symmetric matrix of v_r.r. Eigenvalues below `TRUNCATION` of the largest are left out; as |r| = |z|^2, what that
-changes of V4 is below this fraction of the largest V4 of all states of the same V2. What is left out of V altogether:
+S_r the symmetric matrix of v_r.r. Eigenvalues below `TRUNCATION` of the largest are omitted; as |r| = |z|^2, this
+changes V4 by less than this fraction of the largest V4 of all states of the same V2. Terms omitted from V altogether:
 
 * terms int sigma . H(phi)^T H(Theta) of bending stress, smaller than those kept by thickness over length, and those of
-  fourth order of a body that bends without stretching; both go with the square of rotations from the mean axes;
+  fourth order of a body that bends without stretching; both scale with the square of rotations from the mean axes;
 * inertia of Theta.
 
-**No bending.** Stretching counts in a mode from the amplitude on at which its energy (eta/2) . C (eta/2) is that of the
-linear strain: with kappa_i this energy, twice, at z_i = 1, it is z_i^2 = 1/kappa_i, and the strain, as a uniform one of
-the same energy, 1/sqrt(kappa_i int E dV): about (t/L)^2 of a plate, a fraction of one of a solid. If that is above
-`BENDING` in all modes, none bends, and the terms would be for strains for which the material is not right.
+**No bending.** Stretching becomes significant in a mode at the amplitude at which its energy (eta/2) . C (eta/2) equals
+that of the linear strain: with kappa_i twice this energy at z_i = 1, it is z_i^2 = 1/kappa_i, and the strain, as a
+uniform one of the same energy, 1/sqrt(kappa_i int E dV): about (t/L)^2 of a plate, a fraction of one of a solid. If
+that is above `BENDING` in all modes, none bends, and the terms would be for strains at which the material law fails.
 
-**All relieved.** A beam whose ends move freely has next to no V4; what its mesh leaves is not kept: nothing, if the
-largest eigenvalue is below `RELIEVED` of the largest kappa.
+**All relieved.** A beam whose ends move freely has next to no V4; the remainder due to its mesh is not kept: it is zero
+if the largest eigenvalue is below `RELIEVED` of the largest kappa.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ from warpffrf.offline.interfaces import InterfaceSystem
 from warpffrf.offline.products import MembraneTerms
 
 Array = np.ndarray
-MEMBRANE = "membrane"  # the word for it in `reduce(stiffening=)`
-MODES = 20  # that carry membrane energy where nobody says otherwise: 210 pairs, each a field of displacements
+MEMBRANE = "membrane"  # its name in `reduce(stiffening=)`
+MODES = 20  # default number with membrane energy: 210 pairs, each a field of displacements
 TRUNCATION = 1e-2  # of the largest eigenvalue: a plate's deflection changes by less than 0.05 %
 BENDING = 0.1  # strain, see the module docstring: a beam five times as long as thick has 0.02, a cube 0.24
 RELIEVED = 5e-3  # of stretching alone: a free beam ten times as long as thick keeps 1e-4, a free plate 5e-2
@@ -67,8 +67,8 @@ def membrane_terms(
     """Membrane energy of the first `modes` (None: up to `MODES`) of the modes `U` (3 n, k) of frequencies `omega` (k,)
     [rad/s]; `rotations` (k, 3) [rad] of each rigid interface by these modes, `M` (3 n, 3 n) [kg] nodal mass matrix.
 
-    Raises `InputError` where none of the modes bends, or more are asked for than there are, and for a memory limit that
-    is too small.
+    Raises `InputError` if none of the modes bends, if more are requested than there are, and if the memory limit is
+    too small.
     """
     covered = len(omega)
     count = min(MODES, covered) if modes is None else modes
@@ -140,7 +140,7 @@ def membrane_notes(facts: Mapping[str, Any], mesh: Mesh) -> tuple[list[str], lis
 
 
 def _require_bending(mesh: Mesh, assignment: Assignment, kappa: Array) -> float:
-    """The least strain at which stretching counts (module docstring), of `kappa` (m,) [1/J] of the modes."""
+    """The least strain at which stretching is significant (module docstring), of `kappa` (m,) [1/J] of the modes."""
     stiffness = 0.0  # int E dV [J]
     for kind, cells in mesh.cells.items():
         _, weight = physical_gradients(mesh.points[cells], kind)

@@ -1,44 +1,44 @@
-r"""What a body does of second order in its modes: the stretching of its fibres, and how it evades it.
+r"""The second-order motion of a body in its modes: the stretching of its fibres, and the motion that relieves it.
 
 With u = sum_i q_i phi_i + Theta(q, q) and H_i = grad phi_i the strain of St. Venant-Kirchhoff's material is, up to
 second order,
 
     E = eps(phi_i) q_i + E2,        E2 = sum_ij q_i q_j (eta_ij/2 + eps(Theta_ij)),        eta_ij = sym(H_i^T H_j).
 
-Theta is where E2 has least energy: 0 = int grad N . C E2 = K Theta + a, a_ij = int grad N . C eta_ij/2 for all motions
+Theta minimises the energy of E2: 0 = int grad N . C E2 = K Theta + a, a_ij = int grad N . C eta_ij/2 for all motions
 of the free body with its interfaces, so that
 
     Theta = -K_f^+ a,        int eps(phi_i) . C E2 = 0    for every mode:
 
-there is no cubic energy, bending does not see what is of second order, and interfaces move by F^T Theta, which is the
--q.K_k q/2 of `stiffening` (F^T K_f^+ a_ij = int eps(K_f^+ F) . C eta_ij/2). The forces a balance themselves: E2 of a
+there is no cubic energy, bending is decoupled from the second order, and interfaces move by F^T Theta, which is the
+-q.K_k q/2 of `stiffening` (F^T K_f^+ a_ij = int eps(K_f^+ F) . C eta_ij/2). The forces a are in equilibrium: E2 of a
 small rotation W x is eta = -W W, whose stress is symmetric.
 
 **Rigid interfaces** move by t + theta x r + theta x (theta x r)/2, r from the interface's point: their nodes do not
-follow T alone, whose linear rotation would swell them. With this lift G of theirs
+follow T alone, whose linear rotation would expand them. With their lift G
 
     Theta = G + T z,      z = -K_f^+ T^T (a + K G) - R (R^T T^T M G),
 
-the last term because modes, second-order ones too, have no part in rigid motion. For the interfaces' motion it says
+the last term because modes, second-order ones too, exclude rigid motion. For the interfaces' motion it follows that
 
     K_k,ij  is greater by  2 f.G_ij,        f = K u_k + M R R^T F_k - (load k on nodes),
 
-f the forces with which a rigid interface holds its nodes in the static response u_k to load k: by their virial
+f the forces by which a rigid interface constrains its nodes in the static response u_k to load k: by their virial
 N = sum f r^T it is theta_i.(sym N - tr N) theta_j.
 
 **Pairs.** Of q_i q_j only i <= j are kept, those with i < j count twice. Modes are taken at unit energy, phi_i/omega_i,
 and pairs times sqrt(1) or sqrt(2), so that the coordinates r_ij = sqrt(1 or 2) z_i z_j, z_i = omega_i q_i, have
-|r| = |z|^2 = 2 V2, whichever modes span the space. Fields of strain are made cell by cell and never stored.
+|r| = |z|^2 = 2 V2, whichever modes span the space. Strain fields are computed cell by cell and never stored.
 
 Second order shapes. The second-order motion of a body on few shapes.
 
-Theta = theta r, r the products of `second_order.Pairs`, has a field for each pair of modes. In the mass it is
+Theta = theta r, r the products of `second_order.Pairs`, has a field for each pair of modes. In the mass norm it is
 
     int |Theta|^2 dm = r.G r,      G = theta^T M theta = sum_s mu_s v_s v_s^T,
     Theta = sum_s g_s B_s,      g_s = sqrt(mu_s) v_s.r = q.S_s q/2,      B_s = theta v_s/sqrt(mu_s),
 
 B_s of modal mass 1 and orthogonal to one another. As |r| = 2 V2, shapes with sqrt(mu_s) below `TRUNCATION` of the
-largest leave out at most this fraction of the largest root mean square of Theta of all states of the same strain energy
+largest omit at most this fraction of the largest root mean square of Theta of all states of the same strain energy
 V2, whichever modes span the space.
 """
 
@@ -60,10 +60,10 @@ from warpffrf.offline.interfaces import InterfaceSystem
 
 Array = np.ndarray
 FIRST, SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])  # xx, yy, zz, xy, yz, zx
-# Strains (6,) hold shear times sqrt 2, so that their dot product is that of tensors.
+# Strains (6,) contain shear times sqrt 2, so that their dot product is that of tensors.
 SHEAR = np.where(np.arange(6) < 3, 1.0, np.sqrt(2.0))
-BLOCK_BYTES = 1 << 28  # loads of pairs that are solved for together, with what a solve takes beside them
-SOLVE_COPIES = 6  # arrays of the size of a block of loads that are alive in a solve, about
+BLOCK_BYTES = 1 << 28  # loads of pairs solved together, including the memory of a solve
+SOLVE_COPIES = 6  # approximate number of arrays of the size of a block of loads that exist during a solve
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ class Pairs:
 
     @property
     def weight(self) -> Array:
-        """What makes |r| = |z|^2 of r = weight z_i z_j."""
+        """Weight for which |r| = |z|^2 of r = weight z_i z_j."""
         return np.where(self.first == self.second, 1.0, np.sqrt(2.0))
 
     def __len__(self) -> int:
@@ -139,7 +139,7 @@ class CellStrains:
 class SecondOrderStrain:
     """E2 of the modes `Z` (3 n, m) of unit energy, over the `cells` {kind: (e, a)} at `points` (n, 3) [m].
 
-    `chunk_bytes`: cells are worked on together up to this size.
+    `chunk_bytes`: size of the cells processed together.
     """
 
     points: Array
@@ -150,11 +150,11 @@ class SecondOrderStrain:
 
     @property
     def pairs(self) -> Pairs:
-        """The products that strains belong to."""
+        """The products of the strains."""
         return Pairs(self.Z.shape[1])
 
     def chunks(self, chosen: Array, theta: Array | None = None) -> Iterator[CellStrains]:
-        """eta/2 + eps(theta) of the pairs with the numbers `chosen` (p,), `theta` (3 n, p) [m], None: nothing."""
+        """eta/2 + eps(theta) of the pairs with the numbers `chosen` (p,), `theta` (3 n, p) [m], None: zero."""
         n, p = len(self.points), len(chosen)
         for kind, all_cells in self.cells.items():
             for i, material in enumerate(self.assignment.materials):
@@ -244,9 +244,9 @@ def second_order_motion(
     *,
     memory_limit: int,
 ) -> tuple[Array, Array]:
-    """Theta (3 n, P) [m] of all pairs, and int of (eta/2) . C (eta/2) (P,) [J], what stretching alone would take.
+    """Theta (3 n, P) [m] of all pairs, and int of (eta/2) . C (eta/2) (P,) [J], the energy of stretching alone.
 
-    `M` (3 n, 3 n) [kg] nodal mass matrix; `rotations` as in `lift`. Raises `InputError` where Theta is larger than
+    `M` (3 n, 3 n) [kg] nodal mass matrix; `rotations` as in `lift`. Raises `InputError` if Theta is larger than
     `memory_limit` [byte].
     """
     pairs, size = strain.pairs, strain.Z.shape[0]
@@ -280,7 +280,7 @@ def lifted_stiffness(
     rotations: Mapping[str, Array],
     modes: int,
 ) -> Array:
-    """What the lift of rigid interfaces adds to the geometric stiffness (l, k, k) of the loads of `prestress`; `K`,
+    """Part of the lift of rigid interfaces in the geometric stiffness (l, k, k) of the loads of `prestress`; `K`,
     `M` (3 n, 3 n) nodal, `rotations` (k, 3) [rad] of the k `modes` by name."""
     T = system.T
     moving = T @ (model.R @ (model.R.T @ prestress.loads))
@@ -296,7 +296,7 @@ def lifted_stiffness(
 
 
 TRUNCATION = 3e-3  # of the largest second-order motion; at 1e-2 strains of skins were wrong by half of them
-COLUMNS = 64  # fields that are multiplied by the mass together
+COLUMNS = 64  # fields multiplied by the mass together
 
 
 @dataclass(frozen=True, eq=False)

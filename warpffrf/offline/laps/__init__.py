@@ -1,1 +1,1 @@
-"""Laps offline: faces and their overlap, cells, unit loads, and the compliance among all cells of a body."""
+"""Small-sliding contact offline: faces and their overlap, cells, unit loads, and the compliance among all cells."""

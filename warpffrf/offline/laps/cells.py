@@ -1,18 +1,18 @@
-r"""Cells of a lap: what mean displacement each stands for on either face, its place, area, normal and gap.
+r"""Cells of a joint interface: their mean displacement on either face, position, area, normal and gap.
 
 *By facets* a cell is one or several cut facets (`overlap`, `clusters`). With the quadrature points q of its pieces on
-the first face and the places across on the second, areas `a_q` and `A = sum a_q`,
+the first face and the opposite points on the second, areas `a_q` and `A = sum a_q`,
 
     mean displacement = sum_q a_q/A sum_a N_a(xi_q) u_a,      on the second face N_a(eta_q) with the same a_q,
 
-so that unit forces on both faces have equal resultants whatever the meshes are. The normal is that of the area vector
+so that unit forces on both faces have equal resultants for any meshes. The normal is that of the area vector
 `sum a_q n_q`.
 
-*By nodes* a cell is a node: the displacement is the node's, on the second face that of the node opposite. Its area is
-int N_a dA, which adds up to the area of the face. Where that is not positive (corners of quad8 and tri6) the areas are
+*By nodes* a cell is a node: the displacement is the node's, on the second face that of the opposite node. Its area is
+int N_a dA, which adds up to the area of the face. If that is not positive (corners of quad8 and tri6) the areas are
 int N_a^2 dA, scaled to the area of each facet (Hinton, Rock and Zienkiewicz 1976, Earthq. Eng. Struct. Dyn. 4, 245).
 
-Claims. What the facet sets of laps may not be used for beside.
+Claims. Uses of facet sets that are incompatible with joint interfaces.
 """
 
 from __future__ import annotations
@@ -38,18 +38,19 @@ from warpffrf.offline.laps.overlap import Pieces, overlap, places_across, whole
 Array = np.ndarray
 # Degree of quadrature on triangles of the reference domain: N_a |J| of plane facets, bilinear or biquadratic
 DEGREE = {False: 4, True: 6}
-POINTS = 200_000  # quadrature points worked on together: with nine nodes on either side some 100 MB
-OPPOSITE = 1e-3  # of an edge: how far across the normal a node may lie from the node opposite
-SLIVER = 1e-6  # of a facet's area: below it a cut facet is no cell of its own
-WHOLE = 0.999  # share of a face from which its overlap is not worth a note
+POINTS = 200_000  # quadrature points processed together: with nine nodes on either side some 100 MB
+OPPOSITE = 1e-3  # of an edge: tangential distance allowed between a node and the opposite one
+SLIVER = 1e-6  # of a facet's area: a smaller cut facet does not form a cell
+WHOLE = 0.999  # share of a face above which its overlap is not noted
 SERENDIPITY = ("quad8", "tri6")  # kinds whose int N_a dA is not positive at the corners
 
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Cells of a lap. `first`, `second` (c, n) csr: mean displacement of each from that of all nodes, on either face
-    (`second` None of a face); `points` (c, 3) [m], `normals` (c, 3), `area` (c,) [m2], `gap` (c,) [m]; `triangles`
-    (t, 3, 3) [m] that the cells consist of, `cell` (t,); `covered` as in `LapSurface`; `notes` for the report."""
+    """Cells of a joint interface. `first`, `second` (c, n) csr: mean displacement of each from that of all nodes, on
+    either face (`second` None for a single face); `points` (c, 3) [m], `normals` (c, 3), `area` (c,) [m2], `gap` (c,)
+    [m]; `triangles` (t, 3, 3) [m] that form the cells, `cell` (t,); `covered` as in `LapSurface`; `notes` for the
+    report."""
 
     first: Any
     second: Any | None
@@ -69,8 +70,8 @@ class Cells:
 
 
 def make_cells(mesh: Mesh, name: str, wanted: LapCells) -> Cells:
-    """The cells of the lap `name`. Raises `InputError` for unknown facet sets, faces that do not face each other, and
-    cells by nodes where the faces have no nodes in the same places."""
+    """The cells of the interface `name`. Raises `InputError` for unknown facet sets, faces that do not face each other,
+    and cells by nodes if the nodes of the faces do not coincide."""
     first = Face.of(mesh, wanted.first)
     second = None if wanted.second is None else Face.of(mesh, wanted.second)
     if wanted.by == "nodes":
@@ -79,7 +80,7 @@ def make_cells(mesh: Mesh, name: str, wanted: LapCells) -> Cells:
 
 
 def _outlines(mesh: Mesh, name: str, sets: tuple[str, ...]) -> Array | None:
-    """Places (k, 3) [m] of the outlines of facet sets, None of no sets. Raises `InputError` for closed ones."""
+    """Points (k, 3) [m] of the outlines of facet sets, None of no sets. Raises `InputError` for closed ones."""
     found = [outline(Face.of(mesh, one)) for one in sets]
     for one, places in zip(sets, found, strict=True):
         if not len(places):
@@ -118,7 +119,7 @@ def _by_facets(name: str, first: Face, second: Face | None, wanted: LapCells, fi
 def _integrated(
     first: Face, second: Face | None, pieces: Pieces, cell: Array, count: int, covered: tuple[float, float]
 ) -> Cells:
-    """The cells (module docstring) that pieces number `cell` (p,) of `count` make."""
+    """The cells (module docstring) formed by pieces numbered `cell` (p,) of `count`."""
     n = len(first.points)
     r = rule("tri3", DEGREE[first.quadratic or (second is not None and second.quadratic)])
     one = sp.csr_matrix((count, n))
@@ -231,7 +232,7 @@ def _nodal_areas(face: Face) -> tuple[Array, Array]:
 def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: Array) -> tuple[Array, Array]:
     """Nodes (k,) of the second face opposite to `nodes` (k,) of the first along their `normals`, and the gaps (k,) [m].
 
-    Raises `InputError` where a node has none opposite within `OPPOSITE` of an edge.
+    Raises `InputError` if a node has no opposite one within `OPPOSITE` of an edge.
     """
     normal_across = dict(zip(second.node_set.tolist(), _nodal_areas(second)[1], strict=True))
     candidates = np.setdiff1d(second.node_set, first.node_set)
@@ -239,7 +240,7 @@ def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: A
     if not len(candidates):
         raise InputError(f"lap {name!r}: {second.name!r} has no nodes of its own; choose two faces that part")
     x, across = first.points[nodes], first.points[candidates]
-    # the node opposite is about as far as the nearest one: look at a few, take the one least aside
+    # the opposite node is about as far as the nearest one: check a few, take the one with the least tangential offset
     near = min(len(candidates), 8)
     found = KDTree(across).query(x, k=near)[1].reshape(len(nodes), near)
     between = across[found] - x[:, None]
@@ -268,7 +269,7 @@ def _nodes_across(name: str, first: Face, second: Face, nodes: Array, normals: A
     return candidates[found[rows, best]], gap[rows, best]
 
 
-# Polygons between the nodes of a facet, of which each corner has a part; other kinds: their triangles
+# Polygons between the nodes of a facet, each shared among its corners; other kinds: their triangles
 _QUADS = {"quad4": ((0, 1, 2, 3),), "quad9": ((0, 4, 8, 7), (4, 1, 5, 8), (8, 5, 2, 6), (7, 8, 6, 3))}
 
 
@@ -292,8 +293,8 @@ def _node_parts(face: Face) -> tuple[Array, Array]:
 def require_sets(
     mesh: Mesh, laps: Mapping[str, LapCells], contact: Iterable[str], interfaces: Mapping[str, str]
 ) -> None:
-    """Raises `InputError` for unknown facet sets, facets that a contact surface has too, or that both faces of a lap
-    have, and sets that are rigid interfaces."""
+    """Raises `InputError` for unknown facet sets, facets that also belong to a contact surface or to both faces of an
+    interface, and sets that are rigid interfaces."""
     contact = list(contact)
     for name, lap in laps.items():
         for used in lap.fine:
@@ -319,7 +320,7 @@ def require_sets(
 
 
 def _named(mesh: Mesh, lap: str, name: str) -> set[tuple[int, ...]]:
-    """`_facets`, whose `InputError` names the lap."""
+    """`_facets`, whose `InputError` names the joint interface."""
     try:
         return _facets(mesh, name)
     except InputError as error:

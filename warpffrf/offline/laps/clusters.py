@@ -1,19 +1,19 @@
-r"""Facets gathered into cells, as large as a size that may grow away from an outline.
+r"""Facets grouped into cells, of a size that may grow with the distance from an outline.
 
-A set of facets that is longer than any of them wants, or turns by more than `TURN`, is split in two across the
-direction in which it is too long most, so that both halves have the same area, and so on. Directions are along and
-across an edge of its middle facet, so that cells follow the rows of a structured mesh. With the distance d of a facet
-from the outline, it wants in either direction
+A set of facets that is longer than the target length of any of them, or whose normals differ by more than `TURN`, is
+split in two across the direction in which it is too long most, so that both halves have the same area, and so on.
+Directions are along and across an edge of its middle facet, so that cells follow the rows of a structured mesh. At the
+distance d of a facet from the outline, the target in either direction is
 
     length = min(size, length of the facet + growth d),
 
-and a set that is one facet wide has nothing to split there: long facets make cells that are as wide as they are.
+and a set that is one facet wide cannot be split there: long facets make cells that are as wide as they are.
 
-The outline is that of the overlap: the edges that belong to one covered facet only and the facets that are covered in
-part. Or it is that of other facet sets, as of heads of bolts, whose edges press through the sheet: d is then the
+The outline is that of the overlap: the edges that belong to one covered facet only and the partially covered facets.
+Alternatively it is that of other facet sets, as of heads of bolts, whose edges press through the sheet: d is then the
 distance from the line through the facet along its normal.
 
-A facet of which the outline leaves less than `LEAST` is no cell alone: it goes to the cell beside it.
+A facet covered by less than `LEAST` does not form a cell: it is merged with the neighbouring cell.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from warpffrf.model.mesh.facets import row_numbers
 from warpffrf.offline.laps.faces import Face
 
 Array = np.ndarray
-TURN = np.cos(np.radians(15.0))  # between a facet's normal and the mean of its cell: tractions keep one direction there
-LEAST = 0.2  # share of a facet below which it joins its neighbour: pressures on slivers would be noise
-SLACK = 1.01  # of the size: what structured meshes miss it by through round-off
-SAME = 1e-6  # of an extent: places that near are one
-PLACES = 1_000_000  # pairs of facets and places of an outline looked at together
+TURN = np.cos(np.radians(15.0))  # between a facet's normal and the mean of its cell: tractions keep one direction
+LEAST = 0.2  # share of a facet below which it is merged with its neighbour: pressures on slivers would be noise
+SLACK = 1.01  # of the size: round-off allowance for structured meshes
+SAME = 1e-6  # of an extent: points this close are one
+PLACES = 1_000_000  # pairs of facets and points of an outline processed together
 PARTLY = 1.0 - 1e-6  # share of a facet below which the outline of the second face crosses it
 
 
 def grown(face: Face, of_facet: Array, growth: float | None, fine: Array | None = None) -> Array:
     """growth d (facets,) [m], infinite without growth; `of_facet` (facets,) is the covered share of each, `fine` (k, 3)
-    [m] are places of outlines that are meant in the place of that of the overlap."""
+    [m] are points of outlines that replace that of the overlap."""
     if growth is None:
         return np.full(len(face), np.inf)
     if fine is not None:
@@ -80,8 +80,8 @@ def _normals(face: Face) -> Array:
 
 
 def gathered(face: Face, covered: Array, area: Array, size: float | None, more: Array) -> Array:
-    """Number of the cell (facets,) that each facet belongs to, -1 of those that are not `covered` (facets,) bool;
-    `area` (facets,) [m2] their covered areas, `more` (facets,) [m] what `grown` gives."""
+    """Number of the cell (facets,) of each facet, -1 for those not `covered` (facets,) bool; `area` (facets,) [m2]
+    their covered areas, `more` (facets,) [m] as given by `grown`."""
     most = np.inf if size is None else size
     normals = _normals(face)
     cells = np.full(len(face), -1)
@@ -115,8 +115,8 @@ def gathered(face: Face, covered: Array, area: Array, size: float | None, more: 
 
 
 def slivers_joined(face: Face, cells: Array, of_facet: Array) -> Array:
-    """The numbers `cells` (facets,), -1 of facets that have none, with every facet that is a cell alone and covered by
-    less than `LEAST` in the cell of the facet beside it that is covered most; without a neighbour it stays."""
+    """The numbers `cells` (facets,), -1 for facets without one, after merging every single-facet cell covered by less
+    than `LEAST` into that of the neighbouring facet covered most; without a neighbour it stays."""
     alone = np.bincount(cells[cells >= 0])[cells] == 1
     small = (cells >= 0) & alone & (of_facet < LEAST)
     if not small.any():
@@ -129,7 +129,7 @@ def slivers_joined(face: Face, cells: Array, of_facet: Array) -> Array:
     one, other = np.concatenate([one, other]), np.concatenate([other, one])
     usable = small[one] & (cells[other] >= 0) & ~small[other]
     one, other = one[usable], other[usable]
-    rising = np.argsort(of_facet[other], kind="stable")  # the last one wins
+    rising = np.argsort(of_facet[other], kind="stable")  # the last one counts
     joined = cells.copy()
     joined[one[rising]] = cells[other[rising]]
     kept, numbers = np.unique(joined, return_inverse=True)
@@ -137,11 +137,11 @@ def slivers_joined(face: Face, cells: Array, of_facet: Array) -> Array:
 
 
 def _lower_half(along: Array, area: Array) -> Array:
-    """Those of the places `along` (m,) a line below the one that parts their `area` (m,) best; ties go together."""
+    """The positions `along` (m,) a line below the best cut of their `area` (m,); ties stay together."""
     order = np.argsort(along, kind="stable")
     steps = np.diff(along[order])
     cuts = np.flatnonzero(steps > SAME * max(float(np.ptp(along)), 1e-300))
-    if not len(cuts):  # all in one place: any half will do
+    if not len(cuts):  # all at one position: any half is acceptable
         low = np.zeros(len(along), dtype=bool)
         low[: len(along) // 2] = True
         return low

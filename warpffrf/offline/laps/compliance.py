@@ -1,20 +1,20 @@
-r"""The laps of one body in the general path: their cells, unit loads, and the compliance among all of them.
+r"""The joint interfaces of one body on the general path: cells, unit loads, and the compliance among all of them.
 
-With the loads B of all cells of all laps side by side (`loads`), the responses of the residual flexibility
+With the loads B of all cells of all interfaces in one matrix (`loads`), the responses of the residual flexibility
 
     G_res = P^T K^+ P - Phi omega^-2 Phi^T,        C = B^T G_res B,        modes = (B^T Phi)^T
 
-are those of `general.unit_loads`, in blocks. One matrix holds the cells of both faces of a pair, D_AA - D_AB - D_BA +
-D_BB, and what the laps of a body do to each other: leaves of a spring that hang together at their clamp.
+are those of `general.unit_loads`, in blocks. It contains the cells of both faces of a pair, D_AA - D_AB - D_BA +
+D_BB, and the coupling between the interfaces of a body, as in leaves of a spring connected at their clamp.
 
 Loads. Frames of cells, and the loads of unit forces along them.
 
-The first tangent of all cells is the part across n of one axis of the user frame, that which is furthest from all
-normals of the lap: one direction on a plane, along the axis on a cylinder. Where a normal comes near to it, as on a
-sphere, the axis furthest from that normal takes its place.
+The first tangent of all cells is the projection of one axis of the user frame, that which is furthest from all normals
+of the interface: one direction on a plane, along the axis on a cylinder. If a normal is close to it, as on a
+sphere, the axis furthest from that normal is used instead.
 
 A force of 1 N along d, mean traction times area, loads a face by `d` times the weights of its mean displacement
-(`cells`), so that `B^T u` is that displacement; a pair carries the opposite load on its first face.
+(`cells`), so that `B^T u` is that displacement; a pair has the opposite load on its first face.
 """
 
 from __future__ import annotations
@@ -40,18 +40,18 @@ from warpffrf.offline.progress import Progress
 
 lapack: Any = _lapack  # routines made at import, unknown to type checkers
 TITLE = "laps"  # of the responses, in the work file and on the progress bar
-# Cells in play are solved for together: a factorisation of 1,200 takes 83 ms, of 2,400 half a second.
+# Active cells are solved simultaneously: a factorisation of 1,200 takes 83 ms, of 2,400 half a second.
 MANY_CELLS = 1500
-# Of the compliance of a cell under its own load: what is left of it beyond the cells before, in the order of a pivoted
-# Cholesky factorisation, where it depends on these. Round-off of a compliance is far below, cells of a mesh far above.
+# Of the compliance of a cell under its own load: the remainder beyond the previous cells, in the order of a pivoted
+# Cholesky factorisation, if it depends on these. Round-off of a compliance is far below, cells of a mesh far above.
 DEPENDENT = 1e-10
-SKIN_BYTES = 1 << 28  # of what forces on laps do to the skin for pictures; a file with more is slow to read
-HELD = 1e-9  # of the largest residual compliance of a cell: below it a rigid interface holds the cell
+SKIN_BYTES = 1 << 28  # of the response of the display skin to interface forces; larger files are slow to read
+HELD = 1e-9  # of the largest residual compliance of a cell: below it a rigid interface constrains the cell
 
 
 @dataclass(frozen=True, eq=False)
 class BodyLaps:
-    """Cells and frames of the laps of a body, by name."""
+    """Cells and frames of the joint interfaces of a body, by name."""
 
     cells: dict[str, Cells]
     axes: dict[str, Array]
@@ -59,7 +59,7 @@ class BodyLaps:
 
     @classmethod
     def of(cls, mesh: Mesh, laps: Mapping[str, LapCells]) -> BodyLaps:
-        """The laps wanted of a mesh; raises `InputError` as `cells.make_cells` does."""
+        """The joint interfaces requested of a mesh; raises `InputError` as `cells.make_cells` does."""
         cells = {name: make_cells(mesh, name, wanted) for name, wanted in laps.items()}
         axes = {name: frames(found.normals) for name, found in cells.items()}
         return cls(cells, axes, {name: wanted.by for name, wanted in laps.items()})
@@ -70,18 +70,18 @@ class BodyLaps:
         return 3 * sum(cells.count for cells in self.cells.values())
 
     def loads(self) -> Any:
-        """B (3 n, unknowns) csc of all laps, one after the other."""
+        """B (3 n, unknowns) csc of all interfaces, one after the other."""
         return sp.csc_matrix(sp.hstack([unit_loads(cells, self.axes[name]) for name, cells in self.cells.items()]))
 
     def observers(self, skin: Observer, others: Sequence[Observer]) -> list[Observer]:
-        """Those that look at the responses to forces on laps: the skin's too, as long as it stays small."""
+        """The observers of the responses to interface forces: the skin too, as long as it stays small."""
         return [*others, skin] if self._small(skin) else [*others]
 
     def _small(self, skin: Observer) -> bool:
         return skin.rows * self.unknowns * skin.dtype.itemsize <= SKIN_BYTES
 
     def require_room(self, observers: Sequence[Observer], limit: int) -> None:
-        """Raises `InputError` where the compliance and what the observers see do not fit into `limit` [byte]."""
+        """Raises `InputError` if the compliance and the observed responses do not fit into `limit` [byte]."""
         needed = results_bytes([self.unknowns], observers)
         if needed > limit:
             counts = ", ".join(f"{name!r} {cells.count}" for name, cells in self.cells.items())
@@ -143,7 +143,7 @@ def _surface(name: str, cells: Cells, axes: Array, modes: Array, by: str) -> Lap
 
 
 def _gaps(surfaces: Mapping[str, LapSurface]) -> list[str]:
-    """Notes on gaps that are there at the start."""
+    """Notes on initial gaps."""
     return [
         f"lap {name!r}: the faces are {s.distance[0]:.3g} m apart in the mean, {s.distance[1]:.3g} m at most"
         + (f", and overlap by up to {-s.gap.min():.3g} m" if s.gap.min() < 0.0 else "")
@@ -153,7 +153,7 @@ def _gaps(surfaces: Mapping[str, LapSurface]) -> list[str]:
 
 
 def _doubts(surfaces: Mapping[str, LapSurface], C: Array, softness: Array) -> list[str]:
-    """Warnings: cells that the mesh cannot tell apart, cells that are held, very many cells. `softness` (m, unknowns):
+    """Warnings: cells dependent on the mesh, constrained cells, very many cells. `softness` (m, unknowns):
     modes over angular frequencies."""
     found = []
     total = sum(s.cells for s in surfaces.values())
@@ -193,7 +193,7 @@ def _rank(matrix: Array) -> int:
 
 
 Array = np.ndarray
-NEAR = 0.9  # |cosine| between a normal and the common axis from which the cell takes another
+NEAR = 0.9  # |cosine| between a normal and the common axis above which the cell uses another
 
 
 def frames(normals: Array) -> Array:
@@ -208,7 +208,7 @@ def frames(normals: Array) -> Array:
 
 
 def unit_loads(cells: Cells, axes: Array) -> Any:
-    """B (3 n, 3 c) csc: nodal loads of a unit force of each cell along each row of its frame `axes` (c, 3, 3); of a
+    """B (3 n, 3 c) csc: nodal loads of a unit force of each cell along each row of its frame `axes` (c, 3, 3); for a
     pair on the second face, and the opposite on the first."""
     weights = cells.first if cells.second is None else cells.second - cells.first
     W = sp.coo_matrix(weights)

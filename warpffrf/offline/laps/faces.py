@@ -1,8 +1,8 @@
-r"""A facet set as a surface: places on it, and the triangles that it is cut in.
+r"""A facet set as a surface: points on it, and the triangles into which it is split.
 
-A facet of any kind is split at its own nodes into triangles (at its corners, where these tell all), straight in its
-reference domain and nearly so in space. What is cut is these triangles: a corner of a cut goes to the reference domain
-by the affine map of its triangle, so that whole triangles are whole triangles there, of which integrals are those of
+A facet of any kind is split at its own nodes into triangles (at its corners, if these define it), straight in its
+reference domain and nearly so in space. These triangles are cut: a corner of a cut is mapped to the reference domain
+by the affine map of its triangle, so that whole triangles remain whole there, and their integrals are those of
 the isoparametric facet,
 
     int f dA = sum_q w_q f(xi_q) |x_,1 x x_,2|(xi_q),      x(xi) = sum_a N_a(xi) x_a.
@@ -23,7 +23,7 @@ from warpffrf.model.mesh.elements import facet_kind
 
 Array = np.ndarray
 LINEAR = {"quad": "quad4", "tri": "tri3"}  # the facet on the corners of one of that domain
-STRAIGHT = 1e-9  # of a facet's length: how far its nodes may lie beside straight edges, digits of a mesh file
+STRAIGHT = 1e-9  # of a facet's length: allowed deviation of nodes from straight edges, digits of a mesh file
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Face:
 
     @classmethod
     def of(cls, mesh: Mesh, name: str) -> Face:
-        """The facet set of that name; raises `InputError` where there is none."""
+        """The facet set of that name; raises `InputError` if there is none."""
         return cls(name, mesh.points, list(mesh.facets(name).blocks.items()))
 
     def __len__(self) -> int:
@@ -116,7 +116,7 @@ class Face:
         return FaceTriangles(self.points[nodes], nodes, np.concatenate(facet), np.concatenate(xi))
 
     def _straight(self, kind: str, nodes: Array) -> Array:
-        """Which facets (m,) have all their nodes where the linear facet on their corners has them."""
+        """Which facets (m,) have all their nodes at the positions of the linear facet on their corners."""
         element = facet_kind(kind)
         values = facet_kind(LINEAR[element.domain]).shape(element.nodes)[0]
         x = self.points[nodes]
@@ -125,7 +125,7 @@ class Face:
         return off <= STRAIGHT * np.linalg.norm(np.ptp(corners, axis=1), axis=1)
 
     def at(self, facet: Array, xi: Array) -> tuple[Any, Array]:
-        """At places `xi` (q, 2) of the facets `facet` (q,): shape functions (q, n) csr over all nodes of the mesh, and
+        """At points `xi` (q, 2) of the facets `facet` (q,): shape functions (q, n) csr over all nodes of the mesh, and
         the tangents dx/dxi (q, 2, 3) [m]."""
         starts = self.starts
         rows, columns, values = [], [], []
@@ -146,7 +146,7 @@ class Face:
 
 @dataclass(frozen=True, eq=False)
 class FaceTriangles(Triangles):
-    """Triangles of a face, of which it also knows the `facet` (t,) and their corners `xi` (t, 3, 2) in its reference
+    """Triangles of a face with their `facet` (t,) and their corners `xi` (t, 3, 2) in its reference
     domain."""
 
     facet: Array

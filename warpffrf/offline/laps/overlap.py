@@ -1,11 +1,11 @@
-r"""Where two faces of a body face each other: pieces of the first, and places across on the second.
+r"""Overlap of two faces of a body: pieces of the first, and the opposite points on the second.
 
-The triangles that facets are split in are cut by one another (`warpffrf.model.laps.facing`): pieces with one facet on
-either side. At a place x of a piece the place across, y, is the one with the same shadow on the plane of the piece,
+The triangles of the facets are cut by one another (`warpffrf.model.laps.facing`): pieces with one facet on
+either side. For a point x of a piece the opposite point y has the same projection on the plane of the piece,
 
     t.(y(eta) - x(xi)) = 0    for both axes t of the plane,
 
-found by Newton's method from the place in the flat triangle across; `n.(y - x)` is the gap there.
+computed by Newton's method from the point in the flat triangle opposite; `n.(y - x)` is the gap there.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from warpffrf.model.laps.facing import barycentric, facing, why_apart
 from warpffrf.offline.laps.faces import Face
 
 Array = np.ndarray
-LEAST_SHARE = 1e-3  # of the smaller face: an overlap below it is an accident of the edges
-# Of a facet's area: what may be covered twice. In a hollow face, shadows of neighbours overlap by the gap times the
-# angle between facets, a gap's part of the radius; a face in several layers covers its facets twice and more.
+LEAST_SHARE = 1e-3  # of the smaller face: a smaller overlap is an artefact of the edges
+# Of a facet's area: admissible double coverage. In a hollow face, projections of neighbours overlap by the gap times
+# the angle between facets, a fraction gap/radius; a face in several layers covers its facets twice and more.
 FOLDED = 0.5
 STEPS = 20  # of Newton's method, which takes three or four
-PRECISE = 1e-13  # of the triangle's length: where it ends
+PRECISE = 1e-13  # of the triangle's length: convergence tolerance
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +40,8 @@ class Pieces:
 
 @dataclass(frozen=True, eq=False)
 class Overlap:
-    """What of two faces is opposite each other: the pieces, the shares of both areas, and of each facet of the first
-    the share of its area `of_facet` (facets,)."""
+    """The opposite parts of two faces: the pieces, the shares of both areas, and for each facet of the first the share
+    of its area `of_facet` (facets,)."""
 
     pieces: Pieces
     covered: tuple[float, float]
@@ -55,8 +55,8 @@ def whole(face: Face) -> Pieces:
 
 
 def overlap(name: str, first: Face, second: Face) -> Overlap:
-    """The overlap of two faces. Raises `InputError` naming lap `name` where they do not face each other, and where the
-    second lies behind itself."""
+    """The overlap of two faces. Raises `InputError` naming interface `name` if they do not face each other, and if the
+    second overlaps itself."""
     a, b = first.triangles, second.triangles
     found = facing(a, b)
     if max(found.covered) < LEAST_SHARE:
@@ -78,8 +78,8 @@ def overlap(name: str, first: Face, second: Face) -> Overlap:
 
 
 def places_across(second: Face, triangle: Array, x: Array, axes: Array) -> tuple[Array, Array]:
-    """Facets (q,) of the second face and places (q, 2) in their reference domains whose shadow along the plane `axes`
-    (q, 2, 3) is that of `x` (q, 3) [m]; `triangle` (q,) is where to begin."""
+    """Facets (q,) of the second face and points (q, 2) in their reference domains whose projection on the plane `axes`
+    (q, 2, 3) is that of `x` (q, 3) [m]; `triangle` (q,) is the initial guess."""
     b = second.triangles
     corners = np.einsum("qdi,qci->qcd", axes, b.x[triangle])
     share = barycentric(corners, np.einsum("qdi,qi->qd", axes, x)[:, None])

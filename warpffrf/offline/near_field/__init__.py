@@ -1,1 +1,1 @@
-"""What the half-space does under the functions of a contact grid, as the mesh of the body sees it."""
+"""The half-space's response to the functions of a contact grid, computed with the mesh of the body."""

@@ -1,29 +1,29 @@
-r"""The half-space's part of a surface's compliance, function by function of its contact grid.
+r"""The half-space's part of the compliance of a surface, by functions of its contact grid.
 
-T_ij is the mean outward displacement under the function i by the one of j, both of unit force. Of functions within
-reach of one another it comes from a flat window of the body's own mesh (`window`), of others it is the exact
-half-space's mean between them. Both are multiplied by the `cutoff` of the angle between outward normals. In
-coefficients of hats, as `ContactSurface.lags`, the near compliance is
+T_ij is the mean outward displacement over function i under function j, both of unit force. For functions within
+reach of one another it is computed on a flat window of the body's own mesh (`window`), for others it is the exact
+half-space's mean between them. Both are multiplied by the `cutoff` of the angle between outward normals. In nodal
+coefficients, as `ContactSurface.lags`, the near compliance is
 
     N = M^-1 diag(a) T diag(a) M^-1,      a_i = int psi_i dA,
 
 and lags - N is the far compliance: smooth, and free of the mesh's error near a load.
 
-Tangential tractions stand on cells, with the displacement d under a force d', each around (0) or along the meridian
-(1): T_tt,id,jd' is the mean over the cell i by a unit force on the cell j, and T_tn,id,j the mean of the tangential
-displacement over the cell i by a unit force on the hat j. Cells have coefficients that are means and forces that are
-forces, so that
+Tangential tractions are constant on cells, with the displacement d under a force d', each around (0) or along the
+meridian (1): T_tt,id,jd' is the mean over the cell i under a unit force on the cell j, and T_tn,id,j the mean of the
+tangential displacement over the cell i under a unit force on the node j. The coefficients of cells are means for
+displacements and forces for loads, so that
 
     N_tt = T_tt,      N_nt = M^-1 diag(a) T_tn^T,
 
-the latter by Maxwell and Betti. On a curved surface T_tn knows that the tangents at i are not those at j (`exact`), by
-the distance of each point of the one function from each of the other. With the centre c of the hat j
+the latter by Maxwell and Betti. On a curved surface T_tn accounts for the different tangents at i and j (`exact`), by
+the distance of each point of the one function from each of the other. With the centre c of the node j
 
-    <(x - x') v_n>_ij = <(x - c) v_n>_i under the hat j - <v_n>_i under the hat j times (x' - c),
+    <(x - x') v_n>_ij = <(x - c) v_n>_i under the node j - <v_n>_i under the node j times (x' - c),
 
-of a surface that is curved in one direction one more load for each hat. Distances from the centre of the hat, without
-that load, give a strain under a patch of 0.6 x 8 mm on a roller of 50 mm that is off by 0.2 % of the half-space's, on
-every mesh alike; no turning of tangents at all, by 2 to 4 %, on each mesh by something else.
+which needs, on a surface curved in one direction, one more load per node. With distances from the centre of the node,
+without that load, the strain under a patch of 0.6 x 8 mm on a roller of 50 mm is in error by 0.2 % of the half-space's,
+on every mesh alike; without any rotation of tangents, by 2 to 4 %, depending on the mesh.
 """
 
 from __future__ import annotations
@@ -61,22 +61,22 @@ Blocks = dict[str, Array]  # T by its functions: "nn", and with tangential tract
 # From the loads to the cut faces, along the surface in spacings of the grid or facet edges, whichever are longer, and
 # below it in facet edges: 2 costs 0.3 % of a force, 4 gains 0.05 %.
 REACH = 3.0
-# Under tangential tractions on linear cells it does not get shorter with the mesh than SAME_REACH radii, up to so many
+# Under tangential tractions on linear cells it does not decrease with the mesh below SAME_REACH radii, up to this many
 # spacings, where windows are few. The cut faces move as the exact half-space; the mesh n spacings h from a load P per
-# width does not quite, which turns up as a strain under the patch that goes with P/(E h) (n + 1)^-2.5. Unlike bodies
-# roll by it: at 3 spacings by 0.5 % of their creepage on cells of 0.02 R, by 1 % on cells of 0.012 R, a/R = 0.0064
-# (docs/studies/rolling_patches.md). Quadratic cells err by a tenth of that.
+# width does not quite, which causes a strain under the patch proportional to P/(E h) (n + 1)^-2.5. It affects the
+# rolling of dissimilar bodies: at 3 spacings by 0.5 % of their creepage on cells of 0.02 R, by 1 % on cells of 0.012 R,
+# a/R = 0.0064 (docs/studies/rolling_patches.md). The error of quadratic cells is a tenth of that.
 SAME_REACH, FARTHEST_REACH, FEW_WINDOWS = 0.24, 12.0, 16
-COVERED = 0.02  # a function counts as inside a window when its area is there to this, the error of a kinked quadrature
-CLUSTER = 48  # functions that share a window, at most
-WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster; with NOTHING below a quarter of a turn
+COVERED = 0.02  # relative area at which a function counts as inside a window: the error of a kinked quadrature
+CLUSTER = 48  # functions per window, at most
+WIDEST = 0.25  # of the smaller radius of curvature: half the width of a cluster; with NOTHING below 90 degrees
 
 
 @dataclass(frozen=True, eq=False)
 class NearTangential:
     """N_tt and N_nt [m/N] in the layouts of `Tangential`, and the largest |T_tt,ij - T_tt,ji| of forces along the
     displacement over the largest of these T_tt: between the directions images at the ends are not symmetric (`exact`),
-    and the mean, which counts, has no part of theirs."""
+    but do not contribute to the mean, which is used."""
 
     lags_tt: Array
     lags_nt: Array
@@ -85,8 +85,8 @@ class NearTangential:
 
 @dataclass(frozen=True, eq=False)
 class NearCompliance:
-    """`lags` [m/N] in the layout of the surface's own, and how it came about: the largest |T_ij - T_ji| over the
-    largest T, the windows that were solved, the largest number of dofs of one."""
+    """`lags` [m/N] in the layout of the surface's own, and their accuracy and cost: the largest |T_ij - T_ji| over the
+    largest T, the number of windows solved, the largest number of dofs of one."""
 
     lags: Array
     asymmetry: float
@@ -105,15 +105,14 @@ def near_compliance(
     checkpoint: Checkpoint,
     progress: Progress,
 ) -> NearCompliance:
-    """N of the hats, and of the cells where there are some, `sectors` and columns a sector as the surface's lags have
-    them. `quarter`: the `QuarterSpace` of
-    the material, None without `ends`; `checkpoint` keeps the windows. Raises `InputError` where other materials lie
-    under the surface."""
+    """N of the nodes, and of the cells if there are any, `sectors` and columns per sector as in the surface's lags.
+    `quarter`: the `QuarterSpace` of the material, None without `ends`; `checkpoint` stores the windows.
+    Raises `InputError` if other materials lie under the surface."""
     f, g = functions, functions.grid
     c, rows = g.columns_per_sector, g.rows
     total = sectors * c  # columns that lags tell apart
     first = 0
-    if sectors > 1 and not g.periodic:  # an arc: a sector in its middle, to either side of which there are facets
+    if sectors > 1 and not g.periodic:  # an arc: a sector in its middle, with facets on both sides
         first = (g.columns // 2) // c * c
     blocks = {"nn": ()} if f.cells is None else {"nn": (), "tt": (2, 2), "tn": (2,)}
     T = {block: np.zeros((*directions, total, rows, c, rows)) for block, directions in blocks.items()}
@@ -157,8 +156,8 @@ def _symmetric(lags: Array, known: Array) -> tuple[Array, float]:
 
 
 def _known(g: ContactGrid, sectors: int, first: int) -> Array:
-    """Lags (sectors,) bool to which columns of the surface lie on either side of the sector that begins at column
-    `first`: all of a turn, and of an arc up to half of it."""
+    """Lags (sectors,) bool for which columns of the surface lie on either side of the sector starting at column
+    `first`: all of a revolution, and of an arc up to half of it."""
     if sectors == 1 or g.periodic:
         return np.ones(sectors, dtype=bool)
     c, lag = g.columns_per_sector, np.arange(sectors)
@@ -176,7 +175,7 @@ def _reach(f: NearFunctions, windows: int) -> float:
 
 
 def _clusters(f: NearFunctions, c: int, first: int, ends: list[FreeEnd]) -> list[tuple[Array, Array]]:
-    """Columns and rows of the functions that share a window; none has rows nearer to the one end and to the other."""
+    """Columns and rows of the functions that share a window; none has rows nearer to either end."""
     g = f.grid
     around, along = f.shape.curvatures(g.theta_start, float(np.mean(g.z)))
     width = np.inf if around == 0.0 else 2.0 * WIDEST / abs(float(around))
@@ -285,8 +284,8 @@ class _Window:
         return candidates, found
 
     def _solved(self, total: int) -> tuple[Array, Blocks, Blocks]:
-        """Columns (k,), which of the functions of each kind lie inside the window (k, rows), and T (..., k, rows,
-        columns, rows of the cluster) of these by finite elements."""
+        """Columns (k,), which functions of each kind lie inside the window (k, rows), and T (..., k, rows, columns,
+        rows of the cluster) of these by finite elements."""
         f, g = self.f, self.f.grid
         here = self.flat.carriers(f.surface)
         low, high = int(self.columns[0]), int(self.columns[-1])
@@ -336,7 +335,7 @@ class _Window:
         return self.flat.solve(loads, self.material, self.free, self.tolerance)
 
     def _nodal(self, functions: SpreadFunctions, here: Array, columns: Array, only: bool) -> _Nodal:
-        """The functions of `columns` on the facets `here` (m,); `only`: no others are there than the grid's own."""
+        """The functions of `columns` on the facets `here` (m,); `only`: no functions beyond the grid's own exist."""
         f, g = self.f, self.f.grid
         plan = GridPlan(g.theta_start + g.pitch * columns[0], g.pitch, len(columns), False, g.z, False)
         entries = f.facets.part(here).loads(plan, functions.grid.kind, self._place)
@@ -349,7 +348,7 @@ class _Window:
         loads = matrix(entries.area)
         area = np.asarray(loads.sum(axis=0)).ravel().reshape(len(columns), g.rows)
         inside = np.abs(area / functions.area - 1.0) < COVERED
-        inside[[0, -1]] = False  # what lies beyond the plan is counted with its edges
+        inside[[0, -1]] = False  # the part beyond the plan is assigned to its edges
         if only:
             inside &= ((columns >= 0) & (columns < g.columns))[:, None]
         if not inside[np.ix_(self.columns - columns[0], self.rows)].all():
@@ -358,7 +357,7 @@ class _Window:
         return _Nodal(loads @ scale, [matrix(entries.value[:, d]) @ scale for d in (0, 1)], inside)
 
     def _place(self, theta: Array, z: Array) -> Array:
-        """(s, t, 0) (..., 3) [m] of places of the surface."""
+        """(s, t, 0) (..., 3) [m] of points of the surface."""
         s, t = self.chart.on_surface(theta, z)
         return np.stack([s, t, np.zeros_like(s)], axis=-1)
 
@@ -381,7 +380,7 @@ class _Window:
         return u / self.material.youngs_modulus
 
     def _other_ends(self, block: str, pairs: _Pairs) -> Any:
-        """What the ends add that are not free in the window."""
+        """Contribution of the ends that are not free in the window."""
         added = sum(self._end_mean(end, block, pairs) for end in self.ends if end is not self.free)
         return added / self.material.youngs_modulus
 
@@ -460,7 +459,7 @@ def _targets_without_gram(g: ContactGrid, shape: Any, lags: Array) -> Array:
     sectors, rows = len(lags), g.rows
     total = sectors * g.columns_per_sector
     values = lags.reshape(total, rows, -1)
-    if sectors > 1:  # columns close around the full turn, of which an arc is a part
+    if sectors > 1:  # columns close around the full revolution, of which an arc is a part
         gram = np.zeros(total)
         gram[[0, 1, -1]] = g.pitch * np.array([2.0 / 3.0, 1.0 / 6.0, 1.0 / 6.0])
         spectrum = np.fft.rfft(gram)[:, None, None]

@@ -1,4 +1,4 @@
-"""The far field of a contact surface: whether it is wanted, whether it can be had, and how good it is."""
+"""The far field of a contact surface: whether it is required, whether it is available, and its accuracy."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ from warpffrf.offline.near_field.quarter_space import LARGEST_RATIO, QuarterSpac
 from warpffrf.offline.near_field.window import NearFunctions, free_ends
 from warpffrf.offline.progress import Progress
 
-# Distance of nodes in radii, or extents of a surface where they are smaller, from which a mesh counts as coarse: four
-# nodes in a half-width resolve b = 0.016 R, in steel a line contact of 900 MPa, and no lighter one. What a material
-# bears goes with about the root of its Young's modulus (500 MPa of aluminium, 90 MPa of polymers, 5 MPa of rubber), and
-# so the half-width under it with one over that root; patches are at most 0.18 R wide (`patch_plan.WIDEST`).
+# Distance of nodes in radii, or extents of a surface if they are smaller, above which a mesh counts as coarse: four
+# nodes per half-width resolve b = 0.016 R, in steel a line contact of 900 MPa, and no lighter one. The admissible
+# pressure of a material scales about with the root of its Young's modulus (500 MPa of aluminium, 90 MPa of polymers,
+# 5 MPa of rubber), so the half-width scales with its inverse; patches are at most 0.18 R wide (`patch_plan.WIDEST`).
 COARSE, AT_MODULUS = 0.004, 210e9  # Pa
 COARSEST = 0.045
 NODES_PER_HALF_WIDTH = 4
-# Error of the force of a line contact by the wall t behind it, held inside, in longest facet edges h: c (h/t)^p, of
-# hollow rollers with one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
-# quadratic ones -2.2, -0.6, -0.2, -0.1 %. By degree; walls that would err by more than THIN are named.
+# Error of the force of a line contact due to the wall t behind it, fixed inside, in longest facet edges h: c (h/t)^p,
+# hollow rollers, one cell and more through the wall. Linear cells: -10.5, -4.4, -2.0, -0.8 % at t/h = 1, 1.5, 2, 3,
+# quadratic ones -2.2, -0.6, -0.2, -0.1 %. By degree; walls with an error above THIN are named.
 WALL_ERROR = {1: (0.105, 2.3), 2: (0.022, 3.2)}
-# Of lines h is that of the edges across, of triangles the longest, which are stiffer; what facets of the length l along
-# leave of the free ends of a wall, over which it is softer, is END (l/t)^q t/L of the width L: over 10 mm of rubber,
-# 100 mm wide, both together make of linear cells +2.9, +0.2 % at l/t = 2.5, 1.25, of quadratic ones +1.0, +0.06 %; over
-# 5 mm +5.6, -1.0 % at 5, 2.5; of Poisson's ratio 0.3 half as much.
+# For lines h is that of the edges across, for triangles the longest, which are stiffer. At the free ends of a wall,
+# where it is softer, facets of the length l along it cause END (l/t)^q t/L of the width L: for 10 mm of rubber, 100 mm
+# wide, the total of both is +2.9, +0.2 % for linear cells at l/t = 2.5, 1.25, +1.0, +0.06 % for quadratic ones; for
+# 5 mm +5.6, -1.0 % at 5, 2.5; for Poisson's ratio 0.3 half as much.
 END_ERROR = {1: (0.0073, 4.0), 2: (0.0024, 4.0)}
 THIN = 0.01
 
 
 @dataclass(frozen=True, eq=False)
 class FoundField:
-    """A far field, or why there is none; `facts` for the report, `notes`, `warnings`."""
+    """A far field, or the reason why there is none; `facts` for the report, `notes`, `warnings`."""
 
     far: FarField | None
     facts: dict[str, Any] = field(default_factory=dict)
@@ -57,9 +57,9 @@ class FoundField:
 def is_coarse(
     mesh: Mesh, name: str, shape: Any, grid: ContactGrid, half_width: float | None, material: Material | None
 ) -> bool:
-    """Whether the nodes of the surface are too far apart for pressures in hats: for the expected `half_width` [m]
-    where that is known, else for all but heavily loaded contacts of the `material` (`COARSE`). A cylinder is pressed
-    along its axis, and only distances around it count."""
+    """Whether the nodes of the surface are too far apart for nodal pressures: for the expected `half_width` [m] if
+    known, otherwise for all but heavily loaded contacts of the `material` (`COARSE`). On a cylinder, loaded along its
+    axis, only circumferential distances count."""
     middle = float(np.mean(grid.z))
     radius = float(shape.radius_at(middle))
     around = grid.columns * grid.pitch * radius
@@ -90,8 +90,9 @@ def find_far_field(
     checkpoint: Checkpoint,
     progress: Progress,
 ) -> FoundField:
-    """The far field of the surface `name` with its hats' compliance `lags`, also that of its `tangential` part where
-    there is one and its tractions stand on cells."""
+    """The far field of the surface `name` with its nodal compliance `lags`, also that of its `tangential` part if it
+    exists and its tractions are on cells."""
+    # cases without a far field
     if grid.kind != "hats":
         return FoundField(None, notes=[_none(name, "its tractions are constant on cells; use traction='hats'")])
     if material is None or mesh.matrices is not None:
@@ -118,6 +119,7 @@ def find_far_field(
     if ends:
         with progress.stage("quarter space"):
             quarter = QuarterSpace(min(material.poisson_ratio, LARGEST_RATIO))
+    # near compliance on windows of the mesh; the remainder of the compliance as splines
     sectors = len(lags)
     try:
         near = near_compliance(functions, sectors, material, assignment, ends, quarter, checkpoint, progress)
@@ -142,6 +144,7 @@ def find_far_field(
             f"a finer "
             "mesh at the surface"
         )
+    # accuracy with the wall behind the surface
     wall_error, thin = _thin_wall(mesh, name, shape, grid, assignment, functions.edge)
     warnings += [thin] if thin else []
     facts = {
@@ -157,7 +160,7 @@ def find_far_field(
 
 
 def _far_tangential(own: Tangential, near: NearTangential | None, hats: FarSplines) -> FarTangential:
-    """What is left of the `own` compliance of cells without the half-space; `hats`: the splines of normal loads."""
+    """Remainder of the `own` compliance of cells without the half-space; `hats`: the splines of normal loads."""
     if near is None:
         raise TypeError("the half-space was not asked for tangential tractions")
     cells = FarSplines(own.grid, hats.shape, hats.turn)
@@ -168,8 +171,8 @@ def _far_tangential(own: Tangential, near: NearTangential | None, hats: FarSplin
 def _thin_wall(
     mesh: Mesh, name: str, shape: Any, grid: ContactGrid, assignment: Assignment, edge: float
 ) -> tuple[float, str]:
-    """What cells make of the force at a given approach by the wall behind the surface, and what to say of one that is
-    as thin as they are wide, else ""; `edge`: longest facet edge [m]."""
+    """Relative error of the force at a given approach due to the cells of the wall behind the surface, and a message if
+    the wall is as thin as they are wide, else ""; `edge`: longest facet edge [m]."""
     thickness = wall(mesh, name, shape, grid, assignment)
     if thickness is None:
         return 0.0, ""

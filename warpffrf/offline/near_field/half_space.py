@@ -13,36 +13,36 @@ A unit force along s moves it by
     u_t = s t (1/r^3 - (1 - 2 nu)/(r (r + y)^2))/(4 pi G),
     u_y = s (y/r^3 + (1 - 2 nu)/(r (r + y)))/(4 pi G);     on the surface u_s = ((1 - nu)/r + nu s^2/r^3)/(2 pi G),
 
-and one along t likewise, s and t changing places.
+and one along t likewise, with s and t interchanged.
 
-Two loads distributed over supports that are small beside their distance d see each other, in the mean over both, as
+The mean interaction of two loads distributed over supports that are small compared with their distance d is that of
 points with second moments: with the sum Sigma of their covariances,
 
     <1/r> = 1/d + (3 d^T Sigma d/d^5 - tr Sigma/d^3)/2 + O((support/d)^4)/d.
 
-Any kernel has that mean, as exact, over the four places that lie the roots of Sigma beside d (`four_places`).
+Any kernel has that mean, to the same order, over the four points offset by the roots of Sigma from d (`four_places`).
 
 Exact. Distributed loads on the exact half-space, or on a quarter space with one free end.
 
-Loads are unit ones, given as forces at points. An end at t = t_end mirrors them: with the distances zeta of a place and
-d of a load from it, the mirror image of the load lies zeta + d away, and the quarter space adds w(s, zeta, y; d) to
+Loads are unit loads, given as forces at points. An end at t = t_end mirrors them: with the distances zeta of a point
+and d of a load from it, the mirror image of the load lies zeta + d away, and the quarter space adds w(s, zeta, y; d) to
 normal loads.
 
 Tangential loads have no such table. Their image has the same sign in either direction: along s it leaves twice the
-normal stress of the load on the end face, along t twice its shear. Those two images are answers to different problems
+normal stress of the load on the end face, along t twice its shear. Those two images solve different problems
 (the one does not move the end face along t, the other moves it along t only), so that between the directions they
-contradict Maxwell and Betti, and add nothing to the means. What the half-space and such images leave of a free end is
-of the order of the image itself and varies over the distance of the load from the end: of loads farther away than about
-a spacing of the grid it is in the far field, of nearer ones that has no more than a smooth part of it.
+violate Maxwell and Betti, and contribute nothing to the means. The remaining error of half-space and images at a free
+end is of the order of the image itself and varies over the distance of the load from the end: for loads farther away
+than about a spacing of the grid it is in the far field, which represents only a smooth part of that of nearer ones.
 
-On a curved surface a displacement along the tangent at a place is that of the flat one by components there only to
-first order: of the vector in the frame of the *load*, which moves outwards by v_n, the tangent at a distance x takes
+On a curved surface a displacement along the tangent at a point is that of the flat one by components there only to
+first order: of the vector in the frame of the *load*, with outward component v_n, the tangent at a distance x takes
 
     v_d - k_d x_d v_n,
 
-k_d the principal curvature, positive where the material is convex. The second term is as large as 1/R beside the first
-and does not fall with the distance; as v_n goes like 1/r, its derivative, a strain, would differ from mesh to mesh by
-the logarithm of the facets' size.
+k_d the principal curvature, positive if the material is convex. The second term is of order 1/R relative to the first
+and does not decrease with the distance; as v_n varies like 1/r, its derivative, a strain, would differ between meshes
+by the logarithm of the facet size.
 """
 
 from __future__ import annotations
@@ -83,7 +83,7 @@ def tangential_load(
 
 
 def four_places(s: Array, t: Array, moments: tuple[Array, Array]) -> tuple[Array, Array]:
-    """(s, t), each (4, ...) [m], of the places beside a distance whose mean is that between two supports; `moments` as
+    """(s, t), each (4, ...) [m], of the points around a distance whose mean is that between two supports; `moments` as
     in `mean_between`."""
     along, across = (np.sqrt(v) for v in moments)
     return np.stack([s - along, s + along, s - along, s + along]), np.stack(
@@ -93,7 +93,7 @@ def four_places(s: Array, t: Array, moments: tuple[Array, Array]) -> tuple[Array
 
 def mean_between(s: Array, t: Array, moments: tuple[Array, Array], poisson_ratio: float) -> Array:
     """Mean of u_y times E [1/m] over one load's support under the other, of unit forces whose centres lie (s, t) [m]
-    apart; `moments`: the sums of both loads' variances along s and t [m^2], which have no mixed part."""
+    apart; `moments`: the sums of both loads' variances along s and t [m^2], without a mixed part."""
     d2 = s * s + t * t
     d = np.sqrt(d2)
     along, across = moments
@@ -101,7 +101,7 @@ def mean_between(s: Array, t: Array, moments: tuple[Array, Array], poisson_ratio
     return (1.0 - poisson_ratio**2) / np.pi * (1.0 + second / d2) / d
 
 
-CHUNK = 1_000_000  # pairs of a node and a point of a load worked on together: some 100 MB
+CHUNK = 1_000_000  # pairs of a node and a point of a load processed together: some 100 MB
 OUTWARD = 2  # direction of a load; 0 and 1: along s and t
 DISC = 0.28  # of the side of a square: half the radius of the disc of its area
 
@@ -140,19 +140,19 @@ class EndField:
     quarter: Any
 
     def inward(self, t: Array) -> Array:
-        """zeta [m]: distance of places t [m] from the end into the material; beyond it, by round-off, 0."""
+        """zeta [m]: distance of points t [m] from the end into the material; beyond it, by round-off, 0."""
         return np.maximum(self.side * (self.t - t), 0.0)
 
     def added(self, s: Array, t: Array, depth: Array, at: Array, poisson_ratio: float) -> tuple[Array, Array, Array]:
         """(u_s, u_t, u_y) times E [1/m] that the end adds to the half-space, `s` [m] from a unit force at `at` [m],
-        at places `t`, `depth` [m]."""
+        at points `t`, `depth` [m]."""
         zeta, d = self.inward(t), self.inward(at)
         u_s, u_z, u_y = normal_load(s, zeta + d, depth, poisson_ratio)
         w_s, w_z, w_y = self.quarter.displacement(s, zeta, depth, d)
         return u_s + w_s, -self.side * (u_z + w_z), u_y + w_y
 
     def mean(self, s: Array, t: Array, at: Array, moments: tuple[Array, Array], poisson_ratio: float) -> Array:
-        """Mean of what the end adds to u_y times E [1/m] between supports, as `mean_between`: centres at t and `at`
+        """Mean contribution of the end to u_y times E [1/m] between supports, as `mean_between`: centres at t and `at`
         [m], s [m] apart."""
         zeta, d = self.inward(t), self.inward(at)
         return mean_between(s, zeta + d, moments, poisson_ratio) + self.quarter.surface(s, zeta, d)
@@ -167,7 +167,7 @@ class EndField:
     def tangential_mean(
         self, s: Array, t: Array, at: Array, moments: tuple[Array, Array], poisson_ratio: float
     ) -> Array:
-        """As `tangential_mean`, of what the end adds, centres at t and `at` [m]: nothing between the directions."""
+        """As `tangential_mean`, the contribution of the end, centres at t and `at` [m]: zero between the directions."""
         found = tangential_mean(s, self.inward(t) + self.inward(at), moments, poisson_ratio)
         found[0, 1] = found[1, 0] = 0.0
         return found
@@ -181,8 +181,8 @@ class EndField:
         curvatures: tuple[float, float],
         poisson_ratio: float,
     ) -> Array:
-        """As `coupled_mean`, of what the end adds, centres at t and `at` [m]; w, and how far off along t the place is,
-        are smooth there and taken between centres."""
+        """As `coupled_mean`, the contribution of the end, centres at t and `at` [m]; w, the offset along t are smooth
+        and evaluated between centres."""
         zeta, d = self.inward(t), self.inward(at)
         x, z = four_places(s, zeta + d, moments)
         image = np.stack(normal_load(x, z, np.zeros_like(x), poisson_ratio))
@@ -225,8 +225,8 @@ def half_space_at(
     loads along s, t or outwards (`direction` 0, 1, 2); with a free `end`, of the quarter space. `forces`: other forces
     (sets, m, points) at the points of the loads; then (3, n, sets m).
 
-    A force stands for its share of the load's area. Points nearer to it than half that share's radius, which lie on
-    faces cut right beside a load, count as that far below it: there 1/r is the mean over the share.
+    A force represents its share of the load's area. Points nearer to it than half that share's radius, which lie on
+    faces cut right next to a load, are moved that far below it: there 1/r is the mean over the share.
     """
     n, m = len(points), len(loads.s)
     sets = loads.force[None] if forces is None else forces

@@ -1,4 +1,4 @@
-r"""What a free end face does to a contact near it: the elastic quarter space under a point load.
+r"""Effect of a free end face on a contact near it: the elastic quarter space under a point load.
 
 Frame: the material is at depth `y >= 0` below the surface `y = 0` and at distance `zeta >= 0` from the free end face
 `zeta = 0`; `s` runs along the edge. A force F pushes into the surface (towards +y) at `(s, zeta) = (0, d)`. Its
@@ -7,9 +7,9 @@ displacement is
     u = F/E [ b(s, zeta - d, y) + b(s, zeta + d, y) + w(s, zeta, y; d) ],
 
 with Boussinesq's half-space solution b of the load and of its mirror image. Load and image together leave no shear on
-the end face but twice the load's normal stress there; the *correction* w is the answer of the quarter space to taking
-that away: traction `+2 sigma_zz(s, y; d)` along +zeta on the end face, free surface. It is smooth, as its source is at
-least d away from the load, it depends on Poisson's ratio alone and is homogeneous: `w(c x; c d) = w(x; d)/c`.
+the end face but twice the load's normal stress there; the *correction* w is the response of the quarter space to its
+removal: traction `+2 sigma_zz(s, y; d)` along +zeta on the end face, free surface. It is smooth, as its source is at
+least d away from the load, depends on Poisson's ratio alone and is homogeneous: `w(c x; c d) = w(x; d)/c`.
 
 **One harmonic.** With z for zeta and `w_s = U sin ks`, `(w_z, w_y) = (Z, Y) cos ks` the problem is one in the quarter
 *plane*,
@@ -17,9 +17,9 @@ least d away from the load, it depends on Poisson's ratio alone and is homogeneo
     min int lam (kU + Z_z + Y_y)^2/2 + mu (k^2 U^2 + Z_z^2 + Y_y^2)
             + mu/2 [ (U_z - kZ)^2 + (U_y - kY)^2 + (Z_y + Y_z)^2 ] dA - int T(y; d, k) Z(0, y) dy.
 
-Homogeneity makes all k one: the harmonic k of the load at d is the harmonic 1 of the load at kd. So *one* matrix is
-factorised, for k = 1, and answers many loads d from 1e-5 to 14. As the solutions decay like exp(-kr), cutting the
-plane off at 16 costs 1e-7 and there is no far boundary to model. The elements are of high order, which do not lock for
+By homogeneity one k suffices: the harmonic k of the load at d is the harmonic 1 of the load at kd. So *one* matrix is
+factorised, for k = 1, and solved for many loads d from 1e-5 to 14. As the solutions decay like exp(-kr), truncating the
+plane at 16 costs 1e-7 and no far boundary is required. The elements are of high order, which do not lock for
 nearly incompressible materials, and grow geometrically from the edge.
 
 The traction follows from Boussinesq's potential chi, `d chi/dy = 1/R`: `2 pi sigma_zz = 2 nu chi_yy - y chi_yzz -
@@ -29,15 +29,15 @@ The traction follows from Boussinesq's potential chi, `d chi/dy = 1/R`: `2 pi si
     X_yzz = 2 d^2/r^2 K2(r) - 2 K1(r)/r = 2 d^2/r^2 K0(r) + 2 (2 d^2/r^2 - 1) K1(r)/r    (k = 1, z = d).
 
 **Back to a point load.** `w = 1/pi int (U sin ks, Z cos ks, Y cos ks) dk`. The harmonics of a load near the edge decay
-slowly near the edge; the factor `exp(-(k/30)^4)` ends the integral. It smooths w along s over 1/30 of `d + |x|` in such
-a way that polynomials of degree 3 stay as they are: w has no features that small. For k -> 0 the amplitudes go like
-`(1 - nu^2) (0, a, b) log k`: the plane sees the force `F = -2/pi` of the tractions at its apex, and Michell's wedge of
-90 degrees, `sigma_r = (a cos + b sin)/r`, carries it with `a = -(pi/4) F/D`, `b = F/(2 D)`, `D = pi^2/16 - 1/4`.
+slowly near the edge; the factor `exp(-(k/30)^4)` truncates the integral. It smooths w along s over 1/30 of `d + |x|`,
+yet reproduces polynomials of degree 3: w has no features that small. For k -> 0 the amplitudes vary like
+`(1 - nu^2) (0, a, b) log k`: the plane is loaded by the force `F = -2/pi` of the tractions at its apex, balanced by
+Michell's wedge of 90 deg, `sigma_r = (a cos + b sin)/r`, with `a = -(pi/4) F/D`, `b = F/(2 D)`, `D = pi^2/16 - 1/4`.
 
-**The table.** `d + |x| = 1` can be had by scaling; with `t = |x|/(d + |x|)`, and the angles `theta` from the s axis and
+**The table.** `d + |x| = 1` is reached by scaling; with `t = |x|/(d + |x|)`, and the angles `theta` from the s axis and
 `phi` from the surface towards the depth, `g(t, theta, phi) = (d + |x|) w` is bounded and smooth on a box. `t = 0` is
 the edge next to the load, `t = 1` a load on the edge, or w far away. Quadratic splines interpolate in the volume, cubic
-ones on the surface; `g_s/cos(theta)` is kept instead of `g_s`, which is odd in s.
+ones on the surface; `g_s/cos(theta)` is stored instead of `g_s`, which is odd in s.
 
 Measured for nu 0, 0.3 and 0.49, relative to the displacement of half-space and image: 1.5e-4 on the surface (plane
 strain, Michell's wedge and reciprocity), 4e-4 in the volume (a table with twice the nodes).
@@ -70,8 +70,8 @@ from warpffrf.offline.solvers import factorise
 __all__ = ["FULL", "QuarterSpace", "Resolution"]
 
 logger = logging.getLogger("warpffrf.offline")
-VERSION = 1  # raised whenever a table gets other numbers for the same Poisson ratio
-LARGEST_RATIO = 0.495  # beyond, the Lame constant 1/(1 - 2 nu) costs the matrix its digits before it serves a material
+VERSION = 1  # incremented whenever a table gets other numbers for the same Poisson ratio
+LARGEST_RATIO = 0.495  # beyond it the Lame constant 1/(1 - 2 nu) costs too many digits of the matrix
 EXTENT = 16.0  # size of the quarter plane of the harmonic 1: solutions have decayed to exp(-16)
 NEAREST, FARTHEST = 1e-5, 14.0  # loads solved; farther ones leave exp(-14)
 LIMIT = 5e-3  # d / (d + |x|) of the loads from which the limit d = 0, in which w is linear, is extrapolated
@@ -85,7 +85,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Resolution:
-    """How finely a table is made.
+    """Resolution of a table.
 
     `order` of the elements; `growth` of their size from the edge, at most `largest` (wavelengths over 2 pi); `loads`
     solved per decade of d; `harmonics` per point in the transform; `nodes` of the table along t, theta and phi.
@@ -106,8 +106,8 @@ class QuarterSpace:
     """The correction w of a quarter space of one Poisson ratio (module docstring: frame, signs, equations).
 
     All lengths are in one unit, say m; results are per unit load and *times Young's modulus*: multiply by F/E for a
-    displacement. `QuarterSpace(nu)` reads its table from the cache folder, or makes it (some 8 s) and puts it there;
-    `cached=False` neither reads nor writes. Raises `InputError` where not `0 <= poisson_ratio <= 0.495`.
+    displacement. `QuarterSpace(nu)` reads its table from the cache folder, or computes it (some 8 s) and stores it
+    there; `cached=False` neither reads nor writes. Raises `InputError` unless `0 <= poisson_ratio <= 0.495`.
     """
 
     def __init__(self, poisson_ratio: float, resolution: Resolution = FULL, *, cached: bool = True) -> None:
@@ -145,16 +145,16 @@ class QuarterSpace:
     def surface(self, s: ArrayLike, zeta: ArrayLike, d: ArrayLike) -> Array:
         """Depth component (...) [1/m] of w at the points `(s, zeta)` [m] of the surface, of loads at `zeta = d` [m].
 
-        Exactly symmetric in `zeta` and `d` (Maxwell-Betti): the mean of both ways to read the table. Arguments and
+        Exactly symmetric in `zeta` and `d` (Maxwell-Betti): the mean of both evaluations of the table. Arguments and
         errors as in `displacement`.
         """
         return self.on_surface.displacement(s, zeta, d)
 
 
-# The table: made, kept, interpolated ---------------------------------------------------------------------------------
+# The table: computation, storage, interpolation ---------------------------------------------------------------------
 
 
-@functools.lru_cache(maxsize=4)  # cache folders that cannot be written, or change, do not ask for it again
+@functools.lru_cache(maxsize=4)  # cache folders that cannot be written, or change, do not cause another computation
 def _table(nu: float, resolution: Resolution) -> Array:
     """g (3, t, theta, phi), its first component divided by cos(theta)."""
     plane = _QuarterPlane(nu, resolution)
@@ -170,7 +170,7 @@ def _at_points(plane: _QuarterPlane, t: float, along: Array, zeta: Array, y: Arr
     """g (3, ...) for loads at d = 1 - t and points at `t (along, zeta, y)`; the first component divided by `along`."""
     x, weights = legendre.leggauss(harmonics)
     x, weights = (1.0 + x) / 2, weights / 2
-    k = LAST * x**3  # the harmonics go like log k for k -> 0
+    k = LAST * x**3  # the harmonics vary like log k for k -> 0
     weights = weights * 3.0 * LAST * x**2 * np.exp(-((k / TAPER) ** 4)) / np.pi
     use = k * (1.0 - t) <= FARTHEST
     k, weights = k[use], weights[use]
@@ -191,7 +191,7 @@ def _table_file(nu: float) -> Path:
 
 
 def _load(path: Path) -> Array | None:
-    """The table in `path`, or None where there is none or it cannot be read."""
+    """The table in `path`, or None if there is none or it cannot be read."""
     if not path.is_file():
         return None
     try:
@@ -207,7 +207,7 @@ def _load(path: Path) -> Array | None:
 
 
 def _store(path: Path, table: Array) -> None:
-    """Write `table`; whoever reads at the same time sees the old file or the new one. A failure is only reported."""
+    """Write `table`; a concurrent reader gets the old file or the new one. A failure is only reported."""
     part = path.with_suffix(f".{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -221,7 +221,7 @@ def _store(path: Path, table: Array) -> None:
 def _spline(values: Array, degree: int) -> Array:
     """Coefficients (n + 2 along each axis) of the spline of `degree` 2 or 3 through `values` at whole numbers.
 
-    What each end leaves open is chosen so that polynomials of that degree are interpolated exactly.
+    The free parameters at each end are chosen so that polynomials of that degree are interpolated exactly.
     """
     at_node = {2: (1 / 8, 6 / 8, 1 / 8), 3: (1 / 6, 4 / 6, 1 / 6)}[degree]
     at_end = {2: (1.0, -3.0, 3.0, -1.0), 3: (1.0, -4.0, 6.0, -4.0, 1.0)}[degree]
@@ -238,7 +238,7 @@ def _spline(values: Array, degree: int) -> Array:
 
 
 def _read(coefficients: Array, at: list[Array], degree: int) -> Array:
-    """The spline (...) at the places `at`, one array (...) per axis, 1 at the first node of each."""
+    """The spline (...) at the points `at`, one array (...) per axis, 1 at the first node of each."""
     flat = [a.ravel() for a in at]
     return map_coordinates(coefficients, flat, order=degree, prefilter=False).reshape(at[0].shape)
 
@@ -253,7 +253,7 @@ class _QuarterPlane:
         self.line = _Line(resolution)
         force = -2.0 / np.pi  # of the tractions that a line load leaves on the end face
         stress = np.array([0.0, -np.pi / 4, 0.5]) * force / (np.pi**2 / 16 - 0.25)
-        self.long_waves = (1.0 - nu**2) * stress  # times log k is what the amplitudes go like for k -> 0
+        self.long_waves = (1.0 - nu**2) * stress  # times log k gives the amplitudes for k -> 0
         n = self.line.size
         count = round(resolution.loads * np.log10(FARTHEST / NEAREST)) + 1
         d = np.geomspace(NEAREST, FARTHEST, count)

@@ -1,50 +1,50 @@
-r"""The response of the half-space to loads on a contact surface, as the body's own elements see it.
+r"""The response of the half-space to loads on a contact surface, discretised by the body's own elements.
 
-Around a few neighbouring functions of the contact grid the cells of the body are laid flat (`charts`): a piece of a
-half-space with the mesh of the body. Its surface carries the consistent loads f_j of the functions, on its cut faces
+Around a few neighbouring functions of the contact grid the cells of the body are flattened (`charts`): a piece of a
+half-space with the mesh of the body. Its surface has the consistent loads f_j of the functions; on its cut faces
 the displacement is that of the exact half-space under the same loads,
 
     K v_j = f_j,     v_j = half-space on cut faces,     T_ij = f_i^T v_j,
 
-so that T is the half-space's compliance with the error that this mesh makes near a load. The compliance C of the whole
-body has the same error there, and C - T is smooth however coarse the mesh is. Faces on the surface beside the contact
-facets are free, and so is an end face of the body, where the half-space is a quarter space (`ends`).
+so that T is the half-space's compliance with the discretisation error of this mesh near a load. The compliance C of the
+whole body has the same error there, and C - T is smooth however coarse the mesh is. Faces on the surface next to the
+contact facets are free, and so is an end face of the body, where the half-space is a quarter space (`ends`).
 
-Cells that do not bear being laid flat are left out: those with nodes near the centre of curvature, or too far round the
-body. On a mesh of a few cells on the radius only those in the outer layer are left.
+Cells that cannot be flattened are omitted: those with nodes near the centre of curvature, or too far round the
+body. On a mesh with few cells over the radius only those in the outer layer remain.
 
-Normal loads and displacements are outward. The loads are those of the body, without the turning of the directions over
+Normal loads and displacements are outward. The loads are those of the body, without the rotation of the directions over
 a facet: f_a = int N_a psi_j dA on the flat surface.
 
-Under tangential loads the end face is a mirror, as the half-space with an image of the load has it there (`exact`):
-under a load along s and its image nothing moves along t, under one along t and its image something moves along t only.
-A free face with cut faces that move with half-space and image would be two fields at once: the compliance along t of a
-hollow roller then differed from 2 to 4 mm cells by 3 % of what a patch of 0.6 x 8 mm does itself, and by 9 % at 4 mm
-from an end.
+Under tangential loads the end face is a symmetry plane, as for the half-space with an image of the load (`exact`):
+under a load along s and its image the displacement along t is zero, under one along t and its image only that along t
+is not. A free face together with cut faces that move with half-space and image would mix two fields: the compliance
+along t of a hollow roller then differed between 2 and 4 mm cells by 3 % of the own response of a patch of 0.6 x 8 mm,
+and by 9 % at 4 mm from an end.
 
-Functions. The functions of a contact grid as unit loads on a surface that is laid flat: hats, and cells of tangential
-ones.
+Functions. The functions of a contact grid as unit loads on a flattened surface: shape functions of nodes, and cells for
+tangential tractions.
 
-Charts. A contact surface laid flat around one of its points: where the half-space of the near field lies.
+Charts. A contact surface flattened around one of its points: the domain of the near field's half-space.
 
-At the point x_c of the surface stand the unit tangents e_theta and t_z and the outward normal n. A point x of the body
-goes to (s, t, y): y is its distance below the surface, and of the nearest point of the surface the components a, b
-along the tangents become arcs of the principal curvatures k,
+The unit tangents e_theta and t_z and the outward normal n are those at the point x_c of the surface. A point x of the
+body is mapped to (s, t, y): y is its distance below the surface, and the components a, b of the nearest point of the
+surface along the tangents become arcs of the principal curvatures k,
 
     s = asin(k_theta a)/k_theta,   t = asin(k_z b)/k_z       (a and b themselves where k = 0),
 
 so that a cylinder unrolls without stretching, and a sphere keeps its distances from x_c along both principal lines.
 (s, t, -y) is right-handed: cells keep their orientation.
 
-Ends. Where a contact surface ends at a free face, and what such an end adds to the half-space.
+Ends. Free end faces of a contact surface, and their contribution to the half-space.
 
-Of a load at the distance d from a plane end face at right angles to the surface, the half-space field is mirrored at
-the end, and `QuarterSpace` releases what the mirror image leaves on the face. Ends of other angles, fillets and
-chamfers have no table: there the half-space is taken to go on, and what they change is left to the difference between
-the body and the half-space, which is then not smooth within about a spacing of the grid.
+For a load at the distance d from a plane end face at right angles to the surface, the half-space field is mirrored at
+the end, and `QuarterSpace` removes the stresses that the mirror image leaves on the face. Ends of other angles, fillets
+and chamfers have no table: there the half-space is assumed to continue, and their effect is left to the difference
+between the body and the half-space, which is then not smooth within about a spacing of the grid.
 
-Where a crown meets a plane face the edge is nearly square; up to the slope `SQUARE` it is taken as such, and its face
-stands upright on the flat surface (`on_end`).
+If a crown meets a plane face the edge is nearly square; up to the slope `SQUARE` it is taken as such, and its face
+is perpendicular to the flat surface (`on_end`).
 """
 
 from __future__ import annotations
@@ -68,14 +68,14 @@ from warpffrf.offline.near_field.half_space import OUTWARD, EndField, PointLoads
 from warpffrf.offline.solvers import factorise
 
 Array = np.ndarray
-MIRRORED = ((1,), (0, 2), ())  # what an end face holds under a load along s, along t and outwards: components
-DEEPEST = 0.8  # of the smaller radius of curvature: a cell laid flat there is five times as wide as it was
+MIRRORED = ((1,), (0, 2), ())  # components fixed on an end face under a load along s, along t and outwards
+DEEPEST = 0.8  # of the smaller radius of curvature: a flattened cell there is five times as wide as the original
 
 
 @dataclass(frozen=True, eq=False)
 class FlatLoads:
-    """Nodal `forces` (n, m) [-] in one `direction` (0 along s, 1 along t, 2 outwards), and the same loads as the
-    half-space sees them: `points`, at these other forces `at_points` (sets, m / sets, points) where given."""
+    """Nodal `forces` (n, m) [-] in one `direction` (0 along s, 1 along t, 2 outwards), and the same loads for the
+    half-space: `points`, with other forces `at_points` (sets, m / sets, points) if given."""
 
     forces: Sparse
     points: PointLoads
@@ -85,7 +85,7 @@ class FlatLoads:
 
 @dataclass(frozen=True, eq=False)
 class FlatCells:
-    """Cells laid flat: `points` (n, 3) [m] in (s, t, -y), their numbers `of_body` (n,) in the body, `cells` {kind:
+    """Flattened cells: `points` (n, 3) [m] in (s, t, -y), their numbers `of_body` (n,) in the body, `cells` {kind:
     (m, k)} numbered here, and their `numbers` {kind: (m,)} in the body's blocks; `on_surface` (n,)."""
 
     points: Array
@@ -108,7 +108,7 @@ class FlatCells:
     ) -> FlatCells:
         """The body's cells with a corner within `reach` [m] of the `box` (s_low, s_high, t_low, t_high) [m] of the flat
         surface, and less than `depth` [m] below it; nodes nearer to the surface than the `tolerance` [m] are on it.
-        `ends`: of each end face which `points` lie on it (n,), and the t [m] at which it stands upright."""
+        `ends`: of each end face which `points` lie on it (n,), and its t [m] after flattening."""
         s_low, s_high, t_low, t_high = box
         radius = np.hypot(max(-s_low, s_high) + reach, max(-t_low, t_high) + reach) + depth
         near = np.flatnonzero(np.sum((points - chart.origin) ** 2, axis=1) < radius**2)
@@ -194,7 +194,7 @@ class FlatCells:
         return [found[number] for number in range(len(loads))]
 
     def _static(self, K: Any, held: Array, u: Array, force: Array) -> Array:
-        """u (n, 3, m) under the `force` (n, 3, m), where it is not `held` (n, 3)."""
+        """u (n, 3, m) under the `force` (n, 3, m), with prescribed displacements where `held` (n, 3)."""
         free, fixed = np.flatnonzero(~held), np.flatnonzero(held)
         K_free: Any = K[free]
         v = u.reshape(-1, u.shape[2])
@@ -209,12 +209,12 @@ def _corners(kind: str, nodes: Array) -> Array:
     return np.pad(corners, ((0, 0), (0, 4 - corners.shape[1])), constant_values=-1)
 
 
-GAUSS = 3  # points on either side of a node and direction, of loads as the cut faces see them: those are REACH away
+GAUSS = 3  # points on either side of a node and direction, of loads for the cut faces, which are REACH away
 
 
 class SpreadFunctions:
-    """The functions of a contact `grid`, hats or cells, on a resolved `shape`: their areas, and unit loads spread over
-    them as forces at points."""
+    """The functions of a contact `grid`, nodes or cells, on a resolved `shape`: their areas, and unit loads distributed
+    over them as forces at points."""
 
     def __init__(self, shape: Any, grid: ContactGrid) -> None:
         self.shape, self.grid = shape, grid
@@ -248,8 +248,8 @@ class SpreadFunctions:
 
 
 class NearFunctions:
-    """The hats of a contact `grid` on the facets of set `name`, and the cells of a grid `tangential` on the same nodes
-    where there is one."""
+    """The nodes of a contact `grid` on the facets of set `name`, and the cells of a grid `tangential` on the same nodes
+    if there is one."""
 
     def __init__(
         self, mesh: Mesh, name: str, shape: Any, grid: ContactGrid, tangential: ContactGrid | None = None
@@ -272,7 +272,7 @@ class NearFunctions:
         return found
 
 
-FARTHEST = 1.4  # rad between normals: arcs are known by their chords, which shorten again from pi/2 on
+FARTHEST = 1.4  # rad between normals: arcs are computed from their chords, which shorten again from pi/2 on
 STRAIGHT = 1e-12  # of a curvature times a length: below it the arc is its chord to round-off
 
 
@@ -296,7 +296,7 @@ class FlatChart:
         return 1.0 / largest if largest > 0.0 else np.inf
 
     def before(self, points: Array) -> Array:
-        """Which of `points` (n, 3) [m], user frame, lie less than `FARTHEST` round the body from x_c (n,)."""
+        """Which of `points` (n, 3) [m], user frame, lie less than `FARTHEST` around the body from x_c (n,)."""
         theta, z, _ = self.shape.chart(points)
         return self.shape.normal(theta, z) @ self.shape.normal(self.theta, self.z) > np.cos(FARTHEST)
 
@@ -306,7 +306,7 @@ class FlatChart:
         return *self.on_surface(theta, z), -distance
 
     def on_surface(self, theta: Array, z: Array) -> tuple[Array, Array]:
-        """(s, t) [m] of the places (theta, z) of the surface, at less than a quarter of a turn from the centre."""
+        """(s, t) [m] of the points (theta, z) of the surface, less than a quarter of a revolution from the centre."""
         off = self.shape.point(theta, z) - self.origin
         k_theta, k_z = (float(k) for k in self.shape.curvatures(self.theta, self.z))
         return (
@@ -316,18 +316,18 @@ class FlatChart:
 
 
 def _arc(chord: Array, curvature: float) -> Array:
-    """Length of the arc of `curvature` [1/m] from its middle to where it lies `chord` [m] beside it."""
+    """Length of the arc of `curvature` [1/m] from its middle to the point at the distance `chord` [m]."""
     if abs(curvature) * np.max(np.abs(chord), initial=0.0) < STRAIGHT:
         return chord
     return np.arcsin(np.clip(curvature * chord, -1.0, 1.0)) / curvature
 
 
-ON_SURFACE = 1e-4  # of a facet's edge: nodes that lie nearer to the true surface are on it
+ON_SURFACE = 1e-4  # of a facet's edge: nodes within this distance of the true surface are on it
 SQUARE = 0.05  # slope dR/dz at an end up to which its edge counts as square: 3 degrees
 
 
 def free_ends(mesh: Mesh, name: str, shape: Any, grid: ContactGrid, edge: float) -> tuple[list[FreeEnd], list[str]]:
-    """The square ends of the contact surface, and notes on edges that are none. `edge`: longest facet edge [m]."""
+    """The square ends of the contact surface, and notes on other edges. `edge`: longest facet edge [m]."""
     own = np.zeros(len(mesh.points), dtype=bool)
     own[mesh.facets(name).node_set] = True
     reach = ON_SURFACE * edge

@@ -1,6 +1,6 @@
 """Sparse direct solvers behind one interface: `factorise(K) -> Factor`, `factor.solve(F)`.
 
-A further solver is one file with a class of the constructor `(K, coordinates, memory_limit)` and a line in `SOLVERS`.
+Another solver is one file with a class of the constructor `(K, coordinates, memory_limit)` and a line in `SOLVERS`.
 """
 
 from __future__ import annotations
@@ -24,16 +24,16 @@ SOLVERS: dict[str, Callable[[Any, Array | None, int | None], Factor]] = {
     "cholmod": Cholmod,
     "pardiso": Pardiso,
 }
-MODULES = {"cholmod": "sksparse", "pardiso": "pypardiso"}  # what the optional ones import
+MODULES = {"cholmod": "sksparse", "pardiso": "pypardiso"}  # modules imported by the optional ones
 
 
 def installed() -> list[str]:
-    """Names of the solvers that can be used here."""
+    """Names of the available solvers."""
     return [name for name in SOLVERS if name not in MODULES or importlib.util.find_spec(MODULES[name]) is not None]
 
 
 def require_solver(name: str) -> str:
-    """`name` of a solver that is installed, else `InputError`."""
+    """`name` if that solver is installed, otherwise `InputError`."""
     if name not in SOLVERS:
         raise InputError(f"solver {name!r} is not available, use one of {', '.join(SOLVERS)}")
     if name not in installed():
@@ -46,10 +46,10 @@ def require_solver(name: str) -> str:
 
 def chosen(size: int, placed: bool, name: str | None = None) -> str:
     """The solver of a system of `size` dofs: the named one, which must be installed; without a name "multifrontal" for
-    large systems whose dofs have places (`placed`), "superlu" for all others.
+    large systems whose dofs have positions (`placed`), "superlu" for all others.
 
-    No optional solver is chosen by itself: the default was measured to be as fast as CHOLMOD and faster than Pardiso
-    (`bench/offline.py --solvers`), and so a result does not depend on what else is installed.
+    No optional solver is chosen by default: the default was measured to be as fast as CHOLMOD and faster than Pardiso
+    (`bench/offline.py --solvers`), and results then do not depend on the installation.
     """
     if name is not None:
         return require_solver(name)
@@ -61,8 +61,8 @@ def factorise(
 ) -> Factor:
     """Factors of a sparse symmetric or Hermitian positive definite matrix K (n, n).
 
-    `coordinates` (n, 3) [m] are the places of the dofs, NaN for those without one; `name` the solver (`chosen`);
-    `memory_limit` [byte] bounds the factorisation where its need is known beforehand. Raises `InputError` for a matrix
+    `coordinates` (n, 3) [m] are the positions of the dofs, NaN for those without one; `name` the solver (`chosen`);
+    `memory_limit` [byte] bounds the factorisation if its need is known beforehand. Raises `InputError` for a matrix
     that is not square or not positive definite, a solver that is not installed, too little memory.
     """
     if K.ndim != 2 or K.shape[0] != K.shape[1]:

@@ -1,20 +1,20 @@
-"""What every sparse solver gives back: a `Factor` of a symmetric positive definite (or Hermitian) matrix.
+"""The result of every sparse solver: a `Factor` of a symmetric positive definite (or Hermitian) matrix.
 
 CHOLMOD by scikit-sparse, the optional extra `cholmod`.
 
-Supernodal Cholesky factorisation (Chen, Davis, Hager, Rajamanickam 2008, ACM Trans. Math. Softw. 35, 22), as fast as
-the BLAS that the installed SuiteSparse is linked with. The ordering is our own nested dissection where the dofs have
-places, so that its size is known before memory is asked for.
+Supernodal Cholesky factorisation (Chen, Davis, Hager, Rajamanickam 2008, ACM Trans. Math. Softw. 35, 22), with the
+speed of the BLAS of the installed SuiteSparse. The ordering is our own nested dissection if the dofs have positions, so
+that its size is known before memory is allocated.
 
 Pardiso. MKL Pardiso by pypardiso, the optional extra `pardiso`: real systems.
 
 Schenk and Gaertner 2004, Future Gener. Comput. Syst. 20, 475; settings by the oneMKL reference, `iparm`, counted from 1
-there and here: 18 entries of the factors, 16 and 17 KiB that factorisation and solution take for good.
+there and here: 18 entries of the factors, 16 and 17 permanent memory of factorisation and solution in KiB.
 
-Superlu. SciPy's SuperLU: always there, for small systems, and the reference for the others.
+Superlu. SciPy's SuperLU: always available, for small systems, and the reference for the others.
 
 The factors are those of an LU factorisation without pivoting, which a definite matrix does not need (`SymmetricMode`).
-Large systems that say where their dofs lie are ordered by nested dissection; SuperLU's own orderings fill far more.
+Large systems with known positions of the dofs use nested dissection; SuperLU's own orderings cause far more fill.
 """
 
 from __future__ import annotations
@@ -36,13 +36,13 @@ class Factor(ABC):
     """The factors of K (n, n), by which `solve` gives K^-1 F."""
 
     name: str = ""
-    concurrent: bool = False  # whether several threads may call `solve` at once, and gain by it
+    concurrent: bool = False  # whether several threads may call `solve` at once, with a gain in speed
 
     def __init__(self, size: int, dtype: np.dtype, fill: int, bytes: int) -> None:
         self.size = size
         self.dtype = np.dtype(dtype)
-        self.fill = fill  # entries of the factors, of both triangles where the solver keeps both
-        self.bytes = bytes  # memory that they take
+        self.fill = fill  # entries of the factors, of both triangles if the solver stores both
+        self.bytes = bytes  # memory of the factors
 
     @property
     def kind(self) -> str:
@@ -50,9 +50,9 @@ class Factor(ABC):
         return "complex" if self.dtype.kind == "c" else "real"
 
     def solve(self, F: Any, rows: Array | None = None) -> Array:
-        """K^-1 F: F (n, m) dense or sparse -> (n, m), or only the rows (r, m) asked for.
+        """K^-1 F: F (n, m) dense or sparse -> (n, m), or only the requested rows (r, m).
 
-        Loads on few dofs, and few rows, save work where the solver can use it; otherwise they change nothing. Raises
+        Loads on few dofs, and few rows, save work if the solver supports it; otherwise they have no effect. Raises
         `InputError` for a load of another size.
         """
         if getattr(F, "ndim", 0) != 2 or F.shape[0] != self.size:
@@ -74,7 +74,7 @@ class Factor(ABC):
 
 
 def not_definite(detail: str) -> InputError:
-    """The error for a matrix that cannot be a held body's stiffness."""
+    """The error for a matrix that cannot be the stiffness of a constrained body."""
     return InputError(
         f"the stiffness matrix is not positive definite ({detail}): some part can move without deforming; join parts "
         "that touch at a point, along an edge or not at all, and check the materials"
@@ -176,9 +176,9 @@ class Pardiso(Factor):
 
 SMALL_SYSTEM = 2000  # dofs; below it SuperLU's own ordering costs less than a dissection
 INDEX_BYTES = 4  # of the row number that goes with each entry
-# Entries of the factors up to which the signs of all pivots are looked at: SciPy copies the factors for that.
+# Entries of the factors up to which the signs of all pivots are checked: SciPy copies the factors for that.
 LOOKED_AT = 1 << 24
-PROBES = 8  # random loads whose energy is looked at in larger systems
+PROBES = 8  # random loads whose energy is checked in larger systems
 
 
 class SuperLU(Factor):
@@ -204,8 +204,8 @@ class SuperLU(Factor):
         self._check_definite()
 
     def _check_definite(self) -> None:
-        """Refuse an indefinite matrix: by its pivots where the factors are small, else by the energy of random loads,
-        which finds many negative eigenvalues for certain and a single one by chance."""
+        """Refuse an indefinite matrix: by its pivots if the factors are small, else by the energy of random loads,
+        which detects many negative eigenvalues reliably and a single one by chance."""
         if self.fill <= LOOKED_AT:
             pivots = np.real(self._lu.U.diagonal())
             if not np.all(pivots > 0.0) or np.any(self._lu.perm_r != self._lu.perm_c):

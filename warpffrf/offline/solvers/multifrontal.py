@@ -4,21 +4,21 @@ Over the fronts of a nested dissection (`fronts.py`) the elimination is a sequen
 of part p, pivots 1 and border 2, assembled from K's entries in the columns of its pivots and the updates S of its
 children,
 
-    F = [F11 F21^H; F21 F22],    F11 = L11 L11^H,    L21 = F21 L11^-H,    S = F22 - L21 L21^H  (handed to the parent).
+    F = [F11 F21^H; F21 F22],    F11 = L11 L11^H,    L21 = F21 L11^-H,    S = F22 - L21 L21^H  (passed to the parent).
 
-On a solid mesh nearly all work is in fronts of hundreds to thousands of dofs, so it runs at the speed of BLAS and the
-interpreter hardly shows. `L11^-1` is kept instead of L11: a solve is then made of matrix products alone,
+On a solid mesh nearly all work is in fronts of hundreds to thousands of dofs, so it runs at the speed of BLAS with
+little interpreter overhead. `L11^-1` is stored instead of L11: a solve then consists of matrix products alone,
 
     down:  y1 = L11^-1 b1,  b2 -= L21 y1;          up:  x1 = L11^-H (y1 - L21^H x2),
 
 which release the interpreter's lock, so that threads can share blocks of right-hand sides and subtrees of the
 elimination. (Inverses of triangular factors keep the residual small: the condition of L11 is the root of that of F11;
-Higham 2002, ch. 14.) The way down needs only fronts at or above a load, the way up only those at or above a wanted
-row. Each number is computed by one thread in one order: the result does not depend on the number of threads.
+Higham 2002, ch. 14.) The downward pass needs only fronts at or above a load, the upward pass only those at or above a
+requested row. Each number is computed by one thread in one order: the result does not depend on the number of threads.
 
-Measured by `bench/offline.py --solvers --large` on a hex8 cube of 104,544 dofs, one thread, factor and time a
-right-hand side in blocks of 64: 9.7 s and 12 ms; SuperLU with the same ordering 29 s and 63 ms, CHOLMOD 6.7 s and 14
-ms, Pardiso 8.9 s and 52 ms. Loads on one face and rows on the skin cost 5 ms a side.
+Measured by `bench/offline.py --solvers --large` on a hex8 cube of 104,544 dofs, one thread, factorisation time and time
+per right-hand side in blocks of 64: 9.7 s and 12 ms; SuperLU with the same ordering 29 s and 63 ms, CHOLMOD 6.7 s and
+14 ms, Pardiso 8.9 s and 52 ms. Loads on one face and rows on the skin cost 5 ms per side.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Multifrontal(Factor):
         self._factorise()
 
     def _factorise(self) -> None:
-        """Subtrees side by side, then what is above them."""
+        """Subtrees in parallel, then the fronts above them."""
         workers = worker_count()
         subtrees, top = _split(self.fronts, workers)
         if workers > 1 and len(subtrees) > 1:
@@ -106,7 +106,7 @@ class Multifrontal(Factor):
                 where = "at a rigid interface" if place is None else "near ({:.4g}, {:.4g}, {:.4g}) m".format(*place)
                 raise not_definite(f"noticed {where}") from None
             (trtri,) = get_lapack_funcs(("trtri",), (L11,))
-            F11 = trtri(L11.T, lower=0, overwrite_c=1)[0].T  # of the transposed, which lies as LAPACK wants it
+            F11 = trtri(L11.T, lower=0, overwrite_c=1)[0].T  # of the transpose, in the storage order of LAPACK
             if len(border):
                 F21 = F21 @ F11.conj().T
                 F22 -= F21 @ F21.conj().T
@@ -156,7 +156,7 @@ def _add(target: Array, rows: Array, columns: Array, part: Array) -> None:
 
 
 def _split(fronts: Fronts, workers: int) -> tuple[list[Array], Array]:
-    """Subtrees, one or a few a worker, each as its fronts in order; and the fronts above them."""
+    """Subtrees, one or a few per worker, each as its fronts in order; and the fronts above them."""
     first = np.arange(len(fronts.parent))  # of each subtree; children come before parents
     for p, children in enumerate(fronts.children):
         if children:

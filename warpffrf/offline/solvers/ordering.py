@@ -1,18 +1,18 @@
 r"""Fill-reducing ordering by geometric nested dissection (George 1973, SIAM J. Numer. Anal. 10, 345).
 
 A set of nodes is cut in two at the median along one of its principal axes; the nodes of one half that touch the other
-are the separator and are eliminated after both halves, which so never meet. Of the three axes, and of the two sides
-of a cut, the smallest separator counts: on quadratic cells one side of a cut is often two layers of nodes, the other
-one. The dofs of a node stay together, so that the work is that of the node graph, a ninth of the matrix.
+are the separator and are eliminated after both halves, which are thereby decoupled. Among the three axes and the two
+sides of a cut, the smallest separator is used: on quadratic cells one side of a cut is often two layers of nodes, the
+other one. The dofs of a node stay together, so that the work is that of the node graph, a ninth of the matrix.
 
-Fronts. The frontal matrices of a dissected sparse matrix: which dofs each part of the elimination touches.
+Fronts. The frontal matrices of a dissected sparse matrix: the dofs of each part of the elimination.
 
 Eliminating the dofs of part p (the *pivots*) updates the later dofs that they, or the parts below p, are coupled to
 (the *border*). With
 
     border(p) = ({later neighbours of the pivots in K} u border of each child) \ pivots of p,
 
-everything that the elimination of p reads and writes is the dense matrix on pivots and border: Duff and Reid 1983, ACM
+the elimination of p reads and writes only the dense matrix on pivots and border: Duff and Reid 1983, ACM
 Trans. Math. Softw. 9, 302; Liu 1992, SIAM Review 34, 82.
 """
 
@@ -34,7 +34,7 @@ LEAF = 24
 @dataclass(frozen=True)
 class Dissection:
     """Elimination `order` (n,) of the dofs in `parts`, children before parents: part p is `order[starts[p]:ends[p]]`,
-    `parent` (parts,) the part that cut it off, -1 for the last."""
+    `parent` (parts,) the part whose cut created it, -1 for the last."""
 
     order: Array
     ends: Array
@@ -47,9 +47,9 @@ class Dissection:
 
 
 def nested_dissection(matrix: Any, coordinates: Array, leaf: int = LEAF) -> Dissection:
-    """Dissect a symmetric sparse `matrix` (n, n) whose dofs are placed at `coordinates` (n, 3) [m].
+    """Dissect a symmetric sparse `matrix` (n, n) with dofs at `coordinates` (n, 3) [m].
 
-    Dofs with NaN coordinates (rigid interfaces, which touch many nodes) are eliminated with the last part. Sets of at
+    Dofs with NaN coordinates (rigid interfaces, which involve many nodes) are eliminated with the last part. Sets of at
     most `leaf` nodes are not cut.
     """
     placed = np.all(np.isfinite(coordinates), axis=1)
@@ -71,7 +71,7 @@ def nested_dissection(matrix: Any, coordinates: Array, leaf: int = LEAF) -> Diss
 
 
 def _node_graph(matrix: Any, dofs: Array, node_of: Array, nodes: int) -> Any:
-    """Graph (nodes, nodes) of the placed dofs' matrix, csr; its values mean nothing."""
+    """Graph (nodes, nodes) of the placed dofs' matrix, csr; its values have no meaning."""
     of_dof = np.full(matrix.shape[0], -1, dtype=np.int64)
     of_dof[dofs] = node_of
     pattern = sp.csr_matrix((np.ones(matrix.nnz, dtype=np.float32), matrix.indices, matrix.indptr), matrix.shape)
@@ -91,16 +91,16 @@ class _Tree:
     def __init__(self, graph: Any, x: Array, leaf: int) -> None:
         self.indptr, self.indices = graph.indptr, graph.indices
         self.x, self.leaf = x, leaf
-        self.side = np.zeros(len(x), dtype=np.int8)  # of the cut in hand: 1 lower, 2 upper half, 0 elsewhere
+        self.side = np.zeros(len(x), dtype=np.int8)  # of the current cut: 1 lower, 2 upper half, 0 elsewhere
         self.parts: list[Array] = []
         self.parent: list[int] = []
 
     def dissect(self) -> None:
-        """Depth first without recursion: a set comes back, as its separator, after its halves are done."""
+        """Depth first without recursion: a set is revisited, as its separator, after its halves are done."""
         stack: list[tuple[Array, int | None]] = [(np.arange(len(self.x)), None)]
         orphans: list[int] = []
         while stack:
-            nodes, halves = stack.pop()  # halves: how many a separator joins, None for a set not looked at yet
+            nodes, halves = stack.pop()  # halves: how many a separator joins, None for a set not visited yet
             cut = self._cut(nodes) if halves is None and len(nodes) > self.leaf else None
             if cut is not None:
                 separator, low, high = cut
@@ -115,7 +115,7 @@ class _Tree:
             orphans.append(number)
 
     def _cut(self, nodes: Array) -> tuple[Array, Array, Array] | None:
-        """Separator, lower and upper half of a set; None where all nodes are in one place."""
+        """Separator, lower and upper half of a set; None if all nodes coincide."""
         x = self.x[nodes] - self.x[nodes].mean(axis=0)
         axes = np.linalg.eigh(x.T @ x)[1].T[::-1]  # longest first
         lengths = self.indptr[nodes + 1] - self.indptr[nodes]
@@ -135,7 +135,7 @@ class _Tree:
             high = upper & np.logical_or.reduceat(beside == 1, starts)
             separator = low if np.count_nonzero(low) <= np.count_nonzero(high) else high
             halves = np.count_nonzero(upper & ~separator), np.count_nonzero(~upper & ~separator)
-            cost = np.count_nonzero(separator) / max(min(halves), 1)  # small, and with halves of like size
+            cost = np.count_nonzero(separator) / max(min(halves), 1)  # small, and with halves of similar size
             if cost < least:
                 best, least = (nodes[separator], nodes[~upper & ~separator], nodes[upper & ~separator]), cost
         self.side[nodes] = 0
@@ -179,7 +179,7 @@ class Fronts:
 
     @property
     def entries(self) -> int:
-        """Numbers kept of the factors: of each front a square on the pivots, a block below it."""
+        """Numbers stored of the factors: for each front a square on the pivots, a block below it."""
         pivots, border = self.sizes
         return int((pivots * (pivots + border)).sum())
 
@@ -191,7 +191,7 @@ class Fronts:
 
     @cached_property
     def peak(self) -> int:
-        """Numbers alive at most while the fronts are eliminated one after the other: factors, updates, one front."""
+        """Maximum of numbers stored while the fronts are eliminated in turn: factors, updates, one front."""
         pivots, border = self.sizes
         kept = waiting = most = 0
         for p in range(len(self.parent)):
@@ -209,7 +209,7 @@ class Fronts:
         return mask
 
     def of_positions(self, positions: Array) -> Array:
-        """Mask (fronts,) of the fronts that hold one of the `positions` among their pivots."""
+        """Mask (fronts,) of the fronts with one of the `positions` among their pivots."""
         mask = np.zeros(len(self.ends), dtype=bool)
         mask[np.searchsorted(self.ends, positions, side="right")] = True
         return mask

@@ -1,4 +1,4 @@
-r"""From stress plans to the stress fields of a reduced body: observers for either path, and fields of what they saw.
+r"""From stress plans to the stress fields of a reduced body: observers for either path, and fields of their results.
 
 Membrane. Stress of the membrane energy at the points of a stress plan.
 
@@ -7,11 +7,11 @@ The second-order strain of a body is `E2 = sum_r e_r (eps(motion_r) + sum_ij pro
 
     sigma_r = C (eps(motion_r) + sum_ij products_rij sym(H_i^T H_j)/2).
 
-The two parts cancel by far the most of each other across a plate, where they are products of slopes and no strain is
-left. So the sum is taken in cells, at their recovery points, carried to the nodes by the polynomial through them,
-averaged over the cells of one material that share a node, and interpolated between nodes: smoothing each part by itself
-with patches left a stress across the plate of a fifth of that along it. Components are along fibres of the body, which
-turn with it. On a contact surface sigma_r has no traction: what is applied there is in the other parts.
+The two parts nearly cancel across a plate, where they are products of slopes and no strain remains. So the sum is
+formed in cells, at their recovery points, extrapolated to the nodes by the polynomial through them, averaged over the
+cells of one material that share a node, and interpolated between nodes: smoothing each part separately with patches
+left a stress across the plate of a fifth of that along it. Components are along fibres of the body, which
+rotate with it. On a contact surface sigma_r has no traction: the applied traction is in the other parts.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@ r"""Stress of a finite-element mesh at nodes and points, as a sparse operator on
 at nodes and between them (`patches`).
 
 **Nodal averaging** of wedge6 and tet4. The displacement gradient is taken at the recovery points of each cell, where it
-is most accurate (Barlow 1976, Int. J. Numer. Methods Eng. 10, 243), carried to the cell's nodes by the polynomial
+is most accurate (Barlow 1976, Int. J. Numer. Methods Eng. 10, 243), extrapolated to the cell's nodes by the polynomial
 through those points, and averaged over the cells that share a node, each with the same weight:
 
     g_a = 1/n_a sum_e sum_q E_aq sum_b u_b (x) dN_b/dx (xi_q),     sigma_a = lambda tr(e) 1 + 2 mu e,  e = sym g_a.
@@ -12,15 +12,15 @@ through those points, and averaged over the cells that share a node, each with t
 The recovery points are (`recovery_points`) of wedge6 the centre of the triangle at 2 Gauss points along the axis,
 linear along it, of tet4 the centre, constant. Between nodes the nodal stresses are interpolated.
 
-Only cells of one material make a patch or are averaged, so that Hooke's law and the mean commute and a jump between
-materials stays one: the unit is a (node, material) pair, here a *slot*. A slot where kinds meet has the value of
-quadratic cells, if there are none that of hex8.
+Only cells of one material form a patch or are averaged, so that Hooke's law and the mean commute and a jump between
+materials is preserved: the unit is a (node, material) pair, called *slot* here. A slot shared by kinds of cells has the
+value of quadratic cells, or that of hex8 if there are none.
 
-Of a mixed material the trace is not that of e but the projected dilatation (`offline.fe.dilatation`) at the nodes of
-the cell: lambda times it is the cell's own pressure, where lambda tr(e) wavers by as much as lambda exceeds mu.
+For a mixed material the trace is not that of e but the projected dilatation (`offline.fe.dilatation`) at the nodes of
+the cell: lambda times it is the cell's own pressure, whereas lambda tr(e) oscillates in proportion to lambda/mu.
 
-**Traction.** On a surface with unit normal n the traction `t = sigma n` is known, and finite elements miss it: it is
-the derivative across the surface that is poor there, not those along it. With e_ab the strains in the surface and
+**Traction.** On a surface with unit normal n the traction `t = sigma n` is known, but finite elements do not satisfy it
+exactly: the derivative across the surface is inaccurate, not those along it. With e_ab the strains in the surface and
 `t_n = n.t`, the normal strain follows from Hooke's law, `e_nn = (t_n - lambda (e_11 + e_22))/(lambda + 2 mu)`, and
 
     sigma_ab = 2 mu e_ab + (2 mu lambda/(lambda + 2 mu) (e_11 + e_22) + nu/(1 - nu) t_n) delta_ab,
@@ -30,7 +30,7 @@ the strains in the surface drop out of the difference: with the missing traction
 
     sigma = sigma^h + Q r,   Q r = n (x) r + r (x) n - r_n n (x) n + nu/(1 - nu) r_n (1 - n (x) n),   r_n = n.r.
 
-Its traction is r, so sigma n = t exactly, and doing it twice changes nothing.
+Its traction is r, so sigma n = t exactly, and applying it twice changes nothing.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class Slots:
-    """Where nodal stresses are wanted: `node` (K,) and the number of a material of the assignment, `material` (K,)."""
+    """Points of nodal stresses: `node` (K,) and the number of a material of the assignment, `material` (K,)."""
 
     node: Array
     material: Array
@@ -64,7 +64,7 @@ class Slots:
 
 @dataclass(frozen=True)
 class InCells:
-    """Points in cells of one kind and one material: `nodes` (K, k) of each one's cell, and where in it, `xi` (K, 3)."""
+    """Points in cells of one kind and one material: `nodes` (K, k) of each one's cell, and the position `xi` (K, 3)."""
 
     kind: str
     material: int
@@ -89,9 +89,9 @@ class _Derivatives:
 
 
 def nodal_stress(points: Array, cells: Mapping[str, Array], assignment: Assignment, slots: Slots) -> Sparse:
-    """Stress at the slots, csr (6 K, 3 n) [Pa/m]: six rows a slot (xx, yy, zz, xy, yz, zx), user axes.
+    """Stress at the (node, material) pairs, csr (6 K, 3 n) [Pa/m]: six rows each (xx, yy, zz, xy, yz, zx), user axes.
 
-    points (n, 3) [m]; cells {kind: (m, k)}. A slot that no cell of its material touches has zero rows.
+    points (n, 3) [m]; cells {kind: (m, k)}. A pair without a cell of its material has zero rows.
     """
     parts = []
     for g, material in enumerate(assignment.materials):
@@ -134,7 +134,7 @@ def _of_material(cells: Mapping[str, Array], assignment: Assignment, material: i
 
 
 def _dilatation(points: Array, cells: Mapping[str, Array], material: Material, nodes: Array) -> list[Sparse] | None:
-    """The dilatation at `nodes` (K,) where it is not that of the gradient: where a cell is mixed."""
+    """The dilatation at `nodes` (K,) if it is not that of the gradient, i.e. if a cell is mixed."""
     if not any(is_mixed(kind, material) for kind in cells):
         return None
     return _means(points, cells, nodes, _projected_for(material))
@@ -150,7 +150,7 @@ def _at_nodes(x: Array, kind: str) -> Array:
 
 
 def _projected_for(material: Material) -> CellValues:
-    """The dilatation at the nodes of cells: projected where these are mixed."""
+    """The dilatation at the nodes of cells: projected in mixed cells."""
 
     def values(x: Array, kind: str) -> Array:
         if not is_mixed(kind, material):
@@ -213,7 +213,7 @@ def traction_operator(normal: Array) -> Array:
 
 
 def traction_correction(normal: Array, poisson: Array) -> Array:
-    """Q (p, 6, 3): missing traction to the stress that brings it in (module docstring); `poisson` ratio (p,)."""
+    """Q (p, 6, 3): missing traction to the stress that restores it (module docstring); `poisson` ratio (p,)."""
     one = np.eye(3)
     n = normal[:, :, None] * normal[:, None, :]
     side = (poisson / (1.0 - poisson))[:, None, None] * (one - n)
@@ -223,6 +223,6 @@ def traction_correction(normal: Array, poisson: Array) -> Array:
 
 
 def point_blocks(blocks: Array) -> Sparse:
-    """Block-diagonal csr of `blocks` (p, a, b): one block a point."""
+    """Block-diagonal csr of `blocks` (p, a, b): one block per point."""
     p, a, b = blocks.shape
     return sp.csr_matrix(sp.bsr_matrix((blocks, np.arange(p), np.arange(p + 1)), shape=(p * a, p * b)))

@@ -7,26 +7,26 @@ linear shape functions N_v of the corners,
 
     g(x) = sum_v N_v(xi) m(x).a_v,     sum_q w_q |s_q(m).a_v - g_q|^2 -> min,     m = (1, x, y, z, x^2, xy, ..., z^3),
 
-continuous, and smooth across nodes: the maximum below a contact lies where it is, not at a node.
+continuous, and smooth across nodes: the maximum below a contact need not lie at a node.
 
 *Quadratic cells* are sampled at their recovery points, s_q(m) = m(x_q), w_q = 1, and a patch is the cells that share
-the vertex. Hexahedra have four layers of points in it, which tell a cubic; stress under a contact falls so quickly that
-a quadratic polynomial does not follow it where the contact is a few nodes wide. Points of tetrahedra and wedges lie in
-no such layers, and carry a quadratic polynomial.
+the vertex. Hexahedra have four layers of points in it, which determine a cubic; stress under a contact decreases so
+quickly that a quadratic polynomial is inaccurate if the contact is a few nodes wide. Points of tetrahedra and wedges
+do not lie in such layers, and determine a quadratic polynomial.
 
 *hex8* is sampled once, in its middle. The derivative of an interpolated displacement is there the mean of the true one
-over the cell, so that s_q(m) is the mean of m over the cell: taken for the value in the middle, it would cut off
-h^2/24 of the curvature, 4 % of the stress with 2.5 cells in a half-width. A patch is the cells that share a vertex with
-those at the vertex, four layers again, and those near it weigh more, w_q = exp(-|y|^2), y as below.
+over the cell, so that s_q(m) is the mean of m over the cell: taken as the value in the middle, it would lose h^2/24 of
+the curvature, 4 % of the stress with 2.5 cells per half-width. A patch is the cells that share a vertex with those at
+the vertex, four layers again, and those near it have larger weights, w_q = exp(-|y|^2), y as below.
 
-On the boundary a patch has fewer layers of cells: there the polynomials of neighbours along an edge are taken whose
-patches have half as many cells again, or more, as far as there are any.
+On the boundary a patch has fewer layers of cells: there the polynomials of neighbours along an edge are used whose
+patches have at least 1.5 times as many cells, if there are any.
 
-In the fit x is taken from the mean of the samples' places in the axes and units y of their covariance, so that the
-shape of the cells does not matter, and the higher terms without what the linear ones say of them: a direction with one
-layer of cells has a quadratic term that the samples hardly see (of hex8 a linear one that they do not), and
-combinations that they see less than `SEEN` are left out. Where a value would still be a difference of large ones
-(weights of the samples with a sum above `STEEP`, at corners of bodies with few tetrahedra), the linear fit is taken.
+In the fit x is measured from the mean of the samples' positions in the axes and units y of their covariance, so that
+the shape of the cells is irrelevant, and the higher terms are made orthogonal to the linear ones: in a direction with
+one layer of cells the quadratic term is hardly observable from the samples (for hex8 the linear one is not), and
+combinations with singular values below `SEEN` are omitted. If a value would still be a difference of large ones
+(weights of the samples with a sum above `STEEP`, at corners of bodies with few tetrahedra), the linear fit is used.
 
 Linear tetrahedra and wedges have no such samples.
 """
@@ -48,9 +48,9 @@ from warpffrf.offline.stress.recovery_points import recovery_points
 
 Array = np.ndarray
 CORNER_KIND = {8: "hex8", 6: "wedge6", 4: "tet4"}  # the cell with as many nodes as a cell has corners
-MORE = 1.5  # cells, against the vertex's own, of a neighbour whose polynomial is taken instead
+MORE = 1.5  # cells, relative to the vertex's own, of a neighbour whose polynomial is used instead
 STEPS = {1: 3, 2: 1}  # to donors, by rings of a patch: 3 lead from a corner of the body over an edge and a face inside
-SEEN = {2: 0.05, 3: 0.01}  # singular value, of the largest, that the points tell; by degree
+SEEN = {2: 0.05, 3: 0.01}  # singular value, of the largest, that is resolved by the points; by degree
 STEEP = 15.0  # sum of the sizes of the weights; of hexahedra it is below 12, at the edge of a patch
 _TERMS = [t for degree in (2, 3) for t in itertools.combinations_with_replacement(range(3), degree)]  # factors x, y, z
 _QUADRATIC = 6  # of them are of degree two
@@ -58,7 +58,7 @@ _QUADRATIC = 6  # of them are of degree two
 
 @dataclass(frozen=True)
 class Places:
-    """Where gradients are wanted: x (K, 3) [m], and csr (K, n) the weights of the vertices whose polynomials make them,
+    """Points of gradients: x (K, 3) [m], and csr (K, n) the weights of the vertices whose polynomials define them,
     rows with the sum one."""
 
     x: Array
@@ -69,12 +69,12 @@ class Places:
 
 
 def node_places(points: Array, cells: Mapping[str, Array], nodes: Array) -> Places:
-    """The places of `nodes` (K,), each on one of the cells."""
+    """The positions of `nodes` (K,), each on one of the cells."""
     return Places(points[nodes], _shares(cells, nodes, len(points)))
 
 
 def cell_places(points: Array, kind: str, nodes: Array, xi: Array) -> Places:
-    """Places at the reference coordinates `xi` (K, 3) of cells of a `kind` with `nodes` (K, k)."""
+    """Positions at the reference coordinates `xi` (K, 3) of cells of a `kind` with `nodes` (K, k)."""
     corners = nodes[:, : cell_kind(kind).corner_count]
     N = cell_kind(CORNER_KIND[corners.shape[1]]).shape(xi)[0]
     rows = np.repeat(np.arange(len(nodes)), corners.shape[1])
@@ -83,19 +83,19 @@ def cell_places(points: Array, kind: str, nodes: Array, xi: Array) -> Places:
 
 
 def has_patches(kind: str) -> bool:
-    """Whether gradients of cells of this kind come from patches."""
+    """Whether gradients of cells of this kind are computed from patches."""
     return kind == "hex8" or cell_kind(kind).degree > 1
 
 
 def patch_groups(cells: Mapping[str, Array]) -> list[dict[str, Array]]:
-    """The cells of one material whose patches are common, those first whose gradients are taken where groups meet."""
+    """The cells of one material with common patches, first those whose gradients are used where groups meet."""
     quadratic = {kind: block for kind, block in cells.items() if cell_kind(kind).degree > 1}
     linear = {kind: block for kind, block in cells.items() if has_patches(kind) and kind not in quadratic}
     return [group for group in (quadratic, linear) if group]
 
 
 def patch_gradients(points: Array, cells: Mapping[str, Array], wanted: Places) -> list[Sparse]:
-    """Derivatives along x, y, z of a nodal field at the places `wanted`: three csr (K, n) [1/m].
+    """Derivatives along x, y, z of a nodal field at the points `wanted`: three csr (K, n) [1/m].
 
     points (n, 3) [m]; cells {kind: (m, k)}, one of the `patch_groups` of a material.
     """
@@ -133,8 +133,8 @@ def patch_gradients(points: Array, cells: Mapping[str, Array], wanted: Places) -
 
 
 class _Fit:
-    """Least squares by polynomials of a `degree` in patches with samples that are means over the places x (g, q, s, 3);
-    `fading`: those far from the middle weigh less."""
+    """Least squares by polynomials of a `degree` in patches with samples that are means over the points x (g, q, s, 3);
+    `fading`: those far from the middle have smaller weights."""
 
     def __init__(self, x: Array, degree: int, fading: bool) -> None:
         self.terms = _TERMS if degree == 3 else _TERMS[:_QUADRATIC]
@@ -174,7 +174,7 @@ def _with_one(slopes: Array) -> Array:
 
 
 def _seen_inverse(A: Array, seen: float) -> Array:
-    """Least-squares inverses (g, t, q) of A (g, q, t), without what it shows less than `seen` of the most."""
+    """Least-squares inverses (g, t, q) of A (g, q, t), without singular values below `seen` of the largest."""
     square, modes = np.linalg.eigh(A.swapaxes(1, 2) @ A)
     told = square > seen**2 * square[:, -1:]
     inverse = np.where(told, 1.0 / np.where(told, square, 1.0), 0.0)
@@ -183,7 +183,7 @@ def _seen_inverse(A: Array, seen: float) -> Array:
 
 @cache
 def _parents(kind: str) -> Array:
-    """(k, corners): share of each corner in the place of each node of `kind`."""
+    """(k, corners): weight of each corner in the position of each node of `kind`."""
     cell = cell_kind(kind)
     shares = cell_kind(CORNER_KIND[cell.corner_count]).shape(cell.nodes)[0]
     return np.where(np.abs(shares) > 1e-9, shares, 0.0)
@@ -201,7 +201,7 @@ def _incidence(cells: Mapping[str, Array], n: int) -> Sparse:
 
 
 def _around(cells: Mapping[str, Array], vertices: Array, n: int, rings: int) -> dict[str, Array]:
-    """The cells that make the polynomials of `vertices` and of their donors, whose patches have so many `rings`."""
+    """The cells that determine the polynomials of `vertices` and of their donors, with patches of this many `rings`."""
     marked = np.zeros(n, dtype=bool)
     marked[vertices] = True
     taken: dict[str, Array] = {}
@@ -235,7 +235,7 @@ def _shares(cells: Mapping[str, Array], wanted: Array, n: int) -> Sparse:
 
 
 def _donors(cells: Mapping[str, Array], count: Array, steps: int) -> Sparse:
-    """csr (n, n): whose polynomials stand for that of each vertex, up to `steps` edges away, rows with the sum one;
+    """csr (n, n): whose polynomials replace that of each vertex, up to `steps` edges away, rows with the sum one;
     `count` (n,) cells of the patches."""
     n = len(count)
     edges = [_edges(kind, block) for kind, block in cells.items()]
@@ -262,7 +262,7 @@ def _edges(kind: str, block: Array) -> Array:
 
 
 def _samples(points: Array, cells: Mapping[str, Array]) -> tuple[Array, list[Sparse], list[Array]]:
-    """Places (Q, s, 3) over which the samples are means, the derivatives they are, three csr (Q, n), and the numbers of
+    """Points (Q, s, 3) over which the samples are means, the derivatives they are, three csr (Q, n), and the numbers of
     those of each cell."""
     places, data, columns, widths, counts = [], [], [], [], []
     for kind, block in cells.items():

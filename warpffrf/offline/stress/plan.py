@@ -1,4 +1,4 @@
-r"""Where stresses are wanted on a body, and the operators that give them there.
+r"""Stress points of a body, and the operators that give the stresses there.
 
 A point is a node, or lies in a cell e at reference coordinates xi. Its stress is that of the patches around the cell,
 or, of wedge6 and tet4, the mean of the nodal stresses with the cell's shape functions, over the nodal averages of the
@@ -9,16 +9,16 @@ cell's own material,
 and at a point where several materials meet the mean over them, unless `StressPoints` names a cell set: then only its
 cells are averaged, and the stress on an interface is that of this side.
 
-Nodes on a contact surface carry the applied traction exactly (`stress_operator`); so do points on its facets, where
+Nodes on a contact surface have exactly the applied traction (`stress_operator`); so do points on its facets, where
 the stress is corrected once more. With A = 1 - Q N, N the traction of a stress, the two parts are
 
     S = A_points [sigma_patches + (W (x) 1) (A_slots - 1) sigma_nodal],
     own = A_points (W (x) 1) [Q d psi]_slots + [Q d psi]_points,
 
-and S = A_points (W (x) 1) A_slots sigma_nodal where nodes are averaged; `W` the shape functions, psi the hats (or
-cells) and d the direction of their traction on the true surface. S acts on nodal displacements, own on the traction
-coefficients. Within one element of the surface the correction fades with the shape functions; where two contact
-surfaces share a node, the one named first has it.
+and S = A_points (W (x) 1) A_slots sigma_nodal if nodes are averaged; `W` the shape functions, psi the functions of the
+contact grid (nodes or cells) and d the direction of their traction on the true surface. S acts on nodal displacements,
+own on the traction coefficients. Within one element of the surface the correction decays with the shape functions; a
+node shared by two contact surfaces belongs to the one named first.
 """
 
 from __future__ import annotations
@@ -60,15 +60,15 @@ from warpffrf.offline.stress.point_location import (
 )
 
 Array = np.ndarray
-BATCH = 5000  # nodal values worked on together: of 27-node cells some 100 MB
-NODE_SETS = ("skin", "all")  # names that stand for the nodes of the outer facets, and for all nodes
+BATCH = 5000  # nodal values processed together: of 27-node cells some 100 MB
+NODE_SETS = ("skin", "all")  # names for the nodes of the outer facets, and for all nodes
 
 
 @dataclass(frozen=True)
 class _Terms:
     """Contributions (e,) to the points: nodal stress of (node, material) times weight; `position` counts the terms of a
-    point, in the same order at copies of the point in other sectors. Where not `nodal`, the patches of the cell that
-    the point lies in have its stress, and nodes only what the traction corrects."""
+    point, in the same order at copies of the point in other sectors. If not `nodal`, the stress is that of the patches
+    of the point's cell, and nodes contribute the traction correction only."""
 
     point: Array
     node: Array
@@ -80,7 +80,7 @@ class _Terms:
 
 @dataclass(frozen=True)
 class _OnSurface:
-    """A contact surface: its resolved shape, and the slots and points that lie on it."""
+    """A contact surface: its resolved shape, and the (node, material) pairs and points on it."""
 
     shape: Any
     slots: Array
@@ -90,7 +90,7 @@ class _OnSurface:
 class StressPlan:
     """The points of one name and their operators (module docstring).
 
-    `points` (p, 3) [m, user frame]; `home` (p,) sector that each lies in; `one_side`: a cell set was named.
+    `points` (p, 3) [m, user frame]; `home` (p,) sector of each; `one_side`: a cell set was named.
     """
 
     def __init__(
@@ -103,7 +103,7 @@ class StressPlan:
                 f"stress {name!r}: stresses need cells and a material, the body has matrices only; give a mesh"
             )
         self.name, self.mesh, self.assignment = name, mesh, assignment
-        self.notes: list[str] = []  # what was done to the points given
+        self.notes: list[str] = []  # changes made to the given points
         chosen, self.one_side = _chosen_cells(mesh, name, wanted)
         given = wanted.points if isinstance(wanted, StressPoints) else wanted
         self._in_cells: list[tuple[Array, Array, InCells]] = []  # points (e,), weight of each point of the plan, where
@@ -162,7 +162,7 @@ class StressPlan:
         return nodes
 
     def _of_nodes(self, nodes: Array) -> _Terms:
-        """All (node, material) pairs of the wanted nodes, with the mean over materials."""
+        """All (node, material) pairs of the requested nodes, with the mean over materials."""
         count = len(self.assignment.materials)
         found = [
             np.unique(block * count + self._assignment.of_cell[kind][:, None]) for kind, block in self._cells.items()
@@ -176,7 +176,7 @@ class StressPlan:
         return _Terms(point, pairs // count, pairs % count, 1.0 / share[point], position, nodal)
 
     def _of_cells(self, located: Located) -> _Terms:
-        """One cell a point and material: its nodes with the shape functions; `_in_cells` where patches have stress."""
+        """One cell per point and material: its nodes with the shape functions; `_in_cells` if patches have stress."""
         kinds = list(self._cells)
         material = np.zeros(len(located.point), dtype=np.int64)
         for b, kind in enumerate(kinds):
@@ -308,7 +308,7 @@ class StressPlan:
         return sp.csr_matrix(total)
 
     def _without_traction(self) -> tuple[Array, Array]:
-        """A = 1 - Q N at slots (K, 6, 6) and at points (p, 6, 6); the identity off the contact surfaces."""
+        """A = 1 - Q N at (node, material) pairs (K, 6, 6) and points (p, 6, 6); the identity off contact surfaces."""
         at_slots = np.tile(np.eye(6), (len(self.slots), 1, 1))
         at_points = np.tile(np.eye(6), (len(self.points), 1, 1))
         for surface in self.on.values():
@@ -318,11 +318,11 @@ class StressPlan:
         return at_slots, at_points
 
     def without_traction(self, stress: Array) -> Array:
-        """Stresses (r, p, 6) at the points with no traction where these lie on contact surfaces."""
+        """Stresses (r, p, 6) at the points with zero traction on contact surfaces."""
         return np.einsum("pij,rpj->rpi", self._without_traction()[1], stress)
 
     def _sites(self, surface: _OnSurface) -> list[tuple[Array, Array, Array]]:
-        """For the slots and the points on the surface: numbers, positions [m], Poisson ratios."""
+        """For the (node, material) pairs and the points on the surface: numbers, positions [m], Poisson ratios."""
         at_points = np.asarray(self.weights @ self._poisson)
         return [
             (surface.slots, self.mesh.points[self.slots.node[surface.slots]], self._poisson[surface.slots]),
@@ -331,7 +331,7 @@ class StressPlan:
 
     def own(self, name: str, grid: Any, span: GridSpan, directions: tuple[str, ...] = ("normal",)) -> Sparse:
         """The part of the stress that follows from the traction alone, csr (6 p, functions) [-], on the coefficients of
-        the hats or cells of `grid` over `span`, numbered by direction, column, row."""
+        the functions of `grid` over `span`, numbered by direction, column, row."""
         surface = self.on[name]
         slots, points = self._sites(surface)
         parts = []
@@ -365,8 +365,8 @@ class StressPlan:
         return SectorOperator(blocks, place, self.home, axes, cyclic.sectors)
 
     def node_marks(self) -> Array:
-        """A number (p,) for each point that tells which of its nodes lie on which contact surface, and whether itself
-        does: alike for copies of a point in other sectors that are treated alike."""
+        """A number (p,) for each point that encodes which of its nodes lie on which contact surface, and whether it
+        does itself: equal for copies of a point in other sectors that are treated in the same way."""
         flag, own = np.zeros(len(self.slots)), np.zeros(len(self.points))
         for i, surface in enumerate(self.on.values()):
             flag[surface.slots] = i + 1.0
@@ -385,7 +385,7 @@ class StressPlan:
         sectors: SectorOperator | None = None,
     ) -> StressField:
         """The finished field: `modes` (6 p, m) [Pa], user axes; the body's `contact` surfaces, and for each the
-        transfer, with 6 rows a place, of its `normal` and `tangential` loads.
+        transfer, with 6 rows per point, of its `normal` and `tangential` loads.
 
         Modes and transfers are kept in single precision (measured: stresses to 1e-7 of the largest).
         """
@@ -411,8 +411,8 @@ def stress_plans(
 
 
 def stress_settings(wanted: Mapping[str, Any]) -> dict[str, Any]:
-    """`wanted` as JSON, for the key of the cache: names of sets, and a hash of points. Raises `InputError` for what is
-    no {name: points}."""
+    """`wanted` as JSON, for the key of the cache: names of sets, and a hash of points. Raises `InputError` unless it is
+    {name: points}."""
     if not isinstance(wanted, Mapping) or not all(isinstance(n, str) and n and "/" not in n for n in wanted):
         raise InputError(f"reduce: stress must be {{name: points}} with names without '/', got {wanted!r}")
     found = {}
@@ -452,6 +452,6 @@ def _moved(name: str, located: Located) -> list[str]:
 
 
 def _keys(corners: Array) -> Array:
-    """One comparable key a facet: its sorted corners."""
+    """One comparable key per facet: its sorted corners."""
     ordered = np.ascontiguousarray(np.sort(corners, axis=1).astype(np.int64))
     return ordered.view([("", np.int64)] * ordered.shape[1]).ravel()

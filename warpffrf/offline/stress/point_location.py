@@ -1,9 +1,9 @@
-r"""Which cell a point lies in, and where: the inverse of the isoparametric map.
+r"""Location of points in cells: the inverse of the isoparametric map.
 
-A cell lies in the box of its nodes, widened where it is curved. Cells are put into classes by the size of that box
-(powers of two); in each, a KD-tree of the centres gives the candidates, and their boxes thin them out, so that long
-thin cells are found as surely as cubes. `x(xi) = sum_a N_a(xi) x_a = x` is then solved by Newton's method from the
-middle of the reference cell.
+A cell lies in the bounding box of its nodes, enlarged if it is curved. Cells are sorted into classes by the size of
+that box (powers of two); in each class, a KD-tree of the centres gives the candidates, which are filtered by their
+boxes, so that long thin cells are found as reliably as cubes. `x(xi) = sum_a N_a(xi) x_a = x` is then solved by
+Newton's method from the middle of the reference cell.
 
 Sectors. Stress operators of a rotationally periodic body: from the whole mesh to blocks between sectors.
 
@@ -12,8 +12,8 @@ point in sector s in the axes of that sector, sigma_s = A_s^T sigma A_s. An oper
 
     sigma_s = sum_o S_o u_(s+o),      S_o = R(A_s^T) S A_(s+o),
 
-R(A) the turn of the six components; a point and its copies in other sectors have the same S_o. Nodal averaging of
-linear cells reaches one cell beyond the point's own, patches of quadratic ones two: o runs over as many sectors as they
+R(A) the rotation of the six components; a point and its copies in other sectors have the same S_o. Nodal averaging of
+linear cells reaches one cell beyond the point's own, patches of quadratic ones two: o covers all sectors that they
 touch.
 """
 
@@ -32,7 +32,7 @@ from warpffrf.offline.fe import Sparse
 
 Array = np.ndarray
 LINEAR = {"hex": "hex8", "wedge": "wedge6", "tet": "tet4"}  # the cell with straight edges on each domain
-# Mid nodes this many times their distance from the straight cell: what a quadratic map reaches beyond its nodes is less
+# Mid nodes this many times their distance from the straight cell: a quadratic map extends beyond its nodes by less
 # than that distance along an edge, less than twice it on a face.
 BULGE = 2.0
 INSIDE = 1e-6  # reference coordinates: a point this far outside a cell, a millionth of it, lies on its face
@@ -40,15 +40,15 @@ INSIDE = 1e-6  # reference coordinates: a point this far outside a cell, a milli
 # outside the linear cells of a mesh with N cells around, 2 % at N = 40.
 SNAP = 0.02
 STEPS = 25  # of Newton's method; a cell that is not inverted needs about five
-_CHUNK = 20_000  # pairs of point and cell worked on together: bounds the memory to some tens of MB
+_CHUNK = 20_000  # pairs of point and cell processed together: bounds the memory to some tens of MB
 CONVERGED = 1e-13  # reference coordinates, round-off
-LIMIT = 2.0  # reference coordinates further out than this are cut: outside, the map of a curved cell may turn over
+LIMIT = 2.0  # reference coordinates further out than this are clipped: outside, the map of a curved cell may fold over
 
 
 @dataclass(frozen=True)
 class Located:
-    """Cells that hold points, several for a point on a face: `point` (e,), `kind` (e,) number of the block, `cell`
-    (e,) within the block, reference coordinates `xi` (e, 3); and how far each point was moved, `moved` (p,) [m]."""
+    """Cells that contain points, several for a point on a face: `point` (e,), `kind` (e,) number of the block, `cell`
+    (e,) within the block, reference coordinates `xi` (e, 3); and the displacement of each point, `moved` (p,) [m]."""
 
     point: Array
     kind: Array
@@ -93,7 +93,7 @@ def _in_block(points: Array, x: Array, kind: str) -> tuple[Array, Array, Array, 
 
 
 def _candidates(points: Array, x: Array, kind: str) -> tuple[Array, Array]:
-    """Pairs (point, cell) where the point lies in the cell's widened box."""
+    """Pairs (point, cell) with the point in the cell's enlarged box."""
     from scipy.spatial import KDTree
 
     element = cell_kind(kind)
@@ -117,8 +117,8 @@ def _candidates(points: Array, x: Array, kind: str) -> tuple[Array, Array]:
 
 
 def inverse_map(points: Array, x: Array, kind: str) -> tuple[Array, Array]:
-    """Reference coordinates (e, 3), cut to the reference cell, of one point in each cell x (e, k, 3), and the distance
-    (e,) [m] between the point and their image; 0 for a point inside."""
+    """Reference coordinates (e, 3), clipped to the reference cell, of one point in each cell x (e, k, 3), and the
+    distance (e,) [m] between the point and their image; 0 for a point inside."""
     element = cell_kind(kind)
     xi = np.tile(element.nodes[: element.corner_count].mean(axis=0), (len(points), 1))
     active = np.arange(len(points))
@@ -160,19 +160,19 @@ def _tiny(J: Array) -> Array:
 
 
 def _distance(x: Array, cells: Array, kind: str) -> float:
-    """About the distance [m] of the point x (3,) to the nearest of the cells (m, k, 3)."""
+    """Approximate distance [m] of the point x (3,) to the nearest of the cells (m, k, 3)."""
     count = min(32, len(cells))
     corners = cells[:, : cell_kind(kind).corner_count]
     order = np.argsort(np.min(np.linalg.norm(corners - x, axis=2), axis=1))[:count]
     return float(inverse_map(np.tile(x, (count, 1)), cells[order], kind)[1].min())
 
 
-SAME_PLACE = 1e-9  # of the body's size: points of turned sectors this close are one place
+SAME_PLACE = 1e-9  # of the body's size: points of rotated sectors this close are one point
 
 
 @dataclass(frozen=True)
 class SectorOperator:
-    """Stress at the distinct places of the points, for a rotationally periodic body.
+    """Stress at the distinct positions of the points, for a rotationally periodic body.
 
     `blocks` {o: csr (6 p0, 3 nn)} [Pa/m] act on the displacements of sector o (counted from the point's own), given in
     that sector's axes; the result is in the axes of the point's sector. `place` (p,), `sector` (p,), `axes` (3, 3).
@@ -218,10 +218,10 @@ def sector_blocks(S: Sparse, home: Array, axes: Array, sectors: int) -> dict[int
 def distinct_places(
     relative: Array, home: Array, marks: Array, axes: Array, size: float, sectors: int
 ) -> tuple[Array, Array]:
-    """One point (p0,) of each distinct place in a sector, and the place (p,) of every point.
+    """One point (p0,) of each distinct position in a sector, and the position (p,) of every point.
 
     `relative` (p, 3) [m] to a point on the axis, user axes; `size` [m] of the body. Points whose copies in one sector
-    coincide share a place when their `marks` (p,) agree: a contact surface may end within the turn.
+    coincide share a position if their `marks` (p,) agree: a contact surface may end within the revolution.
     """
     local = np.einsum("pj,pji->pi", relative, sector_frames(axes, home, sectors))
     keys = np.column_stack([np.rint(local / (SAME_PLACE * size)), marks])

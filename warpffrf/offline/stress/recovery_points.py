@@ -1,4 +1,4 @@
-"""Recovery points of each kind of cell: where the gradient of a finite-element displacement is most accurate."""
+"""Recovery points of each kind of cell, where the gradient of a finite-element displacement is most accurate."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ from warpffrf.model.forces.laws import tension_of
 @dataclass(frozen=True, eq=False)
 class BodyData:
     """A body: mass [kg], inertia (3, 3) about the centre of mass, stiffness and damping (m,) of its global modes (mass
-    1), what deformation does to its inertia, and the forms (R, k, k) of its membrane energy, None without."""
+    1), the effect of deformation on its inertia, and the forms (R, k, k) of its membrane energy, None without."""
 
     name: str
     mass: float
@@ -41,8 +41,8 @@ class BodyData:
 
 @dataclass(frozen=True, eq=False)
 class ConstraintData:
-    """A rigid row: kind and axes, its two markers, the signal it follows (None: none) and the value it counts from; of
-    a pretension, whose `joint` is empty, a row that is not always rigid."""
+    """A rigid row: kind and axes, its two markers, the prescribed signal (None: none) and its reference value; for a
+    pretension, whose `joint` is empty, a row that is not always rigid."""
 
     joint: str
     kind: str
@@ -75,7 +75,7 @@ class SpringData:
 
 @dataclass(frozen=True, eq=False)
 class TensionData:
-    """A pretension: its number among the constraints, its pull [N] as a signal, and when it locks [s]."""
+    """A pretension: its number among the constraints, its force [N] as a signal, and its locking time [s]."""
 
     name: str
     row: int
@@ -95,7 +95,7 @@ class LoadData:
 
 @dataclass
 class SceneData:
-    """Everything a step needs of a scene but its contacts."""
+    """All data of a scene for a step, except its contacts."""
 
     gravity: np.ndarray
     bodies: list[BodyData]
@@ -163,8 +163,8 @@ def describe_scene(scene: Any) -> SceneData:
 
 
 def inertia_level(body: Any) -> str:
-    """Which terms of a flexible body's inertia are kept: its level; of "auto" all that it was reduced with, since this
-    solver is what levels are judged by. Raises `InputError` where the body was reduced without them."""
+    """The inertia terms of a flexible body: its level; for "auto" all with which it was reduced, since this solver is
+    the reference for the levels. Raises `InputError` if the body was reduced without them."""
     terms = body.reduced.inertia_terms
     if body.stiffening and (terms is None or terms.stiffening is None):
         raise InputError(

@@ -5,13 +5,13 @@ Unknowns are the increments (dx, psi, dq) of the step (`integrator`) and the mul
     body      m vdot - m g + (C^T lam)_x - F,          inertia torque (`inertia_forces`) + (C^T lam)_theta - M,
     mode      qddot + c qdot + k q + inertia terms + (C^T lam)_q - f,
     local     mu xiddot + c xidot + kappa xi - f       (quasi-static: mu = c = 0),
-    row       c(x, t); of a pretension that pulls, lam - F(t) (`tension`).
+    row       c(x, t); of a pretension before locking, lam - F(t) (`tension`).
 
 A spring adds C^T (K (e - e_0) + D edot + preload) with edot = C ydot, ydot = (v, w, qdot); its tangent is
 `sum lam_i H_i + C^T (K slope + D (C V + ydot^T H))`, H the derivative of C^T, V = VEL (1, T^-1, 1). Characteristics
 add their forces to the law, and their slopes to the diagonals of K and D in the tangent.
 
-Columns belong to (dx, dtheta, dq, dlam), dtheta a turn about the body's own axes: psi follows by dpsi = T^-1 dtheta.
+Columns belong to (dx, dtheta, dq, dlam), dtheta a rotation about the body's axes: psi follows by dpsi = T^-1 dtheta.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Increment:
 
 @dataclass(frozen=True, eq=False)
 class Trial:
-    """The state that increments lead to; T_inverse (B, 3, 3) at psi."""
+    """The state for given increments; T_inverse (B, 3, 3) at psi."""
 
     time: float
     r: np.ndarray
@@ -84,10 +84,10 @@ class Trial:
 @dataclass(frozen=True, eq=False)
 class Balance:
     """`residual` (size,), `outer` (outer + rows, outer + rows) tangent of rigid coordinates, global modes and rows,
-    `diagonal` (local,) that of local coordinates, the `wrenches` (rows, 6) of unit multipliers, the largest force [N]
-    at work, new `stretch`, energies [J], and `springs` (coordinates, 7): value and wrench on the second body of every
-    coordinate of the spring laws. `locked` (t, 2) of pretensions: whether they hold, and their length now, or held.
-    `pulls` (markers, 6) on interfaces and `lag` (2, modes) of the forces whose mean is given (`mean_work`)."""
+    `diagonal` (local,) that of local coordinates, the `wrenches` (rows, 6) of unit multipliers, the largest force [N],
+    new `stretch`, energies [J], and `springs` (coordinates, 7): value and wrench on the second body of every
+    coordinate of the spring laws. `locked` (t, 2) of pretensions: whether they are locked, and their present or locked
+    length. `pulls` (markers, 6) on interfaces and `lag` (2, modes) of the forces whose mean is given (`mean_work`)."""
 
     residual: np.ndarray
     outer: np.ndarray
@@ -192,7 +192,7 @@ def balance(
 
 
 def row_curvature(data: SceneData, layout: Layout, trial: Trial, V: np.ndarray) -> np.ndarray:
-    """V^T H V (rows,) of the rigid rows for velocities V (outer,): what their second derivative has beside C a."""
+    """V^T H V (rows,) of the rigid rows for velocities V (outer,): the part of their second derivative besides C a."""
     work = _Work(data, layout, None, trial)
     out = np.zeros(layout.rows)
     for n, item in enumerate(data.constraints):
@@ -202,7 +202,7 @@ def row_curvature(data: SceneData, layout: Layout, trial: Trial, V: np.ndarray) 
 
 
 class _Work:
-    """Residual and tangent of the outer unknowns (rigid, global modes, rows) being summed."""
+    """Residual and tangent of the retained unknowns (rigid, global modes, rows), accumulated."""
 
     def __init__(self, data: SceneData, layout: Layout, formula: Any, trial: Trial) -> None:
         self.data, self.layout, self.formula, self.trial = data, layout, formula, trial
@@ -219,7 +219,7 @@ class _Work:
             self.markers.append(marker_state(place, trial.r[max(b, 0)], trial.A[max(b, 0)], q))
 
     def rows(self, functions: list[Function], markers: tuple[int, int]) -> tuple[RowStates, np.ndarray]:
-        """Rows of two markers, and the unknowns that they touch, each once."""
+        """Rows of two markers, and their unknowns, each once."""
         a, b = (self.markers[m] for m in markers)
         found = row_states(functions, a, b)
         at_a, at_b = (self.layout.of_body(m.place.body, m.place.modes is not None) for m in (a, b))
@@ -231,7 +231,7 @@ class _Work:
         self, functions: list[Function], markers: tuple[int, int], lam: np.ndarray, columns: np.ndarray,
         change: np.ndarray,
     ) -> None:  # fmt: skip
-        """What rows with multipliers `lam` (k,) pull at their markers; `change` (k, c) of these by the unknowns
+        """Forces of rows with multipliers `lam` (k,) at their markers; `change` (k, c) of these by the unknowns
         `columns`."""
         if not any(m in self.pulls.change for m in markers):
             return
@@ -243,7 +243,7 @@ class _Work:
                 self.pulls.add(number, marker, rows, first, np.concatenate(at), lam, columns, change)
 
     def add_constraints(self, lam: np.ndarray, tensions: Tensions) -> tuple[np.ndarray, np.ndarray]:
-        """Rigid rows and pretensions: their multipliers on the bodies, and what they ask for. Returns the wrenches of
+        """Rigid rows and pretensions: their multipliers on the bodies, and their residuals. Returns the wrenches of
         unit multipliers and the values of all rows."""
         wrenches, values = np.zeros((len(lam), 6)), np.zeros(len(lam))
         groups: dict[tuple[int, int], list[int]] = {}
@@ -309,7 +309,7 @@ class _Work:
         rows, at = self.rows(list(spring.coordinates), spring.markers)
         e = rows.value.copy()
         for n, (kind, *_) in enumerate(spring.coordinates):
-            if kind in ANGLES:  # counts turns from the last accepted state
+            if kind in ANGLES:  # counts revolutions from the last accepted state
                 e[n] += TURN * np.round((stretch[first + n] - e[n]) / TURN)
         new[first : first + count] = e
         C, H = rows.force, rows.turning
@@ -355,7 +355,7 @@ class _Work:
 
     def _add_load(self, what: str, m: MarkerState, in_body: bool, components: tuple) -> None:
         value = np.array([float(s(self.trial.time)) for s in components])
-        local = value if in_body else m.A.T @ value  # in body axes; turns with the body's inverse where fixed in space
+        local = value if in_body else m.A.T @ value  # in body axes; rotates with the body's inverse if fixed in space
         b = m.place.body
         at = self.layout.of_body(b, m.place.modes is not None)
         n = len(at)
@@ -369,7 +369,7 @@ class _Work:
             pull, pull_change = np.concatenate([np.zeros(3), local]), np.concatenate([np.zeros((3, n)), turned])
         else:
             arm = m.A.T @ (m.x - m.r)
-            moved = m.A.T @ m.moved  # of the arm: what translation and turn of the body do is left out
+            moved = m.A.T @ m.moved  # of the arm: the effect of translation and rotation of the body is omitted
             moved[:, :6] = 0.0
             force[:3] = m.A @ local
             if in_body:

@@ -9,10 +9,10 @@ With w the angular velocity in body axes, J0 the inertia and the arrays J1 (k, 3
     torque    (J0 + dJ) wdot + dJ' w + sum_j g_j qddot_j + w x ((J0 + dJ) w + h),
     mode j    2 w.g'_j + wdot.g_j - w.P_j w/2.
 
-Geometric stiffening by rotation, K_c = sum_ab w_a w_b Kc_ab, is the energy q.K_c q/2 that a bent body takes from its
-turning because it is shorter, so it stands in J2 as -Kc.
+Geometric stiffening by rotation, K_c = sum_ab w_a w_b Kc_ab, is the energy q.K_c q/2 that bending takes from the
+rotation because the body becomes shorter, so it enters J2 as -Kc.
 
-Tangent. By a step's formulas dqdot = VEL dq, dqddot = ACC dq, and with the body turned by dtheta about its own axes
+Tangent. By a step's formulas dqdot = VEL dq, dqddot = ACC dq, and with the body rotated by dtheta about its own axes
 dw = VEL T^-1 dtheta, dwdot = ACC T^-1 dtheta. As G_ij = -G_ji and P'_j = 2 sum_i J2_ij qdot_i is the slope of dJ' by
 q_j,
 
@@ -42,12 +42,12 @@ class DeformationTerms:
 
     @property
     def count(self) -> int:
-        """Modes that carry inertia."""
+        """Modes with inertia terms."""
         return len(self.first)
 
 
 def deformation_terms(terms: InertiaTerms | None, level: str, stiffened: bool) -> DeformationTerms | None:
-    """The arrays of `terms` that `level` keeps; None where it keeps nothing."""
+    """The arrays of `terms` retained by `level`; None if there are none."""
     if terms is None or (level == "constant" and not stiffened):
         return None
     k = terms.modes
@@ -57,8 +57,8 @@ def deformation_terms(terms: InertiaTerms | None, level: str, stiffened: bool) -
 
 @dataclass(frozen=True, eq=False)
 class InertiaForces:
-    """Torque (3,) in body axes, modal forces (k,), and the blocks of the tangent: torque by turn (3, 3) and modes
-    (3, k), modes by turn (k, 3) and modes (k, k), the turn before T^-1; `energy` w.J w/2 + w.h."""
+    """Torque (3,) in body axes, modal forces (k,), and the blocks of the tangent: torque by rotation (3, 3) and modes
+    (3, k), modes by rotation (k, 3) and modes (k, k), the rotation before T^-1; `energy` w.J w/2 + w.h."""
 
     torque: np.ndarray
     modal: np.ndarray

@@ -2,7 +2,7 @@
 
 `REST`: vdot_1 = d/h^2, a proximal step towards the static state. `PROJECT`: one tiny implicit Euler step, velocities
 consistent with the joints. `BEGIN`: one tiny step of constant acceleration, consistent accelerations and multipliers.
-`FORGET`: a step by the implicit Euler method, which remembers no accelerations.
+`FORGET`: a step by the implicit Euler method, without memory of accelerations.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Formula:
         return (1.0 - c.alpha_m) / (c.beta * self.h**2 * (1.0 - c.alpha_f))
 
     def predicted(self, v0: np.ndarray, rate0: np.ndarray, a0: np.ndarray) -> np.ndarray:
-        """Increment that keeps the rate of the old state."""
+        """Increment for which the rate of the old state is kept."""
         c, h = self.coefficients, self.h
         a1 = (rate0 - c.alpha_m * a0) / (1.0 - c.alpha_m)
         return h * v0 + h * h * ((0.5 - c.beta) * a0 + c.beta * a1)

@@ -9,10 +9,10 @@ constraints by h^2. A contact enters by its gradients G (k, size), forces F (k, 
     full       K dense, factored by LAPACK (LU) in each iteration
     modified   the same factor kept over iterations and steps until convergence slows
     low_rank   local coordinates are diagonal in K and condensed, only rigid coordinates, modes and rows are dense
-               (and, for the law at nodes, Woodbury's identity with the nodes that carry)
+               (and, for the law at nodes, Woodbury's identity with the active nodes)
 
-Law "hats": F^T is solved for, the Schur complement `G K^-1 F^T + E` of the active tests (tens) gives ds; exact, and
-needed for E = 0. Law "nodes": full and modified add the contact stiffness `F^T E^-1 G` to K before factoring, the
+Law "hats": the solution for F^T gives the Schur complement `G K^-1 F^T + E` of the active tests (tens), and ds; exact,
+and required for E = 0. Law "nodes": full and modified add the contact stiffness `F^T E^-1 G` to K before factoring, the
 conventional way; low_rank uses the Schur complement (Woodbury's identity).
 """
 
@@ -74,7 +74,7 @@ def dense_jacobian(
 
 
 def _add(K: np.ndarray, at: np.ndarray, block: np.ndarray) -> None:
-    """K[at, at] += block by runs of consecutive numbers: some slices instead of a million single entries."""
+    """K[at, at] += block by runs of consecutive numbers: a few slices instead of a million single entries."""
     ends = np.concatenate([[0], np.flatnonzero(np.diff(at) != 1) + 1, [len(at)]])
     runs = [(slice(i, j), slice(at[i], at[i] + j - i)) for i, j in zip(ends[:-1], ends[1:], strict=True) if j > i]
     for rows, into in runs:
@@ -87,7 +87,7 @@ class Dense:
 
     def __init__(self, K: np.ndarray, coordinates: int) -> None:
         self.scale = _scales(K, coordinates)
-        rows = K.T  # C order: both passes run along memory
+        rows = K.T  # C order: both passes are contiguous in memory
         rows *= self.scale[:, None]
         rows *= self.scale
         self.factor, self.pivots, info = lapack.dgetrf(K, overwrite_a=True)
@@ -135,7 +135,7 @@ class LowRank:
 
 
 class Woodbury:
-    """K + sum L^T W of a factored K, W = -M R of contacts that have a stiffness and no multipliers.
+    """K + sum L^T W of a factored K, W = -M R of contacts with a stiffness and without multipliers.
 
     `(K + L^T W)^-1 r = y - X w`, `y = K^-1 r`, `X = K^-1 L^T`, `(1 + W X) w = W y`.
     """

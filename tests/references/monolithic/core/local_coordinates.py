@@ -1,20 +1,20 @@
-r"""Local coordinates of the contact surfaces of a body: a diagonal system, and its trace on the hats.
+r"""Local coordinates of the contact surfaces of a body: a diagonal system, and its trace on the grid nodes.
 
-    quasi-static   D = V diag(l) V^T (hat compliance): u = Tr xi, Tr = V |l|^1/2, kappa = sign l, no mass, so that
+    quasi-static   D = V diag(l) V^T (nodal compliance): u = Tr xi, Tr = V |l|^1/2, kappa = sign l, no mass, so that
                    Tr kappa^-1 Tr^T = D. Directions of D without compliance (|l| below `NO_COMPLIANCE` of the largest)
-                   are left out. Negative ones there are only where normals lean (`warpffrf.model.reduced.local_modes`).
+                   are omitted. Negative ones exist only with slopes of normals (`warpffrf.model.reduced.local_modes`).
     hht            the M-orthonormal modes of `warpffrf.model.reduced.local_modes`: Tr = trace, mu = 1, kappa = omega^2,
-                   c = 2 zeta omega, and the compliance of what was cut as quasi-static coordinates beside them.
+                   c = 2 zeta omega, and the compliance of the truncated part as additional quasi-static coordinates.
 
-Hat forces f load them with Tr^T f. One coordinate a hat, thousands a body: this is the conventional system on purpose.
+Nodal forces f load them with Tr^T f. One coordinate per node, thousands per body: the conventional system on purpose.
 
-With friction D is the compliance of hats and of both tangential tractions together, [[D, D_nt], [D_nt^T, D_tt]]
-(`warpffrf.model.reduced.contact_surface`), so that pressures move the surface sideways and tractions lift it: three
-coordinates a hat, quasi-static, `trace` and `shear` the rows of Tr.
+With friction D is the compliance of pressures and of both tangential tractions together, [[D, D_nt], [D_nt^T, D_tt]]
+(`warpffrf.model.reduced.contact_surface`), so that pressures displace the surface tangentially and tractions normally:
+three coordinates per node, quasi-static, `trace` and `shear` the rows of Tr.
 
-Several surfaces of a body that are loaded have quasi-static coordinates in common: D is then the compliance of all
-their functions, [[D_11, D_12], [D_12^T, D_22]] of two (`warpffrf.model.reduced.contact_surface`), and each surface has
-its rows of Tr. What loads on one surface do to another is in them.
+Several loaded surfaces of a body share quasi-static coordinates: D is then the compliance of all their functions,
+[[D_11, D_12], [D_12^T, D_22]] for two (`warpffrf.model.reduced.contact_surface`), and each surface has
+its rows of Tr. The coupling between the surfaces is included.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.local_modes import dynamic_modes, leant
 
 NO_COMPLIANCE = 1e-14  # of the largest eigenvalue of D: round-off of the decomposition
-MOST_COORDINATES = 6000  # a body: the dense Jacobian of two such bodies takes more than 1 GB
+MOST_COORDINATES = 6000  # per body: the dense Jacobian of two such bodies takes more than 1 GB
 TREATMENTS = ("quasi_static", "hht")
 # eigenproblems of thousands, minutes long: by reduced body and its loaded surfaces
 _KNOWN: WeakKeyDictionary[Any, dict[tuple[Loaded, ...], list[LocalCoordinates]]] = WeakKeyDictionary()
@@ -39,8 +39,8 @@ _KNOWN: WeakKeyDictionary[Any, dict[tuple[Loaded, ...], list[LocalCoordinates]]]
 
 @dataclass(frozen=True)
 class Loaded:
-    """A contact surface of a reduced body as a scene loads it: its name, with friction or without, and how much its
-    normals lean (`warpffrf.model.reduced.local_modes`)."""
+    """A contact surface of a reduced body as a scene loads it: its name, with friction or without, and the slope of its
+    normals (`warpffrf.model.reduced.local_modes`)."""
 
     name: str
     friction: bool
@@ -49,8 +49,8 @@ class Loaded:
 
 @dataclass(frozen=True, eq=False)
 class LocalCoordinates:
-    """trace (hats, n): hat coefficients of the outward normal displacement per coordinate; mass, damping, stiffness
-    (n,); shear (2, hats, n): displacements along both tangents, empty without friction."""
+    """trace (nodes, n): nodal coefficients of the outward normal displacement per coordinate; mass, damping, stiffness
+    (n,); shear (2, nodes, n): displacements along both tangents, empty without friction."""
 
     trace: np.ndarray
     mass: np.ndarray
@@ -65,8 +65,8 @@ class LocalCoordinates:
 
 
 def static_coordinates(reduced: Any, loaded: Sequence[Loaded], label: str) -> list[LocalCoordinates]:
-    """Quasi-static coordinates that the `loaded` surfaces of a body have in common: of each its traces, those of its
-    tangents too with friction. Raises `InputError` for surfaces too large to be treated in this way."""
+    """Quasi-static coordinates shared by the `loaded` surfaces of a body: of each its traces, with friction also those
+    of its tangents. Raises `InputError` for surfaces too large to be treated in this way."""
     surfaces = [reduced.contact_surfaces[one.name] for one in loaded]
     _refuse_many(
         sum((3 if one.friction else 1) * s.local_modes for one, s in zip(loaded, surfaces, strict=True)), label
@@ -89,7 +89,7 @@ def static_coordinates(reduced: Any, loaded: Sequence[Loaded], label: str) -> li
 
 
 def dynamic_coordinates(surface: Any, modes: Any, zeta: float, label: str) -> LocalCoordinates:
-    """Coordinates of `surface` with inertia: its dynamic `modes` (None: all that there are), of damping ratio `zeta`.
+    """Coordinates of `surface` with inertia: its dynamic `modes` (None: all), of damping ratio `zeta`.
     Raises `InputError` for surfaces too large to be treated in this way, and for a body that was reduced without the
     mass of its local modes."""
     _refuse_many(surface.local_modes, label)
@@ -123,7 +123,7 @@ def _refuse_many(count: int, label: str) -> None:
 
 
 def _own(surface: Any, friction: bool) -> np.ndarray:
-    """Compliance of a surface's hats, with friction of pressures and tractions together."""
+    """Compliance of a surface's grid nodes, with friction of pressures and tractions together."""
     columns = np.arange(surface.grid.columns)
     D = surface.compliance(columns)
     if not friction:
@@ -133,14 +133,14 @@ def _own(surface: Any, friction: bool) -> np.ndarray:
 
 
 def _between(reduced: Any, target: Loaded, source: Loaded) -> np.ndarray:
-    """The same of loads on one surface, seen at another."""
+    """The same for loads on one surface and displacements of another."""
     cross = reduced.cross_compliance(target.name, source.name)
     blocks = [["lags", "lags_nt"][: 1 + source.friction], ["lags_tn", "lags_tt"][: 1 + source.friction]]
     return np.block([[cross.whole(key) for key in row] for row in blocks[: 1 + target.friction]])
 
 
 def _root(D: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """V |l|^1/2 and the signs of l of D = V diag(l) V^T, without directions that have no compliance."""
+    """V |l|^1/2 and the signs of l of D = V diag(l) V^T, without directions of zero compliance."""
     eigenvalues, V = eigh(0.5 * (D + D.T))
     keep = np.abs(eigenvalues) > NO_COMPLIANCE * max(float(eigenvalues[-1]), 0.0)
     return V[:, keep] * np.sqrt(np.abs(eigenvalues[keep])), np.sign(eigenvalues[keep])

@@ -1,15 +1,15 @@
-r"""The mean over a step of forces through quadratic coordinates, which does the work of their potential exactly.
+r"""The mean over a step of forces through quadratic coordinates, with exactly the work of their potential.
 
 A force f through a coordinate c with gradient g, linear in q, has the mean (f_0 + f_1)/2 (g_0 + g_1)/2, whose work is
-that of f; the mean of f g at both ends misses it by C = -(f_1 - f_0)(g_1 - g_0)/4. Two kinds are about: the squares of
-the membrane energy, f = e_r, g = L_r q, and the second-order motion -q.K_c q/2 of a marker's interface, g = -K_c q,
-under the pull f (6,) of all rows and springs there, body axes. A step in time that remembers accelerations has on the
-modes the force Y_1 besides, and y_1 in their algorithmic acceleration,
+that of f; the mean of f g at both ends differs from it by C = -(f_1 - f_0)(g_1 - g_0)/4. There are two kinds: the
+squares of the membrane energy, f = e_r, g = L_r q, and the second-order motion -q.K_c q/2 of a marker's interface,
+g = -K_c q, under the force f (6,) of all rows and springs there, body axes. A step in time with memory of accelerations
+has on the modes the force Y_1 in addition, and y_1 in their algorithmic acceleration,
 
     gamma y_1 + (1 - gamma) y_0 = C,      (1 - alpha_f) Y_1 + alpha_f Y_0 = (1 - alpha_m) y_1 + alpha_m y_0.
 
-The pull of a row follows from what it is to the rigid coordinates of the marker's body, force F (world axes) and moment
-M about the centre of mass (body axes): with d the place of the marker and l its lever from the interface's point,
+The force of a row follows from its generalised force on the marker's body, force F (world axes) and moment
+M about the centre of mass (body axes): with d the position of the marker and l its lever from the interface's point,
 
     f = A^T F,      t = M + (l - d) x f.
 """
@@ -26,12 +26,12 @@ from references.monolithic.core.rotation import hat
 from references.monolithic.core.rows import MarkerState, RowStates
 from references.monolithic.core.state import Layout, State
 
-FORGETTING = (REST, PROJECT, BEGIN, FORGET)  # steps that remember no accelerations
+FORGETTING = (REST, PROJECT, BEGIN, FORGET)  # steps without memory of accelerations
 
 
 @dataclass(eq=False)
 class Pulls:
-    """What rows pull at markers whose interfaces move by a second-order part: `value` (markers, 6), and by marker its
+    """Forces of rows at markers whose interfaces have a second-order motion: `value` (markers, 6), and by marker its
     `change` (6, unknowns)."""
 
     value: np.ndarray
@@ -48,7 +48,7 @@ class Pulls:
         columns: np.ndarray, lam_change: np.ndarray,
     ) -> None:  # fmt: skip
         """Rows (k) with multipliers `lam` (k,), which change by `lam_change` (k, c) with the unknowns `columns` (c,);
-        the coordinates of the rows are the unknowns `at` (n,), those of the marker's body from `first` on."""
+        the coordinates of the rows are the unknowns `at` (n,), those of the marker's body starting at `first`."""
         own = slice(first, first + marker.moved.shape[1])
         turn = slice(first + 3, first + 6)
         A = marker.A

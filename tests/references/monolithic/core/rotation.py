@@ -3,8 +3,8 @@
     exp((psi + dpsi)^) = exp(psi^) exp((T dpsi)^),    T^-1(psi) = 1 + psi^/2 + k(a) psi^2,   a = |psi|,
     k = (1 - (a/2) cot(a/2))/a^2,      k'/a = (a^2/(4 sin^2(a/2)) + (a/2) cot(a/2) - 2)/a^4
 
-(Iserles, Munthe-Kaas, Norsett and Zanna 2000, eq. 2.41). The left inverse, from a turn about fixed axes to the change
-of psi, is the transpose. Below `SMALL` the closed forms lose digits and series stand in.
+(Iserles, Munthe-Kaas, Norsett and Zanna 2000, eq. 2.41). The left inverse, from a rotation about fixed axes to the
+change of psi, is the transpose. Below `SMALL` the closed forms lose digits and series are used.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ def hat(a: np.ndarray) -> np.ndarray:
 
 
 def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    """a x b of two vectors (3,); ten times faster than numpy.cross, which counts where thousands are taken."""
+    """a x b of two vectors (3,); ten times faster than numpy.cross, which is significant for thousands of calls."""
     return np.array([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
 
 
 def multiply(p: np.ndarray, q: np.ndarray) -> np.ndarray:
-    """Product of unit quaternions (x, y, z, w): first turn by q, then by p."""
+    """Product of unit quaternions (x, y, z, w): rotation by q, then by p."""
     v, w = p[:3], p[3]
     u, s = q[:3], q[3]
     product = np.array([*(w * u + s * v + cross(v, u)), w * s - v @ u])
@@ -54,7 +54,7 @@ def rotation_vector(A: np.ndarray) -> np.ndarray:
 
 def _k(a: float) -> tuple[float, float]:
     """k and k'/a."""
-    if not a < HUGE:  # an iteration that diverges: what it makes is refused where residuals are judged
+    if not a < HUGE:  # a diverging iteration: its result is refused by the check of residuals
         return np.nan, np.nan
     if a < SMALL:
         a2 = a * a
@@ -65,13 +65,13 @@ def _k(a: float) -> tuple[float, float]:
 
 
 def tangent_inverse(psi: np.ndarray) -> np.ndarray:
-    """T(psi)^-1 (3, 3): from a turn about the body's own axes to the change of psi."""
+    """T(psi)^-1 (3, 3): from a rotation about the body's own axes to the change of psi."""
     p = hat(psi)
     return np.eye(3) + 0.5 * p + _k(float(np.linalg.norm(psi)))[0] * (p @ p)
 
 
 def left_tangent(psi: np.ndarray) -> np.ndarray:
-    """T(psi)^T (3, 3): from a change of psi to the turn about fixed axes."""
+    """T(psi)^T (3, 3): from a change of psi to the rotation about fixed axes."""
     return np.linalg.inv(tangent_inverse(psi)).T
 
 

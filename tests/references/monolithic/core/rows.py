@@ -1,24 +1,24 @@
 r"""Rows of joints and springs: value, generalised force and the exact derivatives of both, in NumPy.
 
 A row is a scalar function c of two markers (kinds in `warpffrf.model.joints.base` and `model.forces.laws`). A marker
-stands on a body, or on an interface that moves by (u, theta) = Phi^T q about its point X_f:
+is fixed to a body, or to an interface that moves by (u, theta) = Phi^T q about its point X_f:
 
     x = r + A (X + u + theta x (X - X_f)),      R = A exp(theta^) L.
 
-Coordinates y of a body are dr (world), dtheta (body axes; the world turn is A dtheta) and dq. With T_l the left tangent
-of the rotation group,
+Coordinates y of a body are dr (world), dtheta (body axes; the world rotation is A dtheta) and dq. With T_l the left
+tangent of the rotation group,
 
-    dx = dr - (x - r)^ A dtheta + A (Phi_t^T dq - (X - X_f)^ Phi_r^T dq),    turn of R = A dtheta + A T_l Phi_r^T dq.
+    dx = dr - (x - r)^ A dtheta + A (Phi_t^T dq - (X - X_f)^ Phi_r^T dq),   rotation of R = A dtheta + A T_l Phi_r^T dq.
 
-Every kind has a force f and a torque t with dc = f.(dx_b - dx_a) + t.(turn_b - turn_a) for displacements of the
+Every kind has a force f and a torque t with dc = f.(dx_b - dx_a) + t.(rot_b - rot_a) for displacements of the
 material points at x_b. The generalised force is that wrench at x_b on b and its opposite on a,
 
     (f,  A^T ((x_b - r) x f + t),  Phi (A^T f,  A^T ((x_b - x) x f + t) + (X - X_f) x A^T f)),
 
-as in the separated solver: an interface takes the torque t itself, so that the modal part is the gradient of c to
-first order in theta. Where loads stiffen the body the interface moves by Phi^T q - q.K_k q/2 and Phi - K_k q takes the
-place of Phi. Both derivatives below are those of what is written here: `slope` of c, and `turning` of the
-generalised force. d(A^T M) = A^T (dM + M^ A dtheta); the kinds' df and dt follow from du = turn x u of an axis.
+as in the separated solver: the torque t acts on the interface itself, so that the modal part is the gradient of c to
+first order in theta. With geometric stiffness the interface moves by Phi^T q - q.K_k q/2 and Phi - K_k q replaces Phi.
+Both derivatives below are those of these formulas: `slope` of c, and `turning` of the generalised force.
+d(A^T M) = A^T (dM + M^ A dtheta); the kinds' df and dt follow from du = rotation x u of an axis.
 """
 
 from __future__ import annotations
@@ -70,8 +70,8 @@ class MarkerPlace:
 
 @dataclass(frozen=True, eq=False)
 class MarkerState:
-    """Where a marker is: x, R, origin r and axes A of its body, and what its body's coordinates do to it: `moved`
-    (3, n) of x, `turned` (3, n) of R, `carried` (3, n) turn of the body, all in world axes."""
+    """Position of a marker: x, R, origin r and axes A of its body, and their derivatives by its body's coordinates:
+    `moved` (3, n) of x, `turned` (3, n) of R, `carried` (3, n) rotation of the body, all in world axes."""
 
     place: MarkerPlace
     x: np.ndarray
@@ -85,7 +85,7 @@ class MarkerState:
 
 
 def marker_state(place: MarkerPlace, r: np.ndarray, A: np.ndarray, q: np.ndarray) -> MarkerState:
-    """The marker on its body at `r` with axes `A` (3, 3) and modal coordinates `q`; of the ground all are ignored."""
+    """The marker on its body at `r` with axes `A` (3, 3) and modal coordinates `q`; for the ground all are ignored."""
     if place.body < 0:
         zero = np.zeros(3)
         return MarkerState(place, place.point, place.axes, zero, np.eye(3), NO_COLUMNS, NO_COLUMNS, NO_COLUMNS)
@@ -119,8 +119,8 @@ class RowStates:
     wrench: np.ndarray
 
     def of_one_body(self) -> RowStates:
-        """The rows where both markers stand on one body, and y is its coordinates (n/2,) once: by the chain rule what
-        belongs to either marker adds up, and what the body does as a rigid one cancels."""
+        """The rows if both markers are on one body, and y is its coordinates (n/2,) once: by the chain rule the
+        contributions of both markers are added, and the rigid-body part cancels."""
         n = self.slope.shape[1] // 2
         first, second = slice(n), slice(n, 2 * n)
         turning = sum(self.turning[:, i, j] for i in (first, second) for j in (first, second))

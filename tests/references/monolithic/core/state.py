@@ -17,12 +17,12 @@ class State:
 
     r (B, 3) m: centres of mass; p (B, 4): quaternions (x, y, z, w); v, v_rate, v_alg (B, 3) world axes; w, w_rate,
     w_alg (B, 3) body axes; q, qd, qdd, q_alg (n,): global modes of all bodies, then all local coordinates; lam (rows,):
-    multipliers of the rigid rows; stretch: last values of all spring coordinates, which count turns; active (per pair):
-    contact pressures by number of hat or node; nodes (all nodes of pairs by their true shapes, k): what the law at
-    nodes remembers (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far; locked (t, 2): of each
-    pretension whether it holds its length, and the length [m]; film_nodes (functions of all films, 4), film_points
-    (points, 2), film_step (1,) [s]: what oil films remember (`films.film`); pulls (markers, 6), lag (2, modes): what
-    forces whose mean is given remember (`mean_work`).
+    multipliers of the rigid rows; stretch: last values of all spring coordinates, which count revolutions; active (per
+    pair): contact pressures by number of grid node or FE node; nodes (all nodes of pairs by their true shapes, k):
+    memory of the law at nodes (`nodal.pair`); lost (2,) [J]: by friction and by layers, so far; locked (t, 2): of each
+    pretension whether its length is locked, and the length [m]; film_nodes (functions of all films, 4), film_points
+    (points, 2), film_step (1,) [s]: memory of oil films (`films.film`); pulls (markers, 6), lag (2, modes): memory of
+    forces whose mean is given (`mean_work`).
     """
 
     time: float
@@ -67,10 +67,10 @@ class State:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Numbers of unknowns: 6 a body (translation in world, turn in body axes), global modes, `local` coordinates, rows.
+    """Numbers of unknowns: 6 per body (translation in world, rotation in body axes), global modes, `local`, rows.
 
     `mode_start` (B + 1,): first global mode of each body; `local_start`: first local coordinate of each contact
-    surface, counted in `q`, and `local_count`: surfaces of one body can have theirs in common.
+    surface, counted in `q`, and `local_count`: surfaces of one body can share theirs.
     """
 
     bodies: int
@@ -110,7 +110,7 @@ class Layout:
         return np.arange(self.mode_start[body], self.mode_start[body + 1])
 
     def of_body(self, body: int, flexible: bool) -> np.ndarray:
-        """Unknowns of a body: its six rigid ones, and its global modes where `flexible`."""
+        """Unknowns of a body: its six rigid ones, and its global modes if `flexible`."""
         if body < 0:
             return np.zeros(0, dtype=np.intp)
         rigid = 6 * body + np.arange(6)
@@ -119,12 +119,12 @@ class Layout:
         return np.concatenate([rigid, 6 * self.bodies + self.body_modes(body)])
 
     def of_surface(self, surface: int) -> np.ndarray:
-        """Unknowns that are the local coordinates of a contact surface."""
+        """Unknowns of the local coordinates of a contact surface."""
         return 6 * self.bodies + self.local_start[surface] + np.arange(self.local_count[surface])
 
 
 def layout_of(data: SceneData, counts: list[int], system_of: list[int]) -> Layout:
-    """Layout of a scene with so many local coordinates in each system of them, and of every contact surface the number
+    """Layout of a scene with these numbers of local coordinates in each system, and of every contact surface the number
     of its system."""
     mode_start = np.cumsum([0] + [len(b.stiffness) for b in data.bodies])
     starts = int(mode_start[-1]) + np.cumsum([0, *counts])

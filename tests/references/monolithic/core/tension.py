@@ -1,9 +1,9 @@
-"""Pretensions: which of them hold their length in a step, and what their rows ask for.
+"""Pretensions: which of them are locked in a step, and the residuals of their rows.
 
-Each has a row c and a multiplier lam behind those of the joints. Until it is locked lam is given, and the row reads
-(lam - F(t))/max(|F|, 1 N) = 0; then it is the constraint c - c_lock = 0, c_lock the value where the step began that is
-the first to begin at `lock_at` or later and to end later. Locking stops a length that moves, as an impact does: that
-step and the one after it remember no accelerations (`run`).
+Each has a row c and a multiplier lam after those of the joints. Until it is locked lam is given, and the row is
+(lam - F(t))/max(|F|, 1 N) = 0; then it is the constraint c - c_lock = 0, c_lock the value at the beginning of the first
+step that begins at `lock_at` or later and ends later. Locking stops a moving length, as an impact does: that
+step and the one after it have no memory of accelerations (`run`).
 """
 
 from __future__ import annotations
@@ -16,13 +16,13 @@ from references.monolithic.core.description import SceneData
 from references.monolithic.core.integrator import BEGIN, PROJECT, Formula
 from references.monolithic.core.state import State
 
-SAME_TIME = 1e-9  # of the step: what sums of steps leave of times that were meant to agree
-LEAST_FORCE = 1.0  # N: a pull is not measured against less
+SAME_TIME = 1e-9  # of the step: round-off of sums of steps relative to nominal times
+LEAST_FORCE = 1.0  # N: lower limit of the reference force
 
 
 @dataclass(frozen=True, eq=False)
 class Tensions:
-    """At the end of a step: rows (t,) of the multipliers, which of them hold, at which length, else how they pull."""
+    """At the end of a step: rows (t,) of the multipliers, which are locked, at which length, else their force."""
 
     rows: np.ndarray
     holds: np.ndarray
@@ -31,7 +31,7 @@ class Tensions:
 
     @property
     def scale(self) -> np.ndarray:
-        """What multipliers are measured by (t,) [N]."""
+        """Reference values of multipliers (t,) [N]."""
         return np.maximum(np.abs(self.force), LEAST_FORCE)
 
 

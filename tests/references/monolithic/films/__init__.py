@@ -1,1 +1,1 @@
-"""Oil films in the monolithic system: what their pressure is made of, their equations, and a Newton correction."""
+"""Oil films in the monolithic system: shape functions of their pressure, their equations, and a Newton correction."""

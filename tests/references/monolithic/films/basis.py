@@ -1,14 +1,14 @@
-r"""What the pressure of a film is made of: hats of the grid, or linear functions at the FE nodes of the first surface.
+r"""Pressure functions of a film: bilinear ones of the grid, or linear ones at the FE nodes of the first surface.
 
-Both are functions psi_i with a place each, given at points with weights w (m^2 of the true surface) by sparse matrices
-of values and of slopes along the surface. Displacements are those of the grid's hats at the points. Voids are lumped,
-m_i m^2 each, and cross the faces between neighbours i and j, whose normal [m] points from i to j and is as long as the
-face.
+Both are functions psi_i with a position each, given at points with weights w (m^2 of the true surface) by sparse
+matrices of values and of slopes along the surface. Displacements are those of the grid's nodes at the points. Cavity
+volumes are lumped, m_i m^2 each, and cross the faces between neighbours i and j, whose normal [m] points from i to j
+and has the length of the face.
 
-    hats    tensor products, 3 x 2 Gauss points a cell, boxes around the nodes: the law of the separated solver
+    hats    tensor products, 3 x 2 Gauss points per cell, boxes around the nodes: the law of the separated solver
     nodes   P1 on the triangles of the skin in the chart, six points each, boxes between perpendicular
-            bisectors around the nodes, which have no faces across the diagonals of rectangles, so that voids do not
-            spread across the stream; held are the nodes of the rim of the triangulation
+            bisectors around the nodes, without faces across the diagonals of rectangles, so that cavities do not
+            spread across the flow; the nodes of the rim of the triangulation are fixed
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from warpffrf.model.reduced.contact_grid import cell_edges
 AROUND, ALONG = 3, 2  # Gauss points of a cell
 # six points of degree four on a triangle (Dunavant 1985): h^3 of a gap that is linear, times a slope
 NEAR, FAR = (0.445948490915965, 0.223381589678011), (0.091576213509771, 0.109951743655322)  # place, weight
-NO_FACE = 1e-9  # of the side across which it stands: round-off of a right angle
-AT_END = 1e-6  # of a grid spacing: nodes on the outermost lines of a grid lie on it whatever round-off says
+NO_FACE = 1e-9  # of the side that it crosses: round-off of a right angle
+AT_END = 1e-6  # of a grid spacing: nodes on the outermost lines of a grid lie on it despite round-off
 
 Array = np.ndarray
 
@@ -35,8 +35,8 @@ Array = np.ndarray
 @dataclass(frozen=True, eq=False)
 class Basis:
     """theta, z, weight [m2] (points,); value, around, along (points, functions) sparse, the latter two slopes [1/m];
-    deform (points, hats) sparse; of the functions: place (theta, z), held, given [Pa], fed by a feed, area [m2]; faces
-    (faces, 2) functions and their normals (faces, 2) [m] around and along; to_grid (hats, functions) sparse."""
+    deform (points, nodes) sparse; of the functions: place (theta, z), held, given [Pa], fed by a feed, area [m2]; faces
+    (faces, 2) functions and their normals (faces, 2) [m] around and along; to_grid (nodes, functions) sparse."""
 
     theta: Array
     z: Array
@@ -71,8 +71,8 @@ def metric(shape: Any, z: Array) -> tuple[Array, Array]:
 
 
 def _line(nodes: int, closed: bool, count: int) -> tuple[Array, Array, Any, Any]:
-    """On a line of nodes one apart: cell and place (points,) in it of `count` Gauss points a cell, values and slopes
-    (points, nodes)."""
+    """On a line of nodes with unit spacing: cell and position (points,) in it of `count` Gauss points per cell, values
+    and slopes (points, nodes)."""
     x, _ = np.polynomial.legendre.leggauss(count)
     cells = nodes if closed else nodes - 1
     cell, at = np.repeat(np.arange(cells), count), np.tile(0.5 * (x + 1.0), cells)
@@ -85,7 +85,7 @@ def _line(nodes: int, closed: bool, count: int) -> tuple[Array, Array, Any, Any]
 
 
 def hat_basis(film: Any) -> Basis:
-    """The hats of the grid of `film`."""
+    """The bilinear functions of the grid of `film`."""
     shape, grid = film.a.surface.shape, film.grid
     columns, rows = grid.columns, grid.rows
     cell, u, across, rise = _line(columns, grid.periodic, AROUND)
@@ -137,7 +137,7 @@ def _boxes(grid: Any, shape: Any) -> tuple[Array, Array, Array]:
 
 
 def node_basis(film: Any) -> Basis:
-    """Linear functions at the nodes of the first body's skin that lie on the grid of `film`. Raises `InputError` where
+    """Linear functions at the nodes of the first body's skin that lie on the grid of `film`. Raises `InputError` if
     there are none, and for feeds that cover none of them."""
     surface, skin = film.a.surface, film.a.body.reduced.surface
     grid, shape = surface.grid, surface.shape
@@ -199,7 +199,7 @@ def node_basis(film: Any) -> Basis:
 
 
 def _nodes(film: Any, places: Array) -> tuple[Array, Array, Array, Array]:
-    """theta, z and grid columns of places (n, 3), and which of them lie on the grid of `film`."""
+    """theta, z and grid columns of points (n, 3), and which of them lie on the grid of `film`."""
     grid, shape = film.grid, film.a.surface.shape
     theta, z, distance = shape.chart(places)
     size = shape.size or max(float(grid.z[-1] - grid.z[0]), float(grid.pitch * grid.columns))
@@ -217,7 +217,7 @@ def _nodes(film: Any, places: Array) -> tuple[Array, Array, Array, Array]:
 
 
 def _rule() -> tuple[Array, Array]:
-    """Barycentric places (6, 3) and weights (6,)."""
+    """Barycentric coordinates (6, 3) and weights (6,)."""
     bary, part = [], []
     for place, weight in (NEAR, FAR):
         for corner in range(3):
@@ -229,8 +229,8 @@ def _rule() -> tuple[Array, Array]:
 
 
 def _bisectors(corner: Array, at: Array, shape: Any) -> tuple[Array, Array, Array]:
-    """Faces of the boxes that perpendicular bisectors make around nodes, their normals, and the nodes on the rim. A
-    side and the cotangent of the angle across from it make its face; what would be shorter than nothing is nothing."""
+    """Faces of the boxes formed by perpendicular bisectors around nodes, their normals, and the nodes on the rim. A
+    face is half a side times the cotangent of the opposite angle; negative lengths are set to zero."""
     scale = np.stack(metric(shape, at.mean(axis=1)[:, 1]), axis=1)
     pairs, sides, lengths = [], [], []
     for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
@@ -249,7 +249,7 @@ def _bisectors(corner: Array, at: Array, shape: Any) -> tuple[Array, Array, Arra
 
 
 def _to_grid(film: Any, corner: Array, at: Array, nodes: int, period: float) -> Any:
-    """(hats, functions): values at the nodes of the grid, in the triangle that holds each."""
+    """(nodes, functions): values at the nodes of the grid, in the triangle that contains each."""
     grid = film.grid
     theta, z = (x.ravel() for x in np.meshgrid(film.theta, grid.z, indexing="ij"))
     a, b = at[:, 1] - at[:, 0], at[:, 2] - at[:, 0]

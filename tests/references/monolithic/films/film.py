@@ -1,27 +1,28 @@
 r"""A film in the monolithic system: its gaps, balances and forces at a trial state, and their derivatives.
 
 At a point x of the first body A, fixed in its material, with the signed distance d_B from the second surface, n its
-gradient there, the outward displacements N q of A and what the forms of both surfaces take away,
+gradient there, the outward displacements N q of A and the profile depths of both surfaces,
 
     h = d_B(x) + form - N q,       U = (u_B - u_A)/2,       k = h^3/(12 mu(p)),
 
-and the functions psi_i of `basis` with pressures p_i and voids D_i, the balance of the oil of each is
+and the functions psi_i of `basis` with pressures p_i and cavity volumes D_i, the oil balance of each is
 
     R_i = sum_k w_k [grad psi_i.(k grad p - h U) + psi_i delta_t h] - m_i delta_t D_i - (T D)_i,
 
-T D the voids that leave with U across the faces, upwind. Either D_i = 0 or p_i = 0 where no pressure is given.
+T D the cavity volumes leaving with U across the faces, upwind. Either D_i = 0 or p_i = 0 if no pressure is given.
 delta_t f = a_0 f + a_1 f_(n-1) + a_2 f_(n-2) is BDF2 of variable step in the run, Euler's rule in its first step and in
-static ones, which have the velocities that the scene begins with and the turning of A about its own axis in U, as what
-is steady there stands in space. The pressure pushes A along n, and B back at the same x, and drags it by the shear of
+static ones. Static steps have the initial velocities of the scene and the rotation of A about its own axis in U, as a
+steady film is fixed in space. The pressure pushes A along n, and B back at the same x, and drags it by the shear of
 B's wall,
 
     tau = mu (u_B - u_A)(1 - D/h)/h + (h/2) grad p,
 
-and loads its coordinates by -N^T w p: the derivative of h. Under "reynolds" D is a slack that does not travel,
-"half_sommerfeld" pushes with pressures above zero only, "full_sommerfeld" with all.
+and loads its coordinates by -N^T w p: the derivative of h. Under "reynolds" D is a slack that is not transported,
+"half_sommerfeld" applies only pressures above zero, "full_sommerfeld" all.
 
-Derivatives by p, D and q are those of what is written here. Those by the six coordinates of each body, which move the
-points, the normals and the velocities at once, are central differences of R and of the forces, `STEP` of the gap wide.
+Derivatives by p, D and q are those of these formulas. Those by the six coordinates of each body, which move the
+points, the normals and the velocities at once, are central differences of R and of the forces, with the step `STEP` of
+the gap.
 """
 
 from __future__ import annotations
@@ -39,14 +40,14 @@ from references.monolithic.films.basis import Basis
 from warpffrf.model import rotation as rot
 
 Array = np.ndarray
-STEP = 1e-4  # of the middle gap: truncation 1e-8 of h^3, as round-off of places of 0.1 m
-TURNS = 30.0  # of the oil in the longest static step: each leaves a thirtieth of what was not steady
-TRAVELS = ("jfo", "reynolds")  # words of `cavitation` that have voids
+STEP = 1e-4  # of the middle gap: truncation 1e-8 of h^3, as round-off of positions of 0.1 m
+TURNS = 30.0  # revolutions of the oil in the longest static step: each leaves a thirtieth of the unsteady part
+TRAVELS = ("jfo", "reynolds")  # values of `cavitation` with cavity volumes
 
 
 @dataclass(frozen=True, eq=False)
 class Pose:
-    """Both bodies: places of their centres of mass, axes, velocities (world) and angular velocities (own axes)."""
+    """Both bodies: positions of their centres of mass, axes, velocities (world) and angular velocities (own axes)."""
 
     r: tuple[Array, Array]
     A: tuple[Array, Array]
@@ -79,15 +80,14 @@ class Sight:
 
 @dataclass(frozen=True, eq=False)
 class Places:
-    """Places (n, 3) [m] of A about its centre of mass, and unit vectors around and along (2, n, 3)."""
+    """Points (n, 3) [m] of A about its centre of mass, and unit vectors around and along (2, n, 3)."""
 
     x: Array
     e: Array
 
 
 class FilmData:
-    """What of a film does not change; `columns`: the unknowns it touches, six of A, six of B if that moves, A's
-    modes."""
+    """The constant data of a film; `columns`: its unknowns, six of A, six of B if that moves, A's modes."""
 
     def __init__(
         self, film: Any, basis: Basis, layout: Layout, surface: int, local: LocalCoordinates, before: FilmData | None
@@ -126,11 +126,11 @@ class FilmData:
 
     @property
     def count(self) -> int:
-        """Unknown pressures, or voids in their place."""
+        """Unknown pressures, or cavity volumes instead."""
         return len(self.free)
 
     def places(self, theta: Array, z: Array) -> Places:
-        """Of places of the chart of A."""
+        """Of points of the chart of A."""
         around = np.asarray(self.shape.around(theta))
         if not self.shape.profile().planar:
             around = around * self.shape.side
@@ -139,7 +139,7 @@ class FilmData:
         return Places(self.shape.point(theta, z) - self.center, np.stack([around, along]))
 
     def pose(self, trial: Any, static: bool) -> Pose:
-        """Of both bodies; in static steps with the velocities that the scene begins with."""
+        """Of both bodies; in static steps with the initial velocities of the scene."""
         sides = []
         for body, (v, w) in zip((self.a, self.b), self.rest, strict=True):
             if body < 0:
@@ -150,7 +150,7 @@ class FilmData:
         return Pose(*((a, b) for a, b in zip(*sides, strict=True)))
 
     def sight(self, pose: Pose, at: Places, static: bool) -> Sight:
-        """What is seen of B from places of A."""
+        """Position relative to B of points of A."""
         (A_a, A_b), (v_a, v_b), (w_a, w_b) = pose.A, pose.v, pose.w
         arm = (pose.r[0] - pose.r[1]) + at.x @ A_a.T  # from B's centre of mass, world
         y = arm @ A_b
@@ -173,7 +173,7 @@ class FilmData:
         return Sight(distance, by[0], by[1], pull(n), (pull(at.e[0]), pull(at.e[1])))
 
     def slowness(self) -> float:
-        """Time [s] that voids take around the film with the velocities that the scene begins with; 0 without any."""
+        """Time [s] of transport around the film with the initial velocities of the scene; 0 without any."""
         bodies = (self.film.a.body, self.film.b.body)
         sides = []
         for body, index, (v, w) in zip(bodies, (self.a, self.b), self.rest, strict=True):
@@ -187,14 +187,14 @@ class FilmData:
         return length / speed if speed > 0.0 else 0.0
 
     def _lift(self, local: LocalCoordinates) -> Array:
-        """How far given pressures open the gap at the hats (hats,) [m] by local modes."""
+        """Opening of the gap at the nodes (nodes,) [m] by local modes under given pressures."""
         b = self.basis
         load = b.deform.T @ (b.weight * (b.value @ b.given))
         return local.trace @ ((local.trace.T @ load) / local.stiffness)
 
 
 def _initial_velocities(body: Any) -> tuple[Array, Array]:
-    """Of the centre of mass (world) and angular (own axes); of the ground none."""
+    """Of the centre of mass (world) and angular (own axes); zero for the ground."""
     if body.index < 0:
         return np.zeros(3), np.zeros(3)
     A = rot.matrix(body.rotation)
@@ -207,8 +207,8 @@ def _initial_velocities(body: Any) -> tuple[Array, Array]:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """What a film keeps of accepted steps: pressure [Pa], void [m], full and the void of the step before (functions,);
-    gap (points, 2) [m] of both; step [s] between them, 0 of none."""
+    """Memory of a film from accepted steps: pressure [Pa], cavity volume [m], full, and the cavity volume of the step
+    before (functions,); gap (points, 2) [m] of both; step [s] between them, 0 if there is none."""
 
     pressure: Array
     void: Array
@@ -219,19 +219,19 @@ class Memory:
 
     @classmethod
     def of(cls, data: FilmData, state: State) -> Memory:
-        """In a state."""
+        """Read from a state."""
         pressure, void, full, before = state.film_nodes[data.in_nodes].T
         return cls(pressure, void, full > 0.5, before, state.film_points[data.in_points], float(state.film_step[0]))
 
     def keep(self, data: FilmData, state: State) -> None:
-        """Put it into a state."""
+        """Write into a state."""
         state.film_nodes[data.in_nodes] = np.stack([self.pressure, self.void, self.full, self.void_before], axis=1)
         state.film_points[data.in_points] = self.gap
         state.film_step[0] = self.step
 
 
 def begin_films(films: list[FilmData], state: State) -> None:
-    """Room for all films in the state, full and under the pressures that are given."""
+    """Storage for all films in the state, full and under the given pressures."""
     state.film_nodes = np.zeros((sum(data.basis.functions for data in films), 4))
     state.film_points = np.zeros((sum(len(data.basis.weight) for data in films), 2))
     for data in films:
@@ -241,7 +241,7 @@ def begin_films(films: list[FilmData], state: State) -> None:
 
 @dataclass(frozen=True, eq=False)
 class Rates:
-    """delta_t = a0 f + past, with the past of gaps (points,) and voids (functions,); whether the step is static."""
+    """delta_t = a0 f + past, with the past of gaps (points,) and cavities (functions,); whether the step is static."""
 
     a0: float
     gap: Array
@@ -250,7 +250,7 @@ class Rates:
 
 
 def rates_of(data: FilmData, memory: Memory, formula: Formula, stretch: float) -> Rates:
-    """Of a step; static ones last `stretch` times as long for films."""
+    """Of a step; static ones are `stretch` times as long for films."""
     static = formula.coefficients is REST
     h = formula.h * stretch if static else formula.h
     a0, a1, a2 = 1.0 / h, -1.0 / h, 0.0
@@ -266,7 +266,7 @@ def rates_of(data: FilmData, memory: Memory, formula: Formula, stretch: float) -
 
 @dataclass(frozen=True, eq=False)
 class Unknowns:
-    """pressure [Pa], void [m] and full (functions,): pressures unknown where full, else voids."""
+    """pressure [Pa], cavity volume [m] and full (functions,): pressures unknown if full, else cavity volumes."""
 
     pressure: Array
     void: Array
@@ -275,7 +275,7 @@ class Unknowns:
 
 @dataclass(frozen=True, eq=False)
 class Fluid:
-    """At points: p and its slopes around and along (n, 2), mu, mu'/mu, void, pressure that pushes."""
+    """At points: p and its slopes around and along (n, 2), mu, mu'/mu, cavity volume, applied pressure."""
 
     pressure: Array
     slope: Array
@@ -298,7 +298,7 @@ class FilmState:
             p, np.stack([b.around @ x.pressure, b.along @ x.pressure], axis=1), mu, steep / mu, b.value @ x.void,
             np.maximum(p, 0.0) if data.half else p,
         )  # fmt: skip
-        self.displacement = data.phi @ trial.q[data.modes]  # of the hats, outwards
+        self.displacement = data.phi @ trial.q[data.modes]  # of the nodes, outwards
         self.sight = data.sight(self.pose, data.points, rates.static)
         self.gap = self.gap_of(self.sight)
         self.through = self.flux(self.pose)
@@ -311,14 +311,14 @@ class FilmState:
         return sight.distance + self.data.form - self.data.basis.deform @ self.displacement
 
     def flux(self, pose: Pose) -> Array:
-        """What U carries across the faces (faces,) [m2/s] from the first function to the second."""
+        """Transport by U across the faces (faces,) [m2/s] from the first function to the second."""
         data = self.data
         carried = data.sight(pose, data.nodes, self.rates.static).carried
         i, j = data.basis.faces.T
         return np.sum(0.5 * (carried[i] + carried[j]) * data.basis.normals, axis=1)
 
     def leaving(self, through: Array) -> Any:
-        """T (functions, functions): what voids leave with, of each function."""
+        """T (functions, functions): outflow of the cavity volumes of each function."""
         i, j = self.data.basis.faces.T
         n, out, back = self.data.basis.functions, np.maximum(through, 0.0), np.maximum(-through, 0.0)
         own = sparse.coo_matrix((np.concatenate([out, back]), (np.concatenate([i, j]),) * 2), shape=(n, n))
@@ -369,7 +369,7 @@ class FilmState:
         return float(np.abs(self.rest[self.data.free]).max(initial=0.0)) / float(size.max())
 
     def blur(self, extent: float) -> float:
-        """What round-off of gaps, 1e-16 of the `extent` [m] of places, makes of `off`."""
+        """Contribution of the round-off of gaps, 1e-16 of the `extent` [m] of positions, to `off`."""
         b = self.data.basis
         flow, _ = self.flows(self.gap, self.sight)
         size = abs(b.around.T) @ np.abs(flow[:, 0]) + abs(b.along.T) @ np.abs(flow[:, 1])
@@ -437,12 +437,12 @@ class FilmState:
         return R_x, F_x, h_x
 
     def remembered(self, memory: Memory, step: float) -> Memory:
-        """What the next step has to know, after `memory`; step [s]: 0 of static ones, which begin the history anew."""
+        """Memory for the next step, after `memory`; step [s]: 0 for static ones, which restart the history."""
         gap = np.stack([self.gap, memory.gap[:, 0]], axis=1)
         return Memory(self.x.pressure, self.x.void, self.x.full, memory.void, gap, step)
 
     def begun(self, memory: Memory) -> Memory:
-        """The same after a tiny step, which leaves its pressures alone."""
+        """The same after a tiny step, which changes its pressures only."""
         return Memory(self.x.pressure, memory.void, self.x.full, memory.void_before, memory.gap, 0.0)
 
 

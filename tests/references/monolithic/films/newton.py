@@ -1,14 +1,14 @@
-r"""A Newton correction of the whole system with films: coordinates, rows, pressures and voids at once.
+r"""A Newton correction of the whole system with films: coordinates, rows, pressures and cavity volumes at once.
 
-With K the Jacobian of the system without films, z its unknowns, x the pressures of full functions and the voids of the
-others, F the generalised forces of the films and R their balances,
+With K the Jacobian of the system without films, z its unknowns, x pressures of full functions and cavity volumes
+of the others, F the generalised forces of the films and R their balances,
 
     [ K - dF/dz   -dF/dx ] [dz]       [ r - F ]
     [ dR/dz        dR/dx ] [dx]  =  - [   R   ].
 
-Nothing is condensed: the matrix is dense and factored by LAPACK. Columns of pressures and voids, which differ by twelve
-orders, are scaled to one, and so are the rows of R. No gap is taken further than to `CLOSEST` of the smallest, and the
-set changes once an iteration: what has no pressure left is void from then on, and full what has no void.
+Nothing is condensed: the matrix is dense and factored by LAPACK. Columns of pressures and cavity volumes, which differ
+by twelve orders, are scaled to one, and so are the rows of R. No gap is reduced below `CLOSEST` of the smallest; the
+set changes once per iteration: functions without pressure become cavitated, those without cavity volume become full.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from references.monolithic.films.film import FilmSlopes, FilmState, Unknowns
 
 lapack: Any = _lapack  # routines made at import, unknown to type checkers
 Array = np.ndarray
-CLOSEST = 0.2  # of the smallest gap: what an iteration leaves of it
-GUARD = 0.5  # of the gaps where a step begins: what its prediction leaves of them
-NO_VOID = 1e-13  # of the clearance: round-off of a void
-MAX_ITERATIONS = 60  # sets change once an iteration, fronts by few functions in each
+CLOSEST = 0.2  # of the smallest gap: lower limit of the gap after an iteration
+GUARD = 0.5  # of the gaps at the beginning of a step: lower limit of the prediction
+NO_VOID = 1e-13  # of the clearance: round-off of a cavity volume
+MAX_ITERATIONS = 60  # sets change once per iteration, fronts by few functions in each
 
 
 def correction(
     K: Array, coordinates: int, residual: Array, films: list[FilmState], slopes: list[FilmSlopes]
 ) -> tuple[Array, list[Array]]:
-    """Changes of the unknowns of the system, and of each film those (functions,) of pressures or voids. Raises
-    `SingularError`, and `FloatingPointError` for numbers beyond all bounds."""
+    """Changes of the unknowns of the system, and for each film those (functions,) of pressures or cavity volumes.
+    Raises `SingularError`, and `FloatingPointError` for overflow."""
     n = len(K)
     sizes = [film.data.count for film in films]
     whole = np.zeros((n + sum(sizes),) * 2, order="F")
@@ -85,7 +85,7 @@ def _square(slope: FilmSlopes, n: int) -> Array:
 
 
 def part_of(films: list[FilmState], slopes: list[FilmSlopes], z: Array) -> float:
-    """How much of the changes may be taken so that no gap closes."""
+    """Largest fraction of the changes for which no gap closes."""
     part = 1.0
     for film, slope in zip(films, slopes, strict=True):
         data, own = film.data, z[film.data.columns]
@@ -97,7 +97,7 @@ def part_of(films: list[FilmState], slopes: list[FilmSlopes], z: Array) -> float
 
 
 def taken(film: FilmState, change: Array, part: float) -> tuple[Unknowns, bool]:
-    """What `part` of the change leads to, and whether the set is another then."""
+    """The result of the fraction `part` of the change, and whether the set changed."""
     data, x = film.data, film.x
     unknown = ~data.basis.held
     full = x.full & unknown
@@ -110,7 +110,7 @@ def taken(film: FilmState, change: Array, part: float) -> tuple[Unknowns, bool]:
 
 
 def guard(gaps: list[tuple[Array, Array]], x: Increment) -> None:
-    """Shorten increments that are foretold to `GUARD` of the gaps; gaps: of each film before, and at the increments."""
+    """Limit predicted increments to `GUARD` of the gaps; gaps: of each film before, and at the increments."""
     part = 1.0
     for before, ahead in gaps:
         closing = before - ahead

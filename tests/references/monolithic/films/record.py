@@ -1,4 +1,4 @@
-"""What is saved of a film: its force, its sums, and its fields at the nodes of the grid."""
+"""Saved results of a film: its force, its sums, and its fields at the nodes of the grid."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ FILM_NUMBERS = 9 + len(SUMS)
 @dataclass(frozen=True, eq=False)
 class FilmRow:
     """numbers (FILM_NUMBERS,): force on A, moments on A and B about their centres of mass, own axes, then `SUMS`;
-    fields (hats,) by name."""
+    fields (nodes,) by name."""
 
     numbers: Array
     fields: dict[str, Array]
 
 
 def film_row(film: FilmState, void: Array) -> FilmRow:
-    """Of a film at a step's end; void (functions,) [m]: that it keeps, which a tiny step of the start leaves alone."""
+    """Of a film at a step's end; void (functions,) [m]: cavity volume, unchanged by a tiny step of the start."""
     data, b, x = film.data, film.data.basis, film.x
     w, f, h, s = b.weight, film.fluid, film.gap, film.sight
     force = film.total[:3]
@@ -61,8 +61,8 @@ def _about_origin(film: FilmState) -> Array:
 def film_arrays(
     data: FilmData, numbers: Array, fields: list[Array], arms: list[Array], turns: list[Array]
 ) -> dict[str, Any]:
-    """Fields of `FilmForces` of the rows (T, FILM_NUMBERS) of a film and its `fields` (T, hats); of both bodies the way
-    (T, 3) [m] from the user origin to the centre of mass and the axes (T, 3, 3)."""
+    """Fields of `FilmForces` of the rows (T, FILM_NUMBERS) of a film and its `fields` (T, nodes); of both bodies the
+    vector (T, 3) [m] from the user origin to the centre of mass and the axes (T, 3, 3)."""
     T, force, grid = len(numbers), numbers[:, :3], data.film.grid
     first, second = (np.einsum("tij,tj->ti", turns[n], numbers[:, 3 + 3 * n : 6 + 3 * n]) for n in range(2))
     found = {name: numbers[:, 9 + n].copy() for n, name in enumerate(SUMS)}

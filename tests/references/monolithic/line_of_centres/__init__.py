@@ -1,1 +1,1 @@
-"""Contact on the line of centres: gaps and forces of tests, by hats or nodes of the first surface."""
+"""Contact with parallel-axes kinematics: gaps and forces of tests, by grid nodes or FE nodes of the first surface."""

@@ -1,14 +1,14 @@
-r"""Contact frame of two surfaces of revolution at axial stations of the first, with all derivatives.
+r"""Contact frame of two surfaces of revolution at axial sections of the first, with all derivatives.
 
-The geometry is that of the separated solver (`warpffrf_kernels.kinematics.line_of_centres`): at the axial station z of
-A, `a = O_A + z e_A`; b is where B's axis pierces the section; d = |b - a|, c = (b - a)/d, t = e_A x c. The gap along c
-at the angle xi from c and the wrench of a unit pressure are
+The geometry is that of the separated solver (`warpffrf_kernels.kinematics.line_of_centres`): in the axial section z of
+A, `a = O_A + z e_A`; b is where B's axis pierces the section; d = |b - a|, c = (b - a)/d, t = e_A x c. The gap
+along c at the angle xi from c and the wrench of a unit pressure are
 
     g = d - sqrt(R_B^2 - y^2) - R_A cos xi,   y = R_A sin xi,
     f on B at b, -f on A,     f = c - e_A (c.e_B)/(e_A.e_B) + e_A R_B'/(e_A.e_B).
 
-Here everything is differentiated by the twelve rigid coordinates of the pair, dr_A, dtheta_A, dr_B, dtheta_B (world
-translations, turns in body axes), by the chain rule: an axis e of a body turns by `A dtheta x e`. Derivatives stand
+All quantities are differentiated by the twelve rigid coordinates of the pair, dr_A, dtheta_A, dr_B, dtheta_B (world
+translations, rotations in body axes), by the chain rule: an axis e of a body changes by `A dtheta x e`. Derivatives are
 in the last axis of the arrays called d_*.
 """
 
@@ -22,13 +22,13 @@ import numpy as np
 from references.monolithic.core.rotation import hat
 
 RIGID = 12
-SLACK = 1e-9  # of the width: nodes at the very ends of equal surfaces face each other whatever round-off says
+SLACK = 1e-9  # of the width: nodes at the very ends of equal surfaces face each other despite round-off
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
     """A contact surface on its body, about the centre of mass: body number, chart origin (3,) and frame (3, 3, columns
-    e_0 of the grid, e_1, e_a), shape, grid, and columns of a full turn (0 on an arc)."""
+    e_0 of the grid, e_1, e_a), shape, grid, and columns of a full revolution (0 on an arc)."""
 
     body: int
     origin: np.ndarray
@@ -51,7 +51,7 @@ def side_of(port: Any) -> Side:
 
 @dataclass(frozen=True, eq=False)
 class Stations:
-    """At S stations: distance d, grid column of the line of centres on A and B, axial place on B, t.e_B, c.e_B, whether
+    """At S sections: distance d, grid column of the line of centres on A and B, axial place on B, t.e_B, c.e_B, whether
     B is opposite, and the generalised force (S, 12) of a unit pressure integral; derivatives (S, 12), (S, 12, 12)."""
 
     d: np.ndarray
@@ -80,7 +80,7 @@ def _column(u: np.ndarray, du: np.ndarray, grid: Any) -> tuple[np.ndarray, np.nd
 
 
 def _near(x: np.ndarray, pitch: float, middle: float) -> np.ndarray:
-    """Columns x on the branch nearest to `middle`, jumps between stations taken out."""
+    """Columns x on the branch nearest to `middle`, without jumps between sections."""
     turn = 2.0 * np.pi / pitch
     first = x[0] - turn * np.floor((x[0] - middle) / turn + 0.5)
     return x - turn * np.floor((x - first) / turn + 0.5)
@@ -89,7 +89,7 @@ def _near(x: np.ndarray, pitch: float, middle: float) -> np.ndarray:
 def stations(
     a: Side, b: Side, z: np.ndarray, r_a: np.ndarray, A_a: np.ndarray, r_b: np.ndarray, A_b: np.ndarray
 ) -> Stations:
-    """Contact frame at the axial places z (S,) of A for bodies at r, A (see the module)."""
+    """Contact frame at the axial positions z (S,) of A for bodies at r, A (see the module)."""
     S = len(z)
     F_a, F_b = A_a @ a.frame, A_b @ b.frame
     e_a, e_b = F_a[:, 2], F_b[:, 2]

@@ -1,17 +1,17 @@
 r"""A contact pair in the monolithic system: gaps of its tests, the forces of their multipliers, and their derivatives.
 
-With q the coordinates (global and local) of each body, Phi the traces on hats and T the tests (`sampling`)
+With q the coordinates (global and local) of each body, Phi the traces on grid nodes and T the tests (`sampling`)
 
-    g_i = sum_p T_pi (g_p(x) - N_p(x).Phi_B q_B) - W_i.Phi_A q_A,      N_p: B's hats at the point opposite p,
+    g_i = sum_p T_pi (g_p(x) - N_p(x).Phi_B q_B) - W_i.Phi_A q_A,      N_p: B's shape functions at the point opposite p,
 
 and multipliers s >= 0 act with the pressure `P_p = sum_i T_pi s_i` at the points: on the twelve rigid coordinates
-`sum_p P_p Q_s(p)` (Q of the station, `frame`), on B's coordinates `-Phi_B^T N^T P`, on A's `-(W Phi_A)^T s`.
-Law: 0 <= s, g + E s >= 0, s (g + E s) = 0; E = 0 for hats, E = 1/(k a_i) for nodes of share a_i under a surface layer
-of stiffness k [Pa/m].
+`sum_p P_p Q_s(p)` (Q of the section, `frame`), on B's coordinates `-Phi_B^T N^T P`, on A's `-(W Phi_A)^T s`.
+Law: 0 <= s, g + E s >= 0, s (g + E s) = 0; E = 0 for grid nodes, E = 1/(k a_i) for FE nodes of share a_i under a
+surface layer of stiffness k [Pa/m].
 
-Derivatives. All of g_p, the place opposite and Q depend on the rigid coordinates x, also through the angles at which
+Derivatives. All of g_p, the opposite point and Q depend on the rigid coordinates x, also through the angles at which
 the line of centres meets the grids: `gap_slope` (n, 12) is the full dg/dx. It is not the transpose of the force,
-because the wrench leaves the change of those angles out. `turning` are the derivatives of the forces on rigid
+because the wrench omits the change of those angles. `turning` are the derivatives of the forces on rigid
 coordinates and on B's modes by x. With xi = (x_p - x_A) pitch, y = R_A sin xi, h = sqrt(R_B^2 - y^2) they follow from
 
     dxi = -pitch dx_A,  dy = R_A cos xi dxi,  dh = (R_B dR_B - y dy)/h,  dg_p = dd - dh + R_A sin xi dxi,
@@ -31,16 +31,16 @@ from references.monolithic.line_of_centres.frame import RIGID, Side, Stations, s
 from references.monolithic.line_of_centres.sampling import HatTests, NodeTests, Points, cells_of
 
 LAWS = ("hats", "nodes")
-STIFFER = 300.0  # layer over the own stiffness of a node: what many nodes share yields more, so the force errs by less
-MARGIN = 3  # columns looked at beyond those that carry
-FIRST_HALF = 8  # columns on each side that a pair without contact looks at
+STIFFER = 300.0  # layer over a node's own stiffness: a load on many nodes deflects more, so the force error is smaller
+MARGIN = 3  # columns considered beyond the active ones
+FIRST_HALF = 8  # columns on each side considered for a pair without contact
 
 
 @dataclass(eq=False)
 class PairData:
-    """What of a pair does not change: sides, tests, traces and the unknowns it touches.
+    """The constant data of a pair: sides, tests, traces and its unknowns.
 
-    own (tests, n_A) = W Phi_A, other (hats of B, n_B) = Phi_B; `columns`: unknowns, 12 rigid, then A's, then B's.
+    own (tests, n_A) = W Phi_A, other (nodes of B, n_B) = Phi_B; `columns`: unknowns, 12 rigid, then A's, then B's.
     """
 
     name: str
@@ -52,11 +52,11 @@ class PairData:
     columns: np.ndarray
     layer: float  # Pa/m; 0: none (E = 0)
     half: int = FIRST_HALF
-    rigid: int = RIGID  # of its unknowns are rigid
+    rigid: int = RIGID  # number of rigid unknowns
 
     @property
     def widest(self) -> int:
-        """Columns on each side of the line of centres that have B's section opposite: a quarter turn, less where B is
+        """Columns on each side of the line of centres with B's section opposite: a quarter revolution, less if B is
         the smaller of the two."""
         small = float(np.min(self.b.shape.radius_at(self.b.grid.z)))
         large = float(np.max(self.a.shape.radius_at(self.a.grid.z)))
@@ -90,7 +90,7 @@ def pair_data(
 
 
 def default_layer(surface: Any) -> float:
-    """Stiffness of the layer [Pa/m]: `STIFFER` times what a hat yields to a pressure on itself."""
+    """Stiffness of the layer [Pa/m]: `STIFFER` times the stiffness of a node under its own pressure."""
     grid = surface.grid
     middle = np.array([grid.columns // 2])
     D = surface.compliance(middle)
@@ -124,16 +124,16 @@ class PairState:
 
     @property
     def area(self) -> np.ndarray:
-        """Areas (n,) of the tests [m^2]; 0: faces nothing."""
+        """Areas (n,) of the tests [m^2]; 0: nothing opposite."""
         return self.points.tests.area
 
     @property
     def first_other(self) -> int:
-        """Column of B's grid that `loads` begin with, on the branch of the place opposite."""
+        """First column of B's grid in `loads`, on the branch of the opposite point."""
         return self._first
 
     def loads(self, tests: np.ndarray) -> np.ndarray:
-        """N^T T (k, nodes): loads of B's hats under unit multipliers of `tests`."""
+        """N^T T (k, nodes): loads of B's grid nodes under unit multipliers of `tests`."""
         return self._load[tests]
 
     def rows(self, tests: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -175,7 +175,7 @@ class PairState:
         return out
 
     def _index(self, column: np.ndarray, row: np.ndarray) -> np.ndarray:
-        """Place in B's window of its node (column, row)."""
+        """Position in B's window of its node (column, row)."""
         return (column - self._first) * self.data.b.grid.rows + row
 
 

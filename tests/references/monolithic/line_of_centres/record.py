@@ -1,12 +1,12 @@
-r"""What is saved of a contact pair at a step, in the terms of the separated solver's record.
+r"""Saved results of a contact pair at a step, in the format of the separated solver's record.
 
-Pressures lie on the hats of the first grid, loads on those of the second, both in a window of columns that holds all
-that is not zero. The multipliers of law "hats" are hat coefficients of the pressure. Those of law "nodes" are forces f
-of nodes; what stands for their pressure is
+Pressures are on the nodes of the first grid, loads on those of the second, both in a window of columns with all
+nonzero ones. The multipliers of law "hats" are nodal coefficients of the pressure. Those of law "nodes" are forces f
+of FE nodes; the equivalent pressure is
 
     p_j = sum_n psi_j(x_n) f_n / int psi_j dA,
 
-not negative and of the same resultant, `sum_j p_j int psi_j dA = sum_n f_n`, because hats sum to one.
+not negative and of the same resultant, `sum_j p_j int psi_j dA = sum_n f_n`, because the shape functions sum to one.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ BESIDE = 2  # empty columns at both ends of a window
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Values (columns, rows) of hats from the column `first` on; `middle`: column of the line of centres."""
+    """Values (columns, rows) of grid nodes starting at column `first`; `middle`: column of the line of centres."""
 
     first: int
     middle: float
@@ -68,7 +68,7 @@ def contact_row(pair: PairState, s: np.ndarray) -> ContactRow:
 def _hats_of(
     pair: PairState, active: np.ndarray, s: np.ndarray, middle: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Columns (on the branch of `middle`), rows and pressures of the hats that stand for multipliers s of `active`."""
+    """Columns (on the branch of `middle`), rows and pressures of the grid nodes for multipliers s of `active`."""
     tests, grid = pair.data.tests, pair.data.a.grid
     number = pair.number[active]
     if not isinstance(tests, NodeTests):
@@ -87,7 +87,7 @@ def _hats_of(
 
 def joined(windows: list[Window], rows: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """First columns (T,), columns of the line of centres (T,) and values (T, columns, rows) of all steps, in windows of
-    one width."""
+    equal width."""
     width = max((len(w.values) for w in windows), default=1) + 2 * BESIDE
     first = np.zeros(len(windows), dtype=int)
     values = np.zeros((len(windows), width, rows))
@@ -110,7 +110,7 @@ def contact_arrays(rows: list[ContactRow], bodies: Any, A: Any, grids: Any) -> d
     a rigid one None)."""
     forces = np.array([r.force for r in rows]).reshape(-1, 12)
     force, torque = on_body(forces[:, :6], A[0], bodies[0].center_of_mass)
-    center_second = getattr(bodies[1], "center_of_mass", np.zeros(3))  # of the ground its origin
+    center_second = getattr(bodies[1], "center_of_mass", np.zeros(3))  # for the ground its origin
     force_second, torque_second = on_body(forces[:, 6:], A[1], center_second)
     first, center, pressure = joined([r.pressure for r in rows], grids[0].rows)
     first_second, load = np.zeros(len(rows), dtype=int), np.zeros((len(rows), 0, 0))

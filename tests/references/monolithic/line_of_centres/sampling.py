@@ -1,14 +1,14 @@
-r"""Where a contact law is tested: weak tests by the hats of the first grid, or the FE nodes of the first surface.
+r"""Tests of a contact law: weak tests by the functions of the first grid, or the FE nodes of the first surface.
 
-Both are functions on points of the first surface: point p lies at the grid column x_p and the axial station s(p), test
-i weighs it with T_pi (>= 0). The gap of test i is `g_i = sum_p T_pi g_p`, and a unit of its multiplier is the pressure
-T_pi at p.
+Both are functions on points of the first surface: point p lies at the grid column x_p and in the axial section s(p);
+its weight in test i is T_pi (>= 0). The gap of test i is `g_i = sum_p T_pi g_p`, and a unit of its multiplier is the
+pressure T_pi at p.
 
     hats    Gauss points of the cells, T_pi = weight dA psi_i: weak gaps, the law of the separated solver
     nodes   p = i the nodes of the finite elements, T = 1: gaps at nodes, the multiplier is the force of a node
 
-The body's own displacement enters test i as `W_i.u`, u hat coefficients: W = Gram matrix M of the hats, or the hats'
-values at the nodes (there the normal displacement is that of the same trace functions).
+The body's own displacement enters test i as `W_i.u`, u nodal coefficients: W = Gram matrix M of the grid, or the shape
+functions at the FE nodes (there the normal displacement is that of the same trace functions).
 """
 
 from __future__ import annotations
@@ -20,13 +20,13 @@ import numpy as np
 from scipy import sparse
 
 ON_SURFACE = 1e-6  # of the radius: nodes lie on the true surface to the round-off of the mesh file
-SAME_STATION = 1e-9  # of the width: axial places that differ by less are one station
+SAME_STATION = 1e-9  # of the width: axial positions that differ by less are one section
 THETA_POINTS, Z_POINTS = 3, 2  # Gauss points of a cell, those of the separated solver
 
 
 @dataclass(frozen=True, eq=False)
 class Tests:
-    """n tests on P points: T^T (n, P) sparse, its entries as `test`, `point`, `value` (m,), their sums by station (n,
+    """n tests on P points: T^T (n, P) sparse, its entries as `test`, `point`, `value` (m,), their sums by section (n,
     S), and the areas (n,) of the tests."""
 
     transposed: Any
@@ -58,7 +58,7 @@ class Points:
 
 
 class HatTests:
-    """The hats of the first grid, numbered column by column over the whole grid."""
+    """The nodes of the first grid, numbered column by column over the whole grid."""
 
     def __init__(self, surface: Any) -> None:
         grid, shape = surface.grid, surface.shape
@@ -75,13 +75,13 @@ class HatTests:
         self.kept: dict[tuple[int, bytes], Tests] = {}
 
     def own(self, field: np.ndarray) -> np.ndarray:
-        """W times `field` (hats, n): weak displacements."""
+        """W times `field` (nodes, n): weak displacements."""
         grid = self.grid
         u = field.reshape(grid.columns, grid.rows, -1)
         return np.einsum("kl,jlm->jkm", self.gram_z, grid.along_theta(u)).reshape(field.shape)
 
     def points(self, middle: float, half: int, faces: np.ndarray) -> Points:
-        """Points and tests of the columns within `half` of the column `middle`; stations that face nothing weigh 0."""
+        """Points and tests of the columns within `half` of the column `middle`; sections facing nothing weigh 0."""
         grid = self.grid
         centre = int(np.floor(middle + 0.5))
         columns = np.arange(centre - half, centre + half + 1)
@@ -131,7 +131,7 @@ class NodeTests:
         self.hats = _hat_values(grid, self.x, self.z[self.station])
 
     def own(self, field: np.ndarray) -> np.ndarray:
-        """W times `field` (hats, n): displacements of the nodes."""
+        """W times `field` (nodes, n): displacements of the FE nodes."""
         return self.hats @ field
 
     def points(self, middle: float, half: int, faces: np.ndarray) -> Points:
@@ -160,7 +160,7 @@ def _shares(skin: Any, on: np.ndarray) -> np.ndarray:
 
 
 def _hat_values(grid: Any, x: np.ndarray, z: np.ndarray) -> Any:
-    """Values (points, hats) of all hats at grid columns x and axial places z."""
+    """Values (points, nodes) of all shape functions at grid columns x and axial positions z."""
     column, row, u, v, _ = cells_of(grid, x, z)
     data, i, j = [], [], []
     for step, part in ((0, 1.0 - u), (1, u)):
@@ -177,8 +177,8 @@ def _hat_values(grid: Any, x: np.ndarray, z: np.ndarray) -> Any:
 def cells_of(
     grid: Any, x: np.ndarray, z: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Column and row of the cell that holds (x, z), the place (u, v) in it, and dv/dz (0 beyond the ends, where the
-    field goes on constant)."""
+    """Column and row of the cell that contains (x, z), local coordinates (u, v) in it, and dv/dz (0 beyond the ends,
+    where the field continues as constant)."""
     column = np.floor(x).astype(np.intp)
     row = np.clip(np.searchsorted(grid.z, z, side="right") - 1, 0, grid.rows - 2)
     step = grid.z[row + 1] - grid.z[row]

@@ -1,4 +1,4 @@
-"""How much of the first grid a pair of the line of centres looks at: all tests that carry, and a margin beside them."""
+"""The window of the first grid used by a pair with parallel-axes kinematics: all active tests, and a margin."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from references.monolithic.line_of_centres.pair import MARGIN, PairData, PairSta
 def windowed(
     system: Any, n: int, data: PairData, trial: Trial, carried: dict[int, float]
 ) -> tuple[PairState, np.ndarray]:
-    """The pair with all tests that carry inside its window, MARGIN columns from the ends."""
+    """The pair with all active tests inside its window, MARGIN columns from the ends."""
     layout = system.layout
     q_a, q_b = (_coordinates(layout, trial, side.body, surface) for side, surface in zip(
         (data.a, data.b), system.surfaces[n], strict=True

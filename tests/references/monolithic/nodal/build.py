@@ -18,7 +18,7 @@ def node_pairs(
     scene: Any, layout: Layout, surfaces: list[tuple[int, int | None]], local: list[LocalCoordinates],
     stick: float | None,
 ) -> list[NodePairData]:  # fmt: skip
-    """All contacts of `scene`; `surfaces`: numbers of both sides in `local` and in the layout, None of a rigid one;
+    """All contacts of `scene`; `surfaces`: numbers of both sides in `local` and in the layout, None for a rigid one;
     stick [Pa/m]: stick stiffness of friction, None for the default of `friction`."""
     found, first = [], 0
     for contact, (i, j) in zip(scene.contacts, surfaces, strict=True):
@@ -41,11 +41,11 @@ def node_pairs(
 
 
 def stick_stiffness(contact: Any) -> float:
-    """k_t [Pa/m] of `contact` by default, see `friction`."""
+    """Default k_t [Pa/m] of `contact`, see `friction`."""
     law = contact.law
     return MINDLIN * (1.0 / law.compliance if law.compliance else default_layer(contact.a.surface))
 
 
 def memory(pairs: list[NodePairData]) -> np.ndarray:
-    """Room for what all nodes remember, empty."""
+    """Empty storage for the memory of all nodes."""
     return np.zeros((sum(pair.count for pair in pairs), REMEMBERED))

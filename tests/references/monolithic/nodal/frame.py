@@ -1,19 +1,19 @@
-r"""The frame of the contact, in which the normal forces of nodes turn neither body about its own axle.
+r"""The contact frame, in which the normal forces of nodes exert no torque on a body about its own axle.
 
-A force along the normal n of B at a node of A misses A's axis by the angle between the two normals. Turning a body of
-revolution about its axis moves nothing but its mesh, so that the torque is one of the mesh. As in the separated solver
-the node's place on the mesh is a parameter of the contact energy: it is held in the frame of the contact, the angle
-theta* where the surfaces are nearest, which moves with the bodies. With x* at theta* in the node's section, e = e_theta
+A force along the normal n of B at a node of A misses A's axis by the angle between the two normals. Rotating a body of
+revolution about its axis moves only its mesh, so that the torque is an artefact of the mesh. As in the separated solver
+the node's position on the mesh is a parameter of the contact energy: it is fixed in the contact frame, the angle
+theta* of closest approach, which moves with the bodies. With x* at theta* in the node's section, e = e_theta
 and e_r there, H = dn/dx, u = tau + w x (x - O) the motion of A relative to B, O on A's axis, and q = ((x - O) x n).e_A
 
     dtheta* = -[(H u*).e + n.(w x e)]/N,      N = R e.H e - n.e_r,
     force n + q D_f,      moment (x - O) x n + q D_m,      D_f = -H e/N,      D_m = -((x* - O) x H e + e x n)/N.
 
-A sphere (centre O) is held against turning about any axis: with q = (x - O) x n and e = -n(O) the force is n - H (q x
-e) + (q.e)(e.e_B)/rho e_phi, at the centre, H of the place O, rho its distance from B's axis e_B and e_phi the direction
-around that. H has the curvatures kappa/(1 + kappa d) of the surface parallel to B's. Where B is a plane H = 0.
+For a sphere (centre O) rotation about any axis is excluded: with q = (x - O) x n and e = -n(O) the force is n - H (q x
+e) + (q.e)(e.e_B)/rho e_phi, at the centre, H at the point O, rho its distance from B's axis e_B and e_phi the direction
+around that. H has the curvatures kappa/(1 + kappa d) of the surface parallel to B's. If B is a plane H = 0.
 
-`Extra` is what this adds to the forces along n. How it changes with the bodies is taken by central differences: few
+`Extra` is the force in addition to that along n. Its derivatives by the bodies are central differences: few
 numbers, and smooth; the angle theta* is followed within them.
 """
 
@@ -28,15 +28,15 @@ from references.monolithic.nodal.gap import RIGID
 from references.monolithic.nodal.surface import NodeSide, PartnerSide
 from warpffrf.model.rotation import matrix
 
-STEPS = 12  # of Newton's method for theta*: it is quadratic, from a node that is nearest
+STEPS = 12  # of Newton's method for theta*: quadratic convergence from the nearest node
 FOLLOWED = 1e-13  # rad
-COAXIAL = 1e-9  # of N: nothing is left out there, n.e is round-off
+COAXIAL = 1e-9  # of N: nothing is omitted there, n.e is round-off
 DIFFERENCE = 1e-6  # of A's radius, rad: error of a central difference about its square
 
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Centres of mass r and axes A of both bodies (of the ground 0 and 1)."""
+    """Centres of mass r and axes A of both bodies (for the ground 0 and 1)."""
 
     r_a: np.ndarray
     A_a: np.ndarray
@@ -54,7 +54,7 @@ class Poses:
 
 
 class Extra:
-    """What the normal forces (k,) [N] of the nodes `at` do beside a force along the normal each."""
+    """Effect of the normal forces (k,) [N] of the nodes `at` in addition to a force along each normal."""
 
     def __init__(self, a: NodeSide, b: PartnerSide, at: np.ndarray, nearest: int) -> None:
         self.a, self.b, self.at, self.nearest = a, b, at, nearest
@@ -87,7 +87,7 @@ class Extra:
         return out
 
     def _normal(self, poses: Poses, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """n (k, 3) and H (k, 3, 3) at places x (k, 3) about A's centre of mass, A's axes."""
+        """n (k, 3) and H (k, 3, 3) at points x (k, 3) about A's centre of mass, A's axes."""
         b, C = self.b, poses.A_b.T @ poses.A_a
         y = poses.A_b.T @ (poses.r_a - poses.r_b) + x @ C.T
         theta, z, d = b.shape.chart(y + b.center)
@@ -114,7 +114,7 @@ class Extra:
         return force, -(q / N)[:, None] * (np.cross(x - self.a.axis_point, bent) + np.cross(e, n))
 
     def _angle(self, poses: Poses) -> float:
-        """theta*, from the nearest node's on."""
+        """theta*, starting from the nearest node."""
         a, z = self.a, np.atleast_1d(self.a.z[self.nearest])
         theta = float(a.shape.chart(np.atleast_2d(a.place[self.nearest] + a.center))[0][0])
         for _ in range(STEPS):

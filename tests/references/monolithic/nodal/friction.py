@@ -1,42 +1,43 @@
 r"""Friction at a node: traction of the first surface and slip of the step, and Newton's method for both together.
 
-Ds (2,) is the slip of the step [m] in the tangents of the first surface, whose material carries the memory. All laws
+Ds (2,) is the slip of the step [m] in the tangents of the first surface, whose material stores the memory. All laws
 are a disc with a softness sigma [m/Pa],
 
     w = Ds + sigma (tau - tau_0),      |tau| <= b = mu(|w|/h) p,      w = 0 where |tau| < b,      w = -l tau, l >= 0,
 
-laws that stick      tau_0 the traction when the step began, sigma = 1/k_t: an elastic stretch of nodes that stick,
+laws that stick      tau_0 the traction when the step began, sigma = 1/k_t: an elastic deflection of sticking nodes,
                      with the constant stick stiffness k_t [Pa/m]; w is the plastic slip. For given Ds the solution
                      is the closest point of the disc to tau_0 - k_t Ds (return mapping, `closest_point`).
 laws that creep      tau_0 = 0, sigma = h v_slip/b: tau = -b Ds/max(|Ds|, h v_slip), no memory.
 
-Newton. Tractions that follow from a stiff k_t flip from one side of the disc to the other while the displacements are
-looked for. So tau is an unknown of its own at every node that carries, eliminated there. The law is `F = tau - b e = 0`
-with v = tau - c w, e = v/|v| where |v| > b, else w = 0, for any c > 0 [Pa/m]: of the order of the surface's own
-stiffness, whatever k_t is (Alart and Curnier 1991). Linearised, with P = 1 - e e^T, beta = b/|v| and
+Newton. Tractions computed with a stiff k_t alternate between opposite sides of the disc during the iteration for the
+displacements. So tau is an unknown of its own at every active node, eliminated there. The law is `F = tau - b e = 0`
+with v = tau - c w, e = v/|v| if |v| > b, else w = 0, for any c > 0 [Pa/m]: of the order of the surface's own
+stiffness, for any k_t (Alart and Curnier 1991). Linearised, with P = 1 - e e^T, beta = b/|v| and
 d = 1 - beta (1 - c sigma),
 
     stick    dtau = -(w + ds + (tau - tau_0) sigma' dp)/sigma
     slip     dtau = -(e e^T/a + P/d) F + (mu/a) e dp - (m/a e e^T + beta c/d P) (ds + (tau - tau_0) sigma' dp)
 
 ds, dp the changes of slip and pressure. A coefficient that depends on the slip speed gives m = mu' p/h and a = 1 +
-sigma m, as w is along -e. Where a is not clearly positive the node alone does not resist the fall of its bound
-(`warpffrf.model.friction`); there, and where the tangent leads to a bound that the law has at no speed, the bound
+sigma m, as w is along -e. If a is not clearly positive the node alone is unstable against the decrease of its bound
+(`warpffrf.model.friction`); there, and if the tangent leads to a bound that the law has at no speed, the bound
 is that of the iteration before, m = 0. The bound follows the pressure, so the tangent is not symmetric. With c = k_t
 and F = 0 it is the consistent tangent of return mapping.
 
-Work. The surfaces put in -tau.Ds; the stretch holds tau^2/(2 k_t). As k_t is constant,
+Work. The work done by the surfaces is -tau.Ds; the deflection stores tau^2/(2 k_t). As k_t is constant,
 
     -tau.Ds = (tau^2 - tau_0^2)/(2 k_t) + |tau| |w| + |tau - tau_0|^2/(2 k_t),
 
-as w points against tau. `lost` is |tau| |w|, never negative; the last part is what a step of implicit Euler takes from
-the stretch, of first order in the step, and so belongs to the integration. The regularised law loses -tau.Ds >= 0.
+as w is opposite to tau. `lost` is |tau| |w|, never negative; the last part is the dissipation of implicit Euler in
+the deflection, of first order in the step, and so belongs to the integration. The regularised law dissipates
+-tau.Ds >= 0.
 
-Default stick stiffness. Two half-spaces of one material yield tangentially by (2 - nu)/(2 (1 - nu)) of what they yield
-normally (Mindlin 1949; K. L. Johnson, Contact Mechanics, 1985, eq. 7.44): k_t = k 2(1 - nu)/(2 - nu), 0.82 k at nu =
-0.3, k the stiffness of a linear layer. Other layers have no one stiffness; there k is that of the surface itself times
-`STIFFER` of `line_of_centres.pair`, stiff beside what the body yields. The separated solver has no such stretch: its
-cells stick.
+Default stick stiffness. The tangential compliance of two half-spaces of one material is (2 - nu)/(2 (1 - nu)) of the
+normal one (Mindlin 1949; K. L. Johnson, Contact Mechanics, 1985, eq. 7.44): k_t = k 2(1 - nu)/(2 - nu), 0.82 k at nu =
+0.3, k the stiffness of a linear layer. Other layers have no constant stiffness; there k is that of the surface itself
+times `STIFFER` of `line_of_centres.pair`, stiff compared with the body. The separated solver has no such deflection:
+its cells stick.
 """
 
 from __future__ import annotations
@@ -46,19 +47,19 @@ from typing import Any
 
 import numpy as np
 
-POISSON = 0.3  # of metals; between 0.2 and 0.4 the ratio moves by less than 0.07
+POISSON = 0.3  # of metals; between 0.2 and 0.4 the ratio changes by less than 0.07
 MINDLIN = 2.0 * (1.0 - POISSON) / (2.0 - POISSON)  # tangential stiffness of a contact over its normal stiffness
 STICK, SLIP = 1, 2
 TINY = np.finfo(float).tiny
-LEAST = 0.1  # of a: with less the bound is followed, not its tangent
+LEAST = 0.1  # of a: below it the bound is used, not its tangent
 HALVINGS = 60  # of an interval, to round-off
 
 
 @dataclass(frozen=True, eq=False)
 class NodeTraction:
     """At nodes (k,): traction tau (k, 2) [Pa], its linear change `constant + by_slip ds + by_pressure dp` (k, 2), (k,
-    2, 2), (k, 2), state (k,) (1 stick, 2 slip), how far tau is from the law (k,) [Pa], energy of the stretch (k,)
-    [J/m^2] and what was lost in the step (k,) [J/m^2]."""
+    2, 2), (k, 2), state (k,) (1 stick, 2 slip), residual of the law (k,) [Pa], energy of the deflection (k,)
+    [J/m^2] and dissipation in the step (k,) [J/m^2]."""
 
     traction: np.ndarray
     constant: np.ndarray
@@ -125,7 +126,7 @@ def node_traction(
 
 
 def _slip_speed(law: Any, trial: np.ndarray, pressure: np.ndarray, soft: np.ndarray, h: float) -> np.ndarray:
-    """|w|/h (k,) [m/s] where return mapping begins at the tractions `trial`: |w| = sigma (|trial| - b(|w|/h))."""
+    """|w|/h (k,) [m/s] of return mapping from the tractions `trial`: |w| = sigma (|trial| - b(|w|/h))."""
     size = np.linalg.norm(trial, axis=1)
     low, high = np.zeros(len(size)), soft * size / h
     if not law.breaks:

@@ -1,26 +1,27 @@
-r"""Where the nodes of a first surface lie over the true shape of a second one, with all derivatives.
+r"""Position of the nodes of a first surface over the true shape of a second one, with all derivatives.
 
-With X the place of a node about A's centre of mass, C = A_B^T A_A and the second body's axes for everything on it,
+With X the position of a node about A's centre of mass, C = A_B^T A_A and the second body's axes for everything on it,
 
     y = A_B^T (r_A - r_B) + C X,        its foot x_f = y - d n,  d the signed distance, n = grad d the normal there
                                         (`Shape.chart`: any shape, of a body that moves or of the ground).
 
-A change dy moves the foot by b_j b_j.dy/(1 + kappa_j d) along the tangents b_j (kappa_j the curvatures, positive where
-B is convex) and turns the normal by kappa_j times that: for a sphere of radius R the foot moves R/(R + d) as far.
+A change dy moves the foot by b_j b_j.dy/(1 + kappa_j d) along the tangents b_j (kappa_j the curvatures, positive if
+B is convex) and rotates the normal by kappa_j times that: for a sphere of radius R the foot moves R/(R + d) as far.
 
     g    = d - u_A - N(x_f).u_B                        gap: normal displacements along the own normals
-    S    = (x_f + l - U_B) . C t_i  +  u_A,i           where A's node stands on B's material, along A's tangents t_i
+    S    = (x_f + l - U_B) . C t_i  +  u_A,i           position of A's node on B's material, along A's tangents t_i
     l    = sum_j b_j (b_j . C n_A) u_A/(1 + kappa_j d),    U_B  = sum_j b_j N(x_f).u_B,j
 
 are functions of the state alone. The slip of a step is the difference of x_f + l - U_B between its ends along C t_i at
-the new one, and that of u_A,i: the way of the node over B's material, of the *whole* step also where a node enters, and
-never a velocity of a local mode. N are B's hats. Chords stand for arcs: a part (way/R)^2/24 of the way.
+the new one, and that of u_A,i: the displacement of the node over B's material in the *whole* step, also if a node
+enters, and never a velocity of a local mode. N are B's shape functions. Chords replace arcs: an error of (s/R)^2/24 of
+the displacement s.
 
-The lean l is what u_A along A's normal n_A moves the foot. Without it a node that lies delta deep in a cylinder R would
-go round at R - delta: a creep of delta/R, 1 % of Carter's at a tenth of the friction. Of its derivatives those by u_A
-are kept; by the places it is kappa u_A, 1e-5, of that of the foot.
+The term l is the motion of the foot due to u_A along A's normal n_A. Without it a node that lies delta deep in a
+cylinder R would move on the radius R - delta: a creep of delta/R, 1 % of Carter's at a tenth of the friction. Of its
+derivatives those by u_A are kept; those by the positions are kappa u_A, 1e-5, of that of the foot.
 
-b_j turn as the foot moves: b_1 = e_theta by -side e_r dtheta (of a plane not at all), b_2 = n x b_1 by dn x b_1 + n x
+b_j rotate as the foot moves: b_1 = e_theta by -side e_r dtheta (constant on a plane), b_2 = n x b_1 by dn x b_1 + n x
 db_1.
 """
 
@@ -37,13 +38,13 @@ from references.monolithic.line_of_centres.sampling import cells_of
 from references.monolithic.nodal.surface import NodeSide, PartnerSide
 
 RIGID = 12
-NEAREST_CENTRE = 0.1  # of 1 + kappa d, least that a place far behind a concave surface is scaled by; none is in contact
+NEAREST_CENTRE = 0.1  # lower limit of 1 + kappa d, for points far behind a concave surface; none is in contact
 
 
 @dataclass(frozen=True, eq=False)
 class Opposite:
     """All nodes over the second surface: y, foot and normal n (n, 3), tangents b (2, n, 3), d (n,), whether they face
-    each other; place on B's grid as `cells_of` (None of a rigid B), and C (3, 3)."""
+    each other; position on B's grid as `cells_of` (None for a rigid B), and C (3, 3)."""
 
     y: np.ndarray
     foot: np.ndarray
@@ -59,7 +60,7 @@ class Opposite:
 def opposite(
     a: NodeSide, b: PartnerSide, r_a: np.ndarray, A_a: np.ndarray, r_b: np.ndarray, A_b: np.ndarray
 ) -> Opposite:
-    """Nodes of `a` over `b` for bodies whose centres of mass are at r, turned by A; of the ground 0 and 1."""
+    """Nodes of `a` over `b` for bodies with centres of mass at r, rotated by A; for the ground 0 and 1."""
     C = A_b.T @ A_a
     y = A_b.T @ (r_a - r_b) + a.place @ C.T
     theta, z, d = b.shape.chart(y + b.center)
@@ -87,7 +88,7 @@ def _column(b: PartnerSide, theta: np.ndarray) -> np.ndarray:
 
 
 def hats_at(b: PartnerSide, cells: tuple[np.ndarray, ...], by: str = "") -> sparse.csr_matrix:
-    """N (k, hats of B) at places `cells`, or its derivative `by` "x" (column) or "z" [1/m]."""
+    """N (k, nodes of B) in cells `cells`, or its derivative `by` "x" (column) or "z" [1/m]."""
     column, row, u, v, slope = cells
     grid, k = b.grid, len(column)
     around = ((0, -np.ones(k)), (1, np.ones(k))) if by == "x" else ((0, 1.0 - u), (1, u))
@@ -106,13 +107,13 @@ def hats_at(b: PartnerSide, cells: tuple[np.ndarray, ...], by: str = "") -> spar
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """Derivatives at k nodes by the twelve rigid coordinates (dr_A, dtheta_A, dr_B, dtheta_B; world translations, turns
-    in body axes): y, foot, normal n, and of the foot's grid column and axial place on B; tangents b (2, k, 3)."""
+    """Derivatives at k nodes by the twelve rigid coordinates (dr_A, dtheta_A, dr_B, dtheta_B; world translations,
+    rotations in body axes): y, foot, n, grid column and axial position of the foot on B; tangents b (2, k, 3)."""
 
     y: np.ndarray  # (k, 3, 12)
     foot: np.ndarray
     normal: np.ndarray
-    column: np.ndarray  # (k, 12), zero of a rigid B
+    column: np.ndarray  # (k, 12), zero for a rigid B
     axial: np.ndarray
     tangents: np.ndarray
     turned: np.ndarray  # (2, k, 3, 12) of the tangents
@@ -125,7 +126,7 @@ def tangents_at(b: PartnerSide, over: Opposite, at: np.ndarray) -> np.ndarray:
 
 
 def leaning(a: NodeSide, b: PartnerSide, over: Opposite, at: np.ndarray) -> np.ndarray:
-    """l/u_A (k, 3) of the nodes `at` (k,): where the foot goes when the node moves along A's normal."""
+    """l/u_A (k, 3) of the nodes `at` (k,): motion of the foot when the node moves along A's normal."""
     b_j = tangents_at(b, over, at)
     m = a.normal[at] @ over.C.T
     out = np.zeros((len(at), 3))
@@ -136,7 +137,7 @@ def leaning(a: NodeSide, b: PartnerSide, over: Opposite, at: np.ndarray) -> np.n
 
 
 def motion(a: NodeSide, b: PartnerSide, over: Opposite, at: np.ndarray, A_b: np.ndarray) -> Motion:
-    """How the feet of the nodes `at` (k,) move with the two bodies."""
+    """Motion of the feet of the nodes `at` (k,) with the two bodies."""
     k, C = len(at), over.C
     y, theta, z, d = over.y[at], over.theta[at], over.z[at], over.d[at]
     dy = np.zeros((k, 3, RIGID))
@@ -155,7 +156,7 @@ def motion(a: NodeSide, b: PartnerSide, over: Opposite, at: np.ndarray, A_b: np.
         ways.append(way)
     column = axial = np.zeros((k, RIGID))
     turned = np.zeros((2, *dy.shape))
-    if b.grid is not None:  # only where B yields do its tangents carry anything
+    if b.grid is not None:  # the tangents are needed for a flexible B only
         profile = b.shape.profile()
         column, axial = ways[0] / b.grid.pitch, ways[1]
         if not profile.planar:

@@ -1,4 +1,4 @@
-r"""Pressure and tangent of any layer law at a node, as a function of its gap and of how fast that closes.
+r"""Pressure and tangent of any layer law at a node, as a function of its gap and closing rate.
 
 With the depth d = -g, the elastic curve P(d) of the law and chi its damping (`warpffrf.model.laws.layers`)
 
@@ -7,13 +7,13 @@ With the depth d = -g, the elastic curve P(d) of the law and chi its damping (`w
 
 The rate is the gap's increment over the step over its size h: no velocity of a coordinate is used.
 
-Exponentials. Newton's method on p_0 exp(-g/lambda) climbs out of a gap that is too deep by one lambda an iteration, and
+Exponentials. Newton's method on p_0 exp(-g/lambda) leaves a gap that is too deep by one lambda per iteration, and
 a step from an open gap goes thousands deep. So the law is linearised not at g but at a gap g^ that follows it,
 
     g^ = g where g > g^_before,      g^ = g^_before - lambda ln(1 + (g^_before - g)/lambda) else,
 
-which is the step that Newton's method would take for the yield y(p) of the layer: the pressure is what grows
-linearly. (Circuit simulators step the voltage of a diode in this way.) Where g^ has come to g nothing is left of it.
+which is the step of Newton's method for the inverse law g(p) of the layer: the pressure grows
+linearly. (Circuit simulators limit the voltage of a diode in this way.) After convergence g^ equals g.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from typing import Any
 
 import numpy as np
 
-DEEPEST = 100.0  # decay lengths: squares of e^100 times a pressure are numbers, and no body bears that
+DEEPEST = 100.0  # decay lengths: squares of e^100 times a pressure are finite, and no body withstands that
 
 
 @dataclass(frozen=True, eq=False)
 class LayerPressure:
     """At nodes (k,): pressure [Pa], its derivative by the gap at the end of the step [Pa/m], elastic energy [J/m^2],
-    and what the layer loses in the step [J/m^2], not negative."""
+    and dissipation of the layer in the step [J/m^2], not negative."""
 
     pressure: np.ndarray
     slope: np.ndarray
@@ -38,23 +38,23 @@ class LayerPressure:
 
 
 def reach(law: Any) -> float:
-    """The gap [m] below which the law has a pressure: 0, more for asperities, and either sign for a table."""
+    """The gap [m] below which the law has a pressure: 0, positive for asperities, and of either sign for a table."""
     return -law.curve.begins
 
 
 def followed(law: Any, gap: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """g^ (k,) [m] of the module docstring from that of the iteration before; of laws that need no such help the gap."""
+    """g^ (k,) [m] of the module docstring from that of the iteration before; the gap itself for other laws."""
     length = law.curve.e_folding
     if not length:
         return gap
-    start = np.minimum(before, reach(law))  # beyond its end the law says nothing
+    start = np.minimum(before, reach(law))  # beyond its end the law is zero
     return np.where(gap < start, start - length * np.log1p(np.maximum(start - gap, 0.0) / length), gap)
 
 
 def layer_pressure(law: Any, gap: np.ndarray, before: np.ndarray, h: float, *, moving: bool) -> LayerPressure:
     """The law at gaps (k,) [m] that were `before` [m] a step h [s] ago; without `moving` nothing has a rate."""
     chi, curve = law.chi if moving else 0.0, law.curve
-    if curve.e_folding:  # a trial state may lie anywhere
+    if curve.e_folding:  # a trial state may be arbitrary
         gap = np.maximum(gap, -DEEPEST * curve.e_folding)
     elastic, slope, energy = curve.pressure(-gap), curve.slope(-gap), curve.energy(-gap)
     if chi == 0.0:

@@ -1,9 +1,9 @@
-"""What pairs with the law at nodes bring to a Newton iteration: their state, their stiffness, and shorter steps.
+"""Contribution of pairs with the law at nodes to a Newton iteration: state, stiffness, and step control.
 
-The law gives forces, no multipliers, so that contact stiffness goes into the Jacobian (semismooth Newton). What an
-iteration hands to the next is, per node, where its law was linearised (`layer_slopes`) and its traction
-(`friction`). Steps that would carry one body through another are cut short; where an iteration has not come to an
-end soon, a step that leaves more imbalance than it found is halved.
+The law gives forces, no multipliers, so that contact stiffness goes into the Jacobian (semismooth Newton). An
+iteration passes to the next, per node, the gap at which its law was linearised (`layer_slopes`) and its traction
+(`friction`). Steps that would move one body through another are shortened; if an iteration does not converge
+soon, a step that increases the residual is halved.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from references.monolithic.core.state import Layout, State
 from references.monolithic.nodal.pair import NodePairData, Sight
 from references.monolithic.nodal.tangent import LinearisedPair
 
-PATIENCE = 8  # iterations with whole steps, as a change of the active set may raise the imbalance
-MOST_HALVINGS = 4  # then on from a sixteenth: the imbalance has a kink there
+PATIENCE = 8  # iterations with full steps, as a change of the active set may raise the residual
+MOST_HALVINGS = 4  # then the iteration continues with a sixteenth: the residual has a kink there
 LONGEST = 1e-2  # of the smaller radius: how deep bodies may start in one another (`warpffrf.model.checks.contacts`)
-MAX_ITERATIONS = 80  # of Newton, halvings apart
+MAX_ITERATIONS = 80  # of Newton, not counting halvings
 
 
 def node_pair_state(
@@ -51,7 +51,7 @@ def add_stiffness(solver: Solver, size: int, pairs: list[Any]) -> Solver:
 
 
 def stiffness_of(pair: LinearisedPair) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray] | None:
-    """(columns, L, -M R, 1) as `linear.dense_jacobian` adds them; None where no node carries."""
+    """(columns, L, -M R, 1) as `linear.dense_jacobian` adds them; None if no node is active."""
     if not len(pair.active):
         return None
     L, R = pair.rows
@@ -59,20 +59,20 @@ def stiffness_of(pair: LinearisedPair) -> tuple[np.ndarray, np.ndarray, np.ndarr
 
 
 class Halving:
-    """Takes back half of a step, of increments and of what nodes hand on, that left more imbalance than it found."""
+    """Halves a step, of increments and of nodal iterates, that increased the residual."""
 
     def __init__(self) -> None:
         self.step: tuple[Increment, np.ndarray, np.ndarray, list[Any], list[Any]] | None = None
         self.found, self.fraction, self.halvings = np.inf, 1.0, 0
 
     def keep(self, x: Increment, z: np.ndarray, evaluation: Any, new: list[Any], found: float) -> None:
-        """The step z from x, evaluated with the imbalance `found`, and to the iterates `new` from those there."""
+        """The step z from x, evaluated with the residual `found`, and to the iterates `new` from those there."""
         old = [pair.sight.iterate for pair in evaluation.pairs]
         self.step, self.found = (copy.deepcopy(x), z, evaluation.trial.T_inverse, old, new), found
         self.fraction, self.halvings = 1.0, 0
 
     def shortened(self, iteration: int, now: float, layout: Layout) -> tuple[Increment, list[Any]] | None:
-        """Increments and iterates after half of the last step where `now` is too large, else None."""
+        """Increments and iterates after half of the last step if `now` is too large, else None."""
         if self.step is None or self.halvings >= MOST_HALVINGS or iteration <= PATIENCE or now <= self.found:
             return None
         self.halvings += 1
@@ -84,15 +84,15 @@ class Halving:
 
 
 def _between(old: np.ndarray, new: np.ndarray, part: float) -> np.ndarray:
-    """Iterates with a part of the change of tractions; where a law was linearised last stays."""
+    """Iterates with a part of the change of tractions; the gap of the last linearisation stays."""
     return np.column_stack([new[:, :1], old[:, 1:] + part * (new[:, 1:] - old[:, 1:])])
 
 
 def cut_short(pairs: list[Any], z: np.ndarray) -> tuple[np.ndarray, list[Any]]:
-    """The step z, not beyond where one body would be through another, and the iterates of all pairs after it.
+    """The step z, limited so that no body passes through another, and the iterates of all pairs after it.
 
-    A step may close what gap there is and go LONGEST of the smaller radius further: a load that meets no contact yet
-    throws a body in a static step as far as nothing holds it.
+    A step may close the existing gap and LONGEST of the smaller radius more: in a static step a load without contact
+    yet moves a body arbitrarily far.
     """
     part = 1.0
     for pair in pairs:
@@ -110,7 +110,7 @@ def cut_short(pairs: list[Any], z: np.ndarray) -> tuple[np.ndarray, list[Any]]:
 
 
 def with_constants(residual: np.ndarray, pairs: list[Any]) -> np.ndarray:
-    """The residual (size,) with what tractions change by whatever the unknowns do."""
+    """The residual (size,) with the part of the change of tractions that is independent of the unknowns."""
     out = residual.copy()
     for pair in pairs:
         out[pair.data.columns] -= pair.constant()
@@ -118,7 +118,7 @@ def with_constants(residual: np.ndarray, pairs: list[Any]) -> np.ndarray:
 
 
 def size_of(balance: Balance, residual: np.ndarray, layout: Layout) -> float:
-    """The imbalance of all coordinates, each by the root of its stiffness and inertia: an energy, but for rows."""
+    """The residual of all coordinates, each over the root of its stiffness and inertia: an energy, except for rows."""
     if not np.all(np.isfinite(residual)):
         return np.inf
     o, c = layout.outer, layout.coordinates

@@ -1,18 +1,18 @@
 r"""A contact pair with the law at the FE nodes of its first surface: forces on both bodies and their derivatives.
 
-Node k with the share a of the area presses with a p and pulls with a tau_i, i = 1, 2 its tangents t_i, p and tau of the
-laws (`layer_slopes`, `friction`) at the gap and the slip of `gap`. Virtual work makes them forces:
+Node k with the share a of the area has the normal force a p and the tangential forces a tau_i, i = 1, 2 its tangents
+t_i, p and tau of the laws (`layer_slopes`, `friction`) at the gap and the slip of `gap`. Virtual work gives the forces:
 
-    F    = a p f + sum_i a tau_i t_i                       on A at the node's place X,  -F on B at the same place y
+    F    = a p f + sum_i a tau_i t_i                       on A at the node's position X,  -F on B at the same point y
     A    -a p u_A-row + sum_i a tau_i (u_A,i-row)          on the coordinates of A (modes and local coordinates)
     B    -a p N Phi_B  - sum_ij a tau_i c_ij N Psi_B,j     c_ij = C t_i . b_j
 
 with f = n the normal of B at the foot, in A's axes. Force and opposite force act along one line through one point:
-action equals reaction exactly. What a normal force would turn a body of revolution by about its own axle is taken back,
+action equals reaction exactly. The torque of a normal force on a body of revolution about its own axle is removed,
 with opposite wrenches on both (`frame`).
 
 phi = a (p, tau_1, tau_2) depends on the node's gap and slips alone, M = dphi/d(g, s) (3, 3) with dtau/dp dp/dg in its
-first column: not symmetric. How gaps, slips and forces follow the unknowns is in `tangent`.
+first column: not symmetric. The dependence of gaps, slips and forces on the unknowns is in `tangent`.
 """
 
 from __future__ import annotations
@@ -29,17 +29,17 @@ from references.monolithic.nodal.gap import RIGID, Opposite, hats_at, leaning, o
 from references.monolithic.nodal.layer_slopes import followed, layer_pressure
 from references.monolithic.nodal.surface import NodeSide, PartnerSide
 
-# columns of what is remembered of a node: gap, force of the layer, foot with its lean (3), u_A along t_i (2), U_B (3),
+# columns of the memory of a node: gap, force of the layer, foot with l (3), u_A along t_i (2), U_B (3),
 # traction (2)
 GAP, FORCE, FOOT, OWN, OTHER, TRACTION = 0, 1, slice(2, 5), slice(5, 7), slice(7, 10), slice(10, 12)
 REMEMBERED = 12
-ITERATE = [0, 10, 11]  # of these an iteration begins with: gap and traction
+ITERATE = [0, 10, 11]  # those from which an iteration starts: gap and traction
 
 
 @dataclass(eq=False)
 class NodePairData:
-    """What of a pair does not change. `columns`: its unknowns, rigid ones of A, of B unless B is the ground, then A's
-    and B's coordinates; `rigid`: how many of them are rigid; `first`: its first row in `State.nodes`."""
+    """The constant data of a pair. `columns`: its unknowns, rigid ones of A, of B unless B is the ground, then A's
+    and B's coordinates; `rigid`: the number of rigid ones; `first`: its first row in `State.nodes`."""
 
     name: str
     a: NodeSide
@@ -64,7 +64,7 @@ class NodePairData:
 
     @cached_property
     def extent(self) -> float:
-        """The smaller radius [m] of the two shapes, between planes how far the nodes reach."""
+        """The smaller radius [m] of the two shapes, between planes the extent of the nodes."""
         radii = [side.shape.size for side in (self.a, self.b) if side.shape.size > 0.0]
         return min(radii, default=float(np.ptp(self.a.place, axis=0).max()))
 
@@ -75,9 +75,9 @@ class NodePairData:
 
 @dataclass(frozen=True, eq=False)
 class Sight:
-    """The instant a pair is looked at: poses (r, A) of both bodies (of the ground 0 and 1), their coordinates q, what
-    was `before` (n, REMEMBERED), step size h [s], whether things are `moving` (else: no rates and no friction), and
-    what the iteration found before, gaps g^ of `layer_slopes` and tractions (n, 3), None for the laws themselves."""
+    """The evaluation point of a pair: poses (r, A) of both bodies (for the ground 0 and 1), their coordinates q, the
+    memory `before` (n, REMEMBERED), step size h [s], whether bodies are `moving` (else: no rates and no friction), and
+    the previous iterate, gaps g^ of `layer_slopes` and tractions (n, 3), None for the laws themselves."""
 
     r_a: np.ndarray
     A_a: np.ndarray
@@ -92,7 +92,7 @@ class Sight:
 
 
 class NodePairState:
-    """A pair at a trial state: gap (n,), force (n,) [N] of the layer at each node, and what the module derives."""
+    """A pair at a trial state: gap (n,), force (n,) [N] of the layer at each node, and derived quantities."""
 
     def __init__(self, data: NodePairData, sight: Sight) -> None:
         self.data, self.sight = data, sight
@@ -121,7 +121,7 @@ class NodePairState:
             self._rub()
 
     def _rub(self) -> None:
-        """Slips and tractions of the nodes that carry; of the others a stretch that is let go is lost."""
+        """Slips and tractions of the active nodes; the stored deflection of released ones is lost."""
         at, sight, before = self.active, self.sight, self.sight.before
         b_j = tangents_at(self.data.b, self.over, at)
         lifted = np.einsum("jki,jk->ki", b_j, self.other[1:, at])
@@ -165,7 +165,7 @@ class NodePairState:
 
     @property
     def friction_lost(self) -> float:
-        """What friction takes in the step [J], never negative; with the stretch of nodes that are let go."""
+        """Dissipation of friction in the step [J], never negative; includes the deflection of released nodes."""
         if self.traction is None:
             return 0.0
         share, before = self.data.a.share, self.sight.before[:, TRACTION]
@@ -177,7 +177,7 @@ class NodePairState:
         return float(share[self.active] @ self.traction.lost) + held
 
     def remembered(self) -> np.ndarray:
-        """What the next step has to know (n, REMEMBERED)."""
+        """Memory for the next step (n, REMEMBERED)."""
         out = np.zeros((self.data.count, REMEMBERED))
         out[:, GAP], out[:, FORCE], out[:, FOOT] = self.gap, self.force, self.over.foot
         out[:, OWN] = self.own[1:].T
@@ -200,7 +200,7 @@ class NodePairState:
 
     @cached_property
     def extra(self) -> Extra | None:
-        """What the normal forces do beside forces along the normals; None of a plane, which turns with its nodes."""
+        """Effect of the normal forces in addition to those along the normals; None for a plane."""
         if self.data.a.shape.profile().planar or not len(self.active):
             return None
         nearest = int(self.active[np.argmin(self.over.d[self.active])])
@@ -219,7 +219,7 @@ class NodePairState:
         return self.extra.rows(self.poses)
 
     def wrench(self) -> np.ndarray:
-        """Generalised force (12,) on the rigid coordinates of A and of B (of the ground about its origin)."""
+        """Generalised force (12,) on the rigid coordinates of A and of B (for the ground about its origin)."""
         C, at = self.over.C, self.active
         F = np.einsum("ck,ckx->kx", self.loads.T, self.lines)
         out, on_b = np.zeros(RIGID), F @ C.T
@@ -230,7 +230,7 @@ class NodePairState:
         return out + self.loads[:, 0] @ self.extra_rows
 
     def second_loads(self) -> np.ndarray:
-        """Loads (3, hats of B) [N] on B's hats along its normal (positive inwards) and tangents."""
+        """Loads (3, nodes of B) [N] on B's grid along its normal (positive inwards) and tangents."""
         b, at = self.data.b, self.active
         if self.over.cells is None:
             return np.zeros((3, 0))
@@ -261,7 +261,7 @@ class NodePairState:
 
     @property
     def off(self) -> float:
-        """How far pressures and tractions are from the laws [N]."""
+        """Residual of pressures and tractions relative to the laws [N]."""
         away = 0.0 if self.traction is None else float(self.data.a.share[self.active] @ self.traction.off)
         if self.law_gap is self.gap:
             return away

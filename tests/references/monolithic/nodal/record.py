@@ -1,9 +1,9 @@
-r"""What is saved of a pair with the law at nodes, on the hats of the first grid, as the separated solver saves it.
+r"""Saved results of a pair with the law at nodes, on the nodes of the first grid, as saved by the separated solver.
 
-Of a node's force f the hats get `sum_n psi_j(x_n) f_n / int psi_j dA` (`line_of_centres.record`): pressures, and in
-the same way both tractions, keep their resultants. Slip velocities are means over the area of the nodes that carry; a
-hat slips where more than half of that area does. The centre of the patch is the mean column of the forces, where
-nothing carries the column of the node with the smallest gap between the rigid shapes.
+A node's force f is distributed as `sum_n psi_j(x_n) f_n / int psi_j dA` (`line_of_centres.record`): pressures, and in
+the same way both tractions, keep their resultants. Slip velocities are means over the area of the active nodes; a
+grid node slips if more than half of that area does. The centre of the patch is the mean column of the forces, or
+without any the column of the node with the smallest gap between the rigid shapes.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ from references.monolithic.nodal.pair import FOOT, FORCE, GAP, NodePairState
 from references.monolithic.nodal.surface import NodeSide
 
 FRICTION_FIELDS = ("traction_1", "traction_2", "slip_1", "slip_2", "state")
-HALF = 0.5  # of the area under a hat: it is said to slip above
+HALF = 0.5  # of the area under a grid node: above it the node is in slip
 
 
 @dataclass(frozen=True, eq=False)
 class FrictionRow:
-    """Friction of a pair at a step, fields of `warpffrf.online.history.history.FrictionHistory`: windows over hats, and
+    """Friction of a pair at a step, fields of `warpffrf.online.history.history.FrictionHistory`: windows of nodes, and
     power [W], creep (2,) [m/s], rolling velocity [m/s] and columns advanced."""
 
     windows: dict[str, Window]
@@ -78,8 +78,8 @@ def node_row(pair: NodePairState) -> tuple[ContactRow, FrictionRow | None]:
 
 
 def _motion(pair: NodePairState, center: float) -> tuple[np.ndarray, float, float]:
-    """Creep (2,) of the surfaces as rigid bodies and mean velocity of both through the patch [m/s], and how far the
-    patch went [columns], in the step."""
+    """Creep (2,) of the surfaces as rigid bodies, mean velocity of both through the patch [m/s], and the displacement
+    of the patch [columns], in the step."""
     a, before, h = pair.data.a, pair.sight.before, pair.sight.h
     beside = _near(a, a.x, center) - center
     at = int(np.argmin(np.abs(beside) + np.abs(a.z - _middle(a, pair.force)) / (a.grid.z[-1] - a.grid.z[0])))
@@ -90,13 +90,13 @@ def _motion(pair: NodePairState, center: float) -> tuple[np.ndarray, float, floa
     advanced = center - was
     if a.turn:
         advanced -= a.turn * np.floor(advanced / a.turn + 0.5)
-    # material of the first surface runs against the columns that the patch advances
+    # material of the first surface moves against the columns by which the patch advances
     arc = a.grid.pitch * float(a.shape.radius_at(a.z[at])) * a.shape.side
     return creep, -advanced * arc / h - 0.5 * float(creep[0]), abs(advanced)
 
 
 def _second(pair: NodePairState) -> Window:
-    """Loads on the second grid [N]; of a rigid surface none."""
+    """Loads on the second grid [N]; zero for a rigid surface."""
     grid = pair.data.b.grid
     if grid is None or pair.over.cells is None:
         return Window(0, 0.0, np.zeros((0, 0)))
@@ -128,7 +128,7 @@ def _near(a: NodeSide, x: np.ndarray, middle: float) -> np.ndarray:
 
 
 def _columns(a: NodeSide, at: np.ndarray, center: float) -> tuple[np.ndarray, np.ndarray]:
-    """Hats under the nodes `at`, and their columns on the branch of `center`."""
+    """Grid nodes under the FE nodes `at`, and their columns on the branch of `center`."""
     hats = np.unique(a.hats[at].indices)
     column = hats // a.grid.rows
     if a.turn:
@@ -137,7 +137,7 @@ def _columns(a: NodeSide, at: np.ndarray, center: float) -> tuple[np.ndarray, np
 
 
 def _areas(a: NodeSide) -> np.ndarray:
-    """int psi_j dA (hats,) [m2]."""
+    """int psi_j dA (nodes,) [m2]."""
     around = np.full(a.grid.columns, a.grid.pitch)
     if not a.grid.periodic:
         around[[0, -1]] *= 0.5

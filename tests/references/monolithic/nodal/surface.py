@@ -1,8 +1,8 @@
-"""The two surfaces of a pair with the law at nodes: FE nodes of the first, the true shape and the hats of the second.
+"""The two surfaces of a pair with the law at nodes: FE nodes of the first, true shape and contact grid of the second.
 
-Places are about the centres of mass, in body axes. Displacements of both surfaces are given on their hats, along normal
-and tangents (`warpffrf.model.reduced.contact_surface`), by global modes and local coordinates: at a node, or at the
-place opposite it, they are what the hats interpolate.
+Positions are about the centres of mass, in body axes. Displacements of both surfaces are given on their grids, along
+normal and tangents (`warpffrf.model.reduced.contact_surface`), by global modes and local coordinates, and are
+interpolated at a node or at the opposite point.
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from references.monolithic.line_of_centres.sampling import ON_SURFACE, _hat_valu
 from warpffrf.model.errors import InputError
 from warpffrf.model.placement.gap import theta_offset
 
-AT_END = 1e-6  # of a grid spacing: nodes on the outermost lines of a grid lie on it whatever round-off says
+AT_END = 1e-6  # of a grid spacing: nodes on the outermost lines of a grid lie on it despite round-off
 
 
 @dataclass(frozen=True, eq=False)
 class NodeSide:
-    """The nodes of a first surface: centre of mass (3,) in the body's user frame, places (n, 3) [m], normals and
-    tangents e_theta, t_z (n, 3), shares (n,) [m2] of the area, grid columns x (n,), values `hats` (n, hats) there, and
+    """The nodes of a first surface: centre of mass (3,) in the body's user frame, positions (n, 3) [m], normals and
+    tangents e_theta, t_z (n, 3), shares (n,) [m2] of the area, grid columns x (n,), values `hats` (n, nodes) there, and
     displacements (3, n, columns of A) along normal and tangents per coordinate, the last two zero without friction.
-    `turn`: columns of a full turn, 0 on an arc."""
+    `turn`: columns of a full revolution, 0 on an arc."""
 
     body: int
     center: np.ndarray
@@ -49,8 +49,8 @@ class NodeSide:
 
 @dataclass(frozen=True, eq=False)
 class PartnerSide:
-    """A second surface: body (-1 the ground), centre of mass (3,) in its user frame, shape, grid (None of a rigid one),
-    angle of the grid's theta = 0 in the shape's chart, and displacements (3, hats, columns of B)."""
+    """A second surface: body (-1 the ground), centre of mass (3,) in its user frame, shape, grid (None if rigid),
+    angle of the grid's theta = 0 in the shape's chart, and displacements (3, nodes, columns of B)."""
 
     body: int
     center: np.ndarray
@@ -65,7 +65,7 @@ class PartnerSide:
 
 
 def node_side(port: Any, local: LocalCoordinates, friction: bool, label: str) -> NodeSide:
-    """Nodes of the body's skin on the surface of `port`. Raises `InputError` naming `label` where there are none."""
+    """Nodes of the body's skin on the surface of `port`. Raises `InputError` naming `label` if there are none."""
     surface, skin = port.surface, port.body.reduced.surface
     grid, shape = surface.grid, surface.shape
     planar = shape.profile().planar
@@ -112,7 +112,7 @@ def partner_side(port: Any, local: LocalCoordinates | None, friction: bool) -> P
 
 
 def _fields(surface: Any, local: LocalCoordinates, friction: bool) -> list[np.ndarray]:
-    """Displacements (hats, coordinates) of a surface along its normal and its two tangents."""
+    """Displacements (nodes, coordinates) of a surface along its normal and its two tangents."""
     normal = np.hstack([surface.mode_normal, local.trace])
     if not friction:
         return [normal, np.zeros_like(normal), np.zeros_like(normal)]

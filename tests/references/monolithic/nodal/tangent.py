@@ -1,13 +1,13 @@
-r"""How gaps, slips and forces of a pair with the law at nodes change with its unknowns.
+r"""Derivatives of gaps, slips and forces of a pair with the law at nodes by its unknowns.
 
-With L (m k, columns) what unit forces of the k active nodes load (one block of k along the normal and, with friction,
-one along each tangent), R (m k, columns) the gradients of gap and slips, and phi, M of `pair`,
+With L (m k, columns) the generalised forces of unit forces of the k active nodes (one block of k along the normal and,
+with friction, one along each tangent), R (m k, columns) the gradients of gap and slips, and phi, M of `pair`,
 
     d(force) = L^T M R dz + (dL)^T phi,
 
-the second part, by rigid coordinates, is `turning`. On the coordinates of both bodies L and R are the same but for
-the lean of slips; on the rigid ones they are not: the force has what `frame` adds, and leaves out how the place on
-B's hats moves. With C = A_B^T A_A, tangents t of A and what a force F in A's axes is on both bodies,
+the second part, by rigid coordinates, is `turning`. On the coordinates of both bodies L and R are equal except for
+the term l of slips; on the rigid ones they differ: the force includes the part of `frame`, and omits the motion of the
+point on B's grid. With C = A_B^T A_A, tangents t of A and the effect of a force F in A's axes on both bodies,
 
     d(C t) = C (dtheta_A x t) - dtheta_B x C t,      d(C^T n) = C^T (dn + dtheta_B x n) - dtheta_A x C^T n,
     (A_A F, X x F, -A_A F, -y x C F).
@@ -29,12 +29,12 @@ class LinearisedPair(NodePairState):
 
     @cached_property
     def moves(self) -> Motion:
-        """How feet, normals and tangents move with the rigid coordinates."""
+        """Motion of feet, normals and tangents with the rigid coordinates."""
         return motion(self.data.a, self.data.b, self.over, self.active, self.sight.A_b)
 
     @cached_property
     def rows(self) -> tuple[np.ndarray, np.ndarray]:
-        """L and R (m k, columns) of the active nodes, one block of k for the gap and, with friction, one a tangent."""
+        """L and R (m k, columns) of the active nodes, a block of k for the gap and, with friction, one per tangent."""
         a, b, at, C, A_a = self.data.a, self.data.b, self.active, self.over.C, self.sight.A_a
         moves, lines, k = self.moves, self.lines, len(at)
         parts = 1 if self.traction is None else 3
@@ -106,7 +106,7 @@ class LinearisedPair(NodePairState):
         return np.vstack([out[:rigid], by_a, by_b])[:, :rigid]
 
     def _second_turning(self, phi: np.ndarray, lines: np.ndarray) -> np.ndarray:
-        """Derivative (columns of B, 12) of the loads on B's coordinates: hats at the feet, and A's tangents in B's."""
+        """Derivative (columns of B, 12) of the loads on B's coordinates: functions at the feet, A's tangents in B's."""
         moves = self.moves
         b, at, C = self.data.b, self.active, self.over.C
         cells = tuple(x[at] for x in (self.over.cells or ()))
@@ -148,7 +148,7 @@ class LinearisedPair(NodePairState):
         return (a[:, None] * self.traction.constant).T.ravel() @ L[len(self.active) :]
 
     def updated(self, dz: np.ndarray) -> np.ndarray:
-        """What the next iteration has to know (n, 3): g^, and tractions after the linearised change for the unknowns'
+        """The next iterate (n, 3): g^, and tractions after the linearised change for the unknowns'
         changes dz (columns,)."""
         out = np.zeros((self.data.count, 3))
         out[:, 0] = self.law_gap
