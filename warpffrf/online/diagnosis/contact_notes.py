@@ -17,8 +17,8 @@ At a saved step the poses, global coordinates and nodal forces are known. With t
 
 g the distance of x_p from B's true surface, u_B = Phi_B q_B - D_B S^T s B's outward displacement there. A's own
 displacement enters through the exact Gram matrix of its nodes and is equal for both rules; a layer with nonlinear
-compression y(p) is evaluated at the same points and adds `sum_p w_p psi_i(x_p) y(p(x_p))`. The difference dg between the
-few points and the Gauss points of evaluation "semi" changes the pressures of the active nodes, at fixed bodies, by
+compression y(p) is evaluated at the same points and adds `sum_p w_p psi_i(x_p) y(p(x_p))`. The difference dg between
+the few points and the Gauss points of evaluation "semi" changes the pressures of the active nodes, at fixed bodies, by
 
     ds = -G^-1 dg,     G = M D_A M + S D_B S^T + E,     E_ij = sum_p w_p psi_i psi_j y'(p(x_p)),
 
@@ -58,9 +58,7 @@ GAINED = 0.01  # of the largest present energy: a larger gain is noted
 TAKEN = 0.01  # the same for the loss by the integrator
 LEAST_TILT = 1e-7  # rad: less is round-off of poses
 MOMENT_LEFT = 0.01  # of the moment of a pair on the line of centres
-MOST_SKEW = (
-    0.07  # rad: e^2/2 is 0.25 %; compared with closest-point kinematics: force 0.1 %, peak pressure 0.2 % up to it
-)
+MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; compared with closest-point kinematics: force 0.1 %, peak pressure 0.2 %
 
 
 def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ()) -> list[str]:

@@ -201,7 +201,7 @@ def _fullest(engine: Engine, world: int) -> str:
 
 
 def _undetermined(engine: Engine, world: int) -> str:
-    """Name the undetermined part of a singular system: the row or body with the largest entry of the singular vector."""
+    """Name the undetermined part of a singular system: the row or body with the largest singular-vector entry."""
     m = engine.compiled.model
     if not 0 < m.outer.count <= LARGEST_SYSTEM:
         return ""

@@ -26,8 +26,8 @@ and along its spring on the other, the difference has the mean of both; regulari
 pivoting have their slopes at the velocities of the state in R_v.
 
 **Rotating bodies.** x varies by dr (world axes) and by psi (body axes, A = A_0 exp(psi^)), so that
-`dw = psi' + w x psi`, `dwdot = psi'' + w x psi' + wdot x psi`. In coordinates y that rotate with the body, `dr = A y_r`,
-`psi = y_t`,
+`dw = psi' + w x psi`, `dwdot = psi'' + w x psi' + wdot x psi`. In coordinates y that rotate with the body,
+`dr = A y_r`, `psi = y_t`,
 
     dv = A (y_r' + w x y_r),     dvdot = A (y_r'' + 2 w x y_r' + w x (w x y_r) + wdot x y_r),
 
