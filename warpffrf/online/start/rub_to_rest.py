@@ -9,7 +9,7 @@ the *initial state*, the positions of the assembled scene, with joints closed. W
 
 all friction by its law with the loads that press at x_1: a joint, a lumped contact or a cell sticks where less than its
 bound holds x_0, and has slipped against its traction elsewhere. This equals the result of loads that grow
-proportionally from zero, as long as slip directions stay those of the end; consecutive loads require a static run,
+simultaneously from zero, as long as slip directions stay those of the end; consecutive loads require a static run,
 which continues from here.
 
 Halving such a step has no effect, because its loads do not depend on time: it is the last of 2^n parts of a step, n the
