@@ -1,14 +1,14 @@
-"""Putting a run back where another one ended.
+"""Restart of a run from a checkpoint.
 
 A checkpoint (`Engine.checkpoint`) is the complete device state: positions, rates, algorithmic accelerations,
 multipliers, active sets, pressures, the ledger, the clock and the control words; of cells that travel with the patch
 the last change of their pressures, from which the next ones are predicted, and their compliances and factors, which
-serve from step to step as long as they are good. Everything else that a step uses is either constant (compiled from the
-scene) or made anew at the start of every step, so a run continued from a checkpoint with the same step and the same
-options gives the same numbers, bit for bit, as one that was never stopped. Tableaus of laps are no part of it: they are
-of the size of all cells squared, and are made anew of the cells' forces, so that a run with laps goes on to round-off
-of their solve, 1e-11 of the largest force in each step. Where what was kept does not fit,
-compliances are made anew, and the numbers are the same to the tolerance of the iteration.
+are reused from step to step while they are accurate. Everything else in a step is either constant (compiled from the
+scene) or recomputed at the start of every step, so a run continued from a checkpoint with the same step and the same
+options gives the same numbers, bit for bit, as an uninterrupted one. Tableaus of small-sliding contacts are not
+included: their size is that of all cells squared, and they are recomputed from the cells' forces, so that such a run
+continues to round-off of their solve, 1e-11 of the largest force per step. If the kept data do not fit, compliances are
+recomputed, and the numbers are equal to the tolerance of the iteration.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from warpffrf.online.arrays.declaration import numbers_of
 from warpffrf.online.engine import OFF_END, Engine
 from warpffrf_kernels.core import control as k
 
-SAME_STEP = 1e-9  # relative: steps that differ by less were meant to be the same
+SAME_STEP = 1e-9  # relative: steps that differ by less are considered equal
 
 
 def is_dynamic(checkpoint: Mapping[str, np.ndarray]) -> bool:
@@ -39,20 +39,20 @@ def is_loaded(checkpoint: Mapping[str, np.ndarray]) -> bool:
 
 
 def time_of(checkpoint: Mapping[str, np.ndarray]) -> float:
-    """The time [s] at which a checkpoint was taken; 0 of one that does not say (it is refused elsewhere)."""
+    """The time [s] at which a checkpoint was taken; 0 if it does not contain the time (it is refused elsewhere)."""
     clock = np.asarray(checkpoint.get("clk", np.zeros(0)))
     return float(clock["time"][0]) if "time" in (clock.dtype.names or ()) else 0.0
 
 
 def turned_of(checkpoint: Mapping[str, np.ndarray] | None, scene: Scene) -> np.ndarray:
-    """The fastest turning of each body [rad/s] up to a checkpoint; empty of one that does not say, or of another
-    scene (it is refused elsewhere)."""
+    """The largest angular speed of each body [rad/s] up to a checkpoint; empty if it does not contain it, or is of
+    another scene (it is refused elsewhere)."""
     found = np.asarray((checkpoint or {}).get("turned", np.zeros((1, 0))))
     return found[0] if found.shape == (1, len(scene.bodies)) and np.all(np.isfinite(found)) else np.zeros(0)
 
 
 def off_end_of(checkpoint: Mapping[str, np.ndarray] | None) -> bool:
-    """Whether cells were laid for patches of crowns that run off an end."""
+    """Whether cells covered patches of crowns that run off an end."""
     return bool(np.any((checkpoint or {}).get(OFF_END, False)))
 
 
@@ -89,7 +89,7 @@ def check_checkpoint(present: Mapping[str, np.ndarray], checkpoint: Mapping[str,
 
 
 def restore(engine: Engine, checkpoint: Mapping[str, np.ndarray], step: float, label: str = "simulate: start") -> int:
-    """Bring `engine` to the state of `checkpoint`, ready for steps of `step` [s]; returns the user steps done so far.
+    """Set `engine` to the state of `checkpoint`, ready for steps of `step` [s]; returns the user steps done so far.
 
     Another step than the checkpoint's begins a new count of steps at the checkpoint's time. Raises `InputError` for a
     checkpoint of another scene, with `label` in front.

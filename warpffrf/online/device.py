@@ -1,4 +1,4 @@
-"""The device that a run uses when it names none."""
+"""The default device of a run."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A scene on a device: arrays, graph, control words, and the phases a run is made of."""
+"""A scene on a device: arrays, step graph, control words and the phases of a run."""
 
 from __future__ import annotations
 
@@ -27,21 +27,21 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.declaration import DeviceArray
 from warpffrf_kernels.laps.words import AHEAD, ANEW, HELD, NONE, READY
 
-ROOM_GROWTH = 2  # of the slots, each time they are too few
-OF_AN_ATTEMPT = ("attempt", "accept", "record")  # words of `Control` that the next one begins with at zero
-NO_ATTEMPT = -1  # of a world, where others are attempted
+ROOM_GROWTH = 2  # of the node capacity, each time it is exceeded
+OF_AN_ATTEMPT = ("attempt", "accept", "record")  # words of `Control` reset to zero before each attempt
+NO_ATTEMPT = -1  # for a world that takes no part in the attempt
 EngineOf = Callable[..., "Engine"]
-"""Makes the engine of a run, with the scene and the options of `Engine`."""
+"""Creates the engine of a run, with the scene and the options of `Engine`."""
 NOT_KEPT = (
     "what cells that travel with the patch keep from step to step is not in the checkpoint, or does not fit: the run "
     "goes on to the tolerance of the iteration, not bit for bit"
 )
-OFF_END = "off_end"  # in a checkpoint, where cells are laid for patches of crowns that run off an end
-KEPT_MARK = "kept_"  # before the names of arrays in a checkpoint that are no part of the state
+OFF_END = "off_end"  # in a checkpoint: cells cover patches of crowns that run off an end
+KEPT_MARK = "kept_"  # prefix of arrays in a checkpoint that are not part of the state
 
 
 def ready_device(named: str | None) -> str:
-    """The device that is meant by a name, with Warp begun and what is left of a broken compilation away."""
+    """The device of that name, with Warp initialised and remains of an interrupted compilation removed."""
     kernel_cache.check_place()
     if start_warp():
         kernel_cache.remove_unfinished()
@@ -49,7 +49,7 @@ def ready_device(named: str | None) -> str:
 
 
 class Engine:
-    """A scene on a device in `worlds` copies, ready to step. Whoever works with one in several threads holds `TURN`."""
+    """A scene on a device in `worlds` copies, ready to step. With several threads, the caller must hold `TURN`."""
 
     @TURN
     def __init__(
@@ -67,11 +67,11 @@ class Engine:
         off_end: bool = False,
         progress: bool = False,
     ) -> None:
-        """`patches`: the cells of pairs on patches, by number of the contact; None: chosen as the contacts ask for.
-        `turned`: the fastest turning of each body [rad/s] in a run so far, by which inertia "auto" is judged as well.
+        """`patches`: the cells of contact-fixed grids, by contact number; None: as the contacts specify.
+        `turned`: the largest angular speed of each body [rad/s] so far, also used to select inertia "auto".
         `off_end`: patches of crowns run off an end, see `PatchPlan.of`.
-        `device`: None for the usual one (`chosen_device`). `progress`: a bar while kernels are compiled; the rest as
-        `online.run`."""
+        `device`: None for the default (`chosen_device`). `progress`: a bar during kernel compilation; the other options
+        as `online.run`."""
         settings = settings or Settings()
         compiled = compile_scene(scene, settings, ready_device(device), local, patches, turned=turned, off_end=off_end)
         self._begin([compiled] * worlds, settings, integrator, step_error, progress)
@@ -84,7 +84,7 @@ class Engine:
         step_error: float | None,
         progress: bool,
     ) -> None:
-        """Arrays and graph of `scenes`, one a world."""
+        """Arrays and graph of `scenes`, one per world."""
         self.settings, self.scenes, self.worlds = settings, list(scenes), len(scenes)
         self.compiled = scenes[0]
         self.scene = self.compiled.scene
@@ -97,14 +97,14 @@ class Engine:
         self._open_books()
 
     def _open_books(self) -> None:
-        """What the host keeps of a run."""
-        self.no_room: dict[int, int] = {}  # world -> hats in play that it wanted and there was no memory for
-        self.chunks: list[list[SavedRows]] = [[] for _ in range(self.worlds)]  # taken out of the ring, in chunks
+        """Host data of a run."""
+        self.no_room: dict[int, int] = {}  # world -> active nodes requested beyond the memory
+        self.chunks: list[list[SavedRows]] = [[] for _ in range(self.worlds)]  # rows drained from the ring
         self.drained = np.zeros(self.worlds, dtype=int)
         self.seconds_in_graph = 0.0
         self.start_notes: list[str] = []
-        self.not_at_rest = ""  # why `settle` found no static state, where it knows
-        self.given_off = 0.0  # J, by the jumps of a static run, see `snap_through`
+        self.not_at_rest = ""  # why `settle` found no static state, if known
+        self.given_off = 0.0  # J, released by the jumps of a static run, see `snap_through`
 
     def _allocate(self) -> None:
         """Scratch arrays and the graph that works on them."""
@@ -126,11 +126,11 @@ class Engine:
         )  # fmt: skip
 
     def make_room(self, slots: int) -> bool:
-        """Room for `slots` hats in play at least, up to what the capacities of the contacts allow; False where the
-        memory does not suffice, and all stays as it is.
+        """Allocate at least `slots` active nodes, up to the capacities of the contacts; False if the memory does not
+        suffice, and nothing changes.
 
-        Scratch arrays are made anew, so that whoever holds some asks for them again; what they hold stays, but for the
-        matrices of hats and cells: a world that is not short may still have to be recorded from them.
+        Scratch arrays are reallocated: references to them must be renewed. Their values are kept, except the matrices
+        of nodes and cells, because other worlds may still have to be recorded from them.
         """
         m = self.compiled.model
         slots = min(slots, m.capacity.slot_limit)
@@ -151,15 +151,15 @@ class Engine:
                 array.assign(before[name])
         self.scratch.lasting.zero_()
         if m.capacity.cells:
-            self.control(stale=1)  # compliances that are kept from step to step have another shape now
+            self.control(stale=1)  # compliances kept from step to step now have another shape
         return True
 
     def _relieve(self) -> np.ndarray:
-        """More room where an attempt ran short of it: the worlds (worlds,) for which there is some now, so that it can
-        come again.
+        """Enlarge the capacity after attempts that exceeded it; returns the worlds (worlds,) whose attempt can be
+        repeated.
 
-        The world that wants most may be one that there is no memory for. It has failed, and is asked for no more; the
-        others get what they want.
+        If the memory does not suffice for the largest request, that world has failed and is not enlarged again; the
+        other worlds receive what they request.
         """
         capacity = self.compiled.model.capacity
         short = (self.word("status") & int(k.ROOM)) != 0
@@ -179,15 +179,15 @@ class Engine:
 
     @property
     def models(self) -> wp.array:
-        """Constants of the scenes as kernels take them, one a world."""
+        """Constants of the scenes for the kernels, one per world."""
         return self.graph.program.arrays["models"]
 
     @property
     def integrator(self) -> Integrator:
-        """Of bodies and global modes."""
+        """Integrator of bodies and global modes."""
         return self._integrator
 
-    # --- control words, all worlds alike
+    # --- control words, equal in all worlds
 
     def control(self, **values: int) -> None:
         """Set words of `warpffrf_kernels.core.control.Control` by name."""
@@ -218,27 +218,27 @@ class Engine:
         return words[name].copy()
 
     def locked_rows(self, world: int) -> list[int]:
-        """Rows of the pretensions that hold their length."""
+        """Rows of the pretensions with locked length."""
         rows = self.compiled.tensions.rows.values()
         return [row for row, held in zip(rows, self.state.locked.numpy()[world], strict=False) if held]
 
     def replay(self, attempts: int) -> float:
-        """Run the graph, with more room where an attempt asks for it, and drain the ring; returns the wall time [s]."""
+        """Replay the graph, enlarge the capacity on request, and drain the ring; returns the wall time [s]."""
         seconds = self._attempt(np.full(self.worlds, attempts))
         self.seconds_in_graph += seconds
         self.drain()
         return seconds
 
     def _attempt(self, attempts: np.ndarray) -> float:
-        """At most so many attempts (worlds,) of each world, none where the number is negative, and as many again of one
-        that has been given more room; returns the wall time [s]."""
+        """Make at most the given number of attempts (worlds,) in each world, none if negative, and the same number
+        again in a world whose capacity was enlarged; returns the wall time [s]."""
         seconds = self.graph.replay(attempts)
         while np.any(relieved := self._relieve()):
             seconds += self.graph.replay(np.where(relieved, attempts, NO_ATTEMPT))
         return seconds
 
     def drain(self) -> None:
-        """Take the rows that the graph has saved since the last time out of the ring."""
+        """Move the rows saved since the last call out of the ring."""
         saved = self.word("saved")
         if np.any(saved > self.drained):
             ring = self.ring.on_host()
@@ -252,12 +252,12 @@ class Engine:
         return joined(self.chunks[world] or [taken(self.ring.on_host(), world, range(0))])
 
     def has_turned(self, turned: Sequence[float] | np.ndarray) -> None:
-        """Put into the state that bodies have turned so fast [rad/s], if not faster."""
+        """Raise the largest angular speeds [rad/s] in the state to at least these values."""
         if len(turned):
             self.state.turned.assign(np.maximum(self.state.turned.numpy(), turned))
 
     def outrun(self) -> np.ndarray | None:
-        """The fastest turning of each body [rad/s], where one has left what its inertia level holds for."""
+        """The largest angular speed of each body [rad/s] if one exceeds the validity of its inertia level."""
         limits = self.compiled.inertia.limits
         if not np.any(np.isfinite(limits)):
             return None
@@ -266,16 +266,16 @@ class Engine:
 
     @property
     def off_end(self) -> bool:
-        """Whether cells are laid for patches of crowns that run off an end."""
+        """Whether cells cover patches of crowns that run off an end."""
         return any(plan.off_end for plan in self.compiled.patches.values())
 
     # --- checkpoints
 
     def checkpoint(self) -> dict[str, np.ndarray]:
-        """Copies of all that the next step needs to go on bit for bit: the state and, with cells that travel with the
-        patch, what is kept of them from step to step. Tableaus of laps are not among them: their numbers are made anew
-        of the forces of the state, and a run goes on to round-off of their solve. Words of the last attempt are left
-        out, as it depends on other worlds whether that was one of this world."""
+        """Copies of all data required to continue bit for bit: the state and, for contact-fixed grids, the cell data
+        kept from step to step. Tableaus of small-sliding contacts are not included: they are recomputed from the forces
+        of the state, and a run continues to round-off of their solve. Words of the last attempt are omitted, because
+        it depends on other worlds whether this world took part in it."""
         state = self.state.to_numpy()
         for word in OF_AN_ATTEMPT:
             state["ctl"][word] = 0
@@ -283,8 +283,8 @@ class Engine:
         return state | rows | {f"{KEPT_MARK}{name}": a.numpy().copy() for name, a in self._kept().items()}
 
     def resume(self, checkpoint: Mapping[str, np.ndarray]) -> None:
-        """Overwrite the state; what a checkpoint has kept, where it fits, or else compliances are made anew, with a
-        note in `start_notes`."""
+        """Overwrite the state and the kept cell data; if these do not fit, compliances are recomputed, with a note in
+        `start_notes`."""
         given = {name.removeprefix(KEPT_MARK): a for name, a in checkpoint.items() if name.startswith(KEPT_MARK)}
         for name in ("answer_hat", "order"):  # lists over slots
             if name in given:
@@ -299,8 +299,8 @@ class Engine:
             self.start_notes.append(NOT_KEPT)
 
     def put_back(self, values: Mapping[str, np.ndarray]) -> None:
-        """Overwrite the state of this engine. Numbers of laps belong to what was evaluated last: they are made anew
-        of the forces of the state."""
+        """Overwrite the state of this engine. Tableaus of small-sliding contacts belong to the last evaluation and are
+        recomputed from the forces of the state."""
         self.state.assign(values)
         words = self.scratch.lap_words.numpy()
         words[..., int(READY)] = np.where(words[..., int(READY)] == int(NONE), int(NONE), int(ANEW))
@@ -308,7 +308,7 @@ class Engine:
         self.scratch.lap_words.assign(words)
 
     def _kept(self) -> dict[str, DeviceArray]:
-        """Arrays that are kept from step to step beside the state, each once: some stand in for others."""
+        """Arrays kept from step to step in addition to the state, each once: some are aliases."""
         sizes = self._sizes()
         if not sizes["patch_pair"]:
             return {}
@@ -319,7 +319,7 @@ class Engine:
     # --- phases
 
     def enter(self, mode: int, step: float, target: int = 1) -> None:
-        """Begin a count of `target` user steps of `step` [s] in a mode (DYNAMIC, STATIC, PROJECT, START, LOADING)."""
+        """Start a count of `target` user steps of `step` [s] in a mode (DYNAMIC, STATIC, PROJECT, START, LOADING)."""
         self.control(mode=int(mode), step=0, sub=0, level=0, target=target)
         self.clock(user_step=step)
 
@@ -329,7 +329,7 @@ class Engine:
         self.replay(1)
 
     def commit(self) -> None:
-        """Let what remembers a history begin it at the present state, see `warpffrf_kernels.step.proximal`."""
+        """Start all history variables at the present state, see `warpffrf_kernels.step.proximal`."""
         if not self.graph.remembers:
             return
         self.evaluate_here()
@@ -359,7 +359,7 @@ class Engine:
             getattr(self.state, name).zero_()
 
     def initial_rates(self) -> None:
-        """Velocities of the scene, on top of whatever positions the state has."""
+        """Set the initial velocities of the scene; positions are unchanged."""
         self.rates_to_zero()
         motions = [initial_motion(compiled.scene) for compiled in self.scenes]
         for name in ("v", "omega"):

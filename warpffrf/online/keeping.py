@@ -1,5 +1,5 @@
-"""A run on an engine beside its keeper (`warpffrf.model.messages.checkpoints`): when to look, what to give, and going
-on from it."""
+"""Saving a run with a keeper (`warpffrf.model.messages.checkpoints`) while it is under way, and continuing from what
+was saved."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core import control as k
 
 KIND = "steps"
-MOST_ATTEMPTS = 1000  # to end a step that an interruption has cut
+MOST_ATTEMPTS = 1000  # to complete an interrupted step
 
 
 class Keeping:
-    """A run beside its keeper; `None`: nothing is kept."""
+    """A run with its keeper; `None`: nothing is saved."""
 
     def __init__(self, engine: Engine, keeper: Keeper | None, plan: Plan) -> None:
         self.engine, self.keeper, self.plan = engine, keeper, plan
@@ -37,8 +37,8 @@ class Keeping:
         keeper.begin(Source(KIND, engine.scene, options))
 
     def look(self) -> None:
-        """Keep what there is, where it is time to and a step has just ended. Raises KeyboardInterrupt afterwards if
-        that was asked for meanwhile."""
+        """Save the rows if it is due and a step has just ended. Raises KeyboardInterrupt afterwards if it was requested
+        meanwhile."""
         if self.keeper is None or not self.keeper.due() or _within_step(self.engine):
             return
         with deferred_interrupts() as asked:
@@ -47,7 +47,7 @@ class Keeping:
             raise KeyboardInterrupt
 
     def end(self) -> None:
-        """Of a run that is interrupted: end the step at hand, and keep what there is."""
+        """For an interrupted run: complete the current step and save."""
         if self.keeper is None:
             return
         if _within_step(self.engine):
@@ -61,14 +61,14 @@ class Keeping:
 
 
 def _within_step(engine: Engine) -> bool:
-    """Whether a user step is only partly done, or an attempt is to be repeated."""
+    """Whether a user step is incomplete, or an attempt is to be repeated."""
     return bool(
         np.any(engine.word("sub")) or np.any(engine.word("again")) or np.any(engine.word("status") & int(k.ROOM))
     )
 
 
 def go_on(engine: Engine, unfinished: Unfinished, step: float) -> int:
-    """Bring `engine` to where `unfinished` ended, its rows taken out of the ring; returns the user steps done."""
+    """Set `engine` to the end of `unfinished`, with its rows drained from the ring; returns the user steps done."""
     done = restore(engine, unfinished.checkpoint, step)
     words = np.asarray(unfinished.checkpoint["ctl"])
     engine.control(reason=int(words["reason"][0]), spell=int(words["spell"][0]))

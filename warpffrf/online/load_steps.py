@@ -1,32 +1,33 @@
-"""Static runs: equilibria one after the other under loads and prescribed motions that change, with friction's history.
+"""Static runs: consecutive equilibria under varying loads and prescribed motions, with the history of friction.
 
     simulate(scene, 1.0, step=0.01, kind="static")        Stage("press", 1.0, 0.01, kind="static")
 
-At every time t_k = t_begin + k step the scene is at rest under the forces, drives and gravity of that time. Time only
-says which loads belong together: where nothing depends on rates, another duration with signals stretched alike gives
-the same states. Rows are those of a run in time, with velocities and accelerations zero.
+At every time t_k = t_begin + k step the scene is at rest under the forces, drives and gravity of that time. Time is
+only a load parameter: if nothing depends on rates, another duration with equally stretched signals gives the same
+states. Rows are those of a run in time, with velocities and accelerations zero.
 
-The device does it all (`warpffrf_kernels.step.proximal`): a load step is an attempt in mode LOADING, accepted, halved
-and recorded like a step in time, and goes on bit for bit from a checkpoint. Halved steps leave no rows of their own.
+The load steps run on the device (`warpffrf_kernels.step.proximal`): a load step is an attempt in mode LOADING,
+accepted, halved and recorded like a step in time, and continues bit for bit from a checkpoint. Halved steps record no
+rows.
 
-**Where it begins.** From the scene itself, or the result of `equilibrium`, the scene comes to rest first, under the
-loads of that time and without friction in joints and contacts (`start.settle`). From a static run, or the result of
-`equilibrium(friction=True)`, it goes on with the friction that this has left. From a run in time it goes on as well,
-without its velocities: the first load step ends at rest, whatever moved before, and the kinetic energy given up is in
+**Start.** From the scene itself, or the result of `equilibrium`, the scene first comes to rest under the
+loads of that time and without friction in joints and contacts (`start.settle`). A start from a static run, or the
+result of `equilibrium(friction=True)`, keeps its friction state. A start from a run in time drops
+the velocities: the first load step ends at rest, and the lost kinetic energy is in
 the numerical line of the ledger.
 
-**Limit points.** A load step that fails although it has been halved as often as allowed, as no equilibrium is near,
-goes downhill to another one, and the jump is named in the notes (`warpffrf.online.snap_through`).
+**Limit points.** A load step that fails at the largest number of halvings, because no equilibrium is near,
+descends in energy to another one, and the jump is reported in the notes (`warpffrf.online.snap_through`).
 
-**What a run in time makes of its end**: it starts at rest, see `warpffrf.online.run`.
+**A run in time from the end of a static run** starts at rest, see `warpffrf.online.run`.
 
-**What has no meaning at rest** is refused, with the cure: films, which carry by sliding and squeezing. Dampers carry
-nothing. Friction laws that depend on the slip speed take what slides in a load step over the time that it stands for;
+**Elements without meaning at rest** are refused, with the cure: films, which carry by sliding and squeezing. Dampers
+carry no load. Friction laws that depend on the slip speed use the slip of a load step divided by its duration;
 regularised friction and rolling resistance of lumped contacts, which need a velocity, do not act, with a note.
 
-**Free motions.** What contact and its friction leave free is held where it is, as in an equilibrium
-(`start.free_motions`), and looked for before every load step, from the state alone: a run that is taken up again goes
-on bit for bit.
+**Free motions.** Motions not resisted by contact and its friction are constrained, as in an equilibrium
+(`start.free_motions`), and determined before every load step, from the state alone: a continued run is equal bit for
+bit.
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ from warpffrf.online.turn import TURN
 from warpffrf.online.warp_start import untested_warp_note
 
 FROM_REST = "the first equilibrium of the static run"
-MOST_ATTEMPTS = 8  # a load step, in one replay: more follow where steps are halved
-MOVED = 1e-12  # of the largest energy of the ledger: kinetic energy that is no round-off
+MOST_ATTEMPTS = 8  # per load step, in one replay: more follow where steps are halved
+MOVED = 1e-12  # of the largest energy of the ledger: kinetic energy above round-off
 
 
 @TURN
@@ -82,9 +83,9 @@ def run_static(
 ) -> History:
     """Equilibria of `scene` for `duration` [s] in load steps of `step` [s]; arguments as of `online.run`.
 
-    start: "initial" and "equilibrium" are alike here. A load step that finds no equilibrium, however much it is halved,
+    start: "initial" and "equilibrium" are equivalent here. A load step that finds no equilibrium at any halving,
     and none to jump to, ends the run with its reason in `History.status`. Raises InputError for wrong input, and for
-    scenes with films. A run in which a patch of a crown runs off an end begins anew (`online.diagnosis.off_end`).
+    scenes with films. A run in which a patch of a crown runs off an end restarts (`online.diagnosis.off_end`).
     """
     options: dict[str, Any] = {
         "step": step, "local": local, "save_every": save_every, "device": device, "progress": progress,
@@ -157,7 +158,7 @@ def _run_static(
             notes.extend(_without_velocities(engine))
             begin_loading(engine, step)
             first_step = 0
-    # grids of contact make more of energies than a load step changes them by, where it closes or opens
+    # errors of energy of contact grids exceed its change in a load step where contact closes or opens
     engine.control(every=save_every, downhill=int(engine.compiled.model.pairs.count == 0))
     engine.seconds_in_graph = 0.0
     plan = Plan(first_step + steps, rejected, tuple(notes))
@@ -221,7 +222,7 @@ def _run_static(
 
 
 def _without_velocities(engine: Engine) -> list[str]:
-    """Stop all motion; a note of the energy that goes with it."""
+    """Stop all motion; returns a note of the energy lost."""
     energy = engine.state.energy.numpy()[:, 0]
     kinetic = float(energy[:, ENERGY_LINES.index("kinetic")].max())
     engine.rates_to_zero()
@@ -234,7 +235,7 @@ def _without_velocities(engine: Engine) -> list[str]:
 
 
 def _without_velocity(scene: Scene) -> list[str]:
-    """Notes of what lumped contacts resist only what has a velocity with."""
+    """Notes of resistances of lumped contacts that act only with a velocity."""
     resting = rolling_notes(scene, "a static run")
     names = [c.name for c in scene.lumped_contacts if c.friction.acts and c.friction.creep_limit > 0.0]
     if not names:

@@ -1,20 +1,20 @@
-"""How the local modes of contact surfaces follow their load: statically, or with inertia.
+"""Treatment of the local modes of contact surfaces: quasi-static, or with inertia.
 
-    quasi_static   the compliance D carries all of them at once; nothing per mode is stored or stepped
+    quasi_static   the compliance D contains all modes; nothing per mode is stored or integrated
     hht            the modes of `warpffrf.model.reduced.local_modes` as diagonal coordinates, one HHT-alpha step each
     exponential    the same coordinates, exact for a load that is linear over the step
     auto           hht up to AUTO_RATIO times the highest load frequency, quasi_static above
 
-What is cut or held stays in the compliance (D_rest), so that the static response is exact at any cut. Contact sees
-`G = Psi^T (D_rest + T sigma^-1 T^T) Psi` and stays inside the local solve in all of them; the price of the dynamic ones
-grows with the number of modes (kernels `motion`, `contact_compliance`), and G changes with the step size.
+Modes without inertia remain in the compliance (D_rest), so that the static response is exact at any cut-off. Contact
+uses `G = Psi^T (D_rest + T sigma^-1 T^T) Psi` and stays inside the local solve in all treatments; the cost of the
+dynamic ones grows with the number of modes (kernels `motion`, `contact_compliance`), and G changes with the step size.
 
-The steps (`warpffrf_kernels.bodies.motion.move_modes`). HHT: the four coefficients of alpha, of its own, in place of
+The steps (`warpffrf_kernels.bodies.motion.move_modes`). HHT: its own four coefficients of alpha replace
 those of the outer integrator. Exponential, for q'' + 2 zeta omega q' + omega^2 q = f0 + (f1 - f0) t/h (Nigam and
 Jennings 1969): q1 = A q0 + B q0' + C f0 + D f1; D is the receptance. It serves modes that the step does not resolve,
-omega h >= pi; below, together with contact, it would be unstable (`warpffrf_kernels.bodies.motion.rule_of`), and those
-modes step by HHT. At exactly undamped modes it is marginal, hence their default damping. Impacts on these modes are
-stepped without a memory of the contact force, see `warpffrf_kernels.impulsive.impulsive_means`."""
+omega h >= pi; below that, with contact, it would be unstable (`warpffrf_kernels.bodies.motion.rule_of`), and those
+modes use HHT. It is marginally stable for undamped modes, hence the default damping. Impacts on these modes are
+integrated without a history of the contact force, see `warpffrf_kernels.impulsive.impulsive_means`."""
 
 from __future__ import annotations
 
@@ -35,8 +35,8 @@ from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf.model.scene import Scene
 
 TREATMENTS = ("quasi_static", "hht", "exponential", "auto")
-AUTO_RATIO = 5.0  # of the load frequency: above, the response without inertia is wrong by (1/5)^2 = 4 % at most
-EXACT_DAMPING = 0.02  # 2 %: the least of 0, 2, 10 % that was stable from 2 to 20 us a step on two rollers
+AUTO_RATIO = 5.0  # of the load frequency: above, the error of the response without inertia is at most (1/5)^2 = 4 %
+EXACT_DAMPING = 0.02  # 2 %: the smallest of 0, 2, 10 % that was stable from 2 to 20 us per step on two rollers
 FOLLOWS, STEPS_HHT, STEPS_EXACTLY = 0, 1, 2  # kinds of modes in the kernels: the outer integrator's, hht, exponential
 
 
@@ -46,8 +46,8 @@ class LocalDynamics:
     """The `treatment` of the local modes, "quasi_static", "hht", "exponential" or "auto", see the module;
     `simulate(local="hht")` is `LocalDynamics("hht")`.
 
-    max_frequency [Hz], count: the modes of each contact surface that get inertia, all that can be resolved if both are
-    None. damping: their ratio, 0 to below 1; None for none with HHT, which damps by itself, and EXACT_DAMPING with
+    max_frequency [Hz], count: the modes of each contact surface with inertia, all that can be resolved if both are
+    None. damping: their ratio, 0 to below 1; None: zero with HHT, which damps numerically, and EXACT_DAMPING with
     "exponential". alpha: of HHT, -1/3 to 0. load_frequency [Hz]: of "auto", the highest
     frequency of the load; the highest global mode of the body if None. Raises `InputError`.
     """
@@ -77,7 +77,7 @@ class LocalDynamics:
 
     @property
     def coefficients(self) -> Coefficients:
-        """Those of HHT."""
+        """Coefficients of HHT."""
         return HHT(self.alpha).coefficients
 
     @property
@@ -101,7 +101,7 @@ def as_local_dynamics(value: Any) -> LocalDynamics:
 @dataclass
 class LocalPlan:
     """The dynamic local modes of a scene: per body index its surfaces' modes by name, in the order of the coordinates
-    that follow its global ones; and what is to be said about them."""
+    that follow its global ones; and notes about them."""
 
     options: LocalDynamics
     modes: dict[int, dict[str, DynamicModes]] = field(default_factory=dict)
@@ -119,7 +119,7 @@ class LocalPlan:
                     plan._add(port)
                     continue
                 note = f"contact surface {port.label}: the inertia of its local modes is neglected"
-                if note not in plan.notes:  # one of several pairs on it has said so
+                if note not in plan.notes:  # several contacts share the surface
                     plan.notes.append(note)
         for lap in scene.laps:
             plan._look_at_lap(lap)
@@ -128,8 +128,8 @@ class LocalPlan:
         return plan
 
     def _look_at_lap(self, lap: Lap) -> None:
-        """Say that its cells have no inertia; raises `InputError` where local modes of its bodies do, which move no
-        lap."""
+        """Note that its cells have no inertia; raises `InputError` if local modes of its bodies have inertia, as these
+        do not move small-sliding contacts."""
         for port in lap.ports:
             if self.count(port.body.index):
                 raise InputError(
@@ -165,7 +165,7 @@ class LocalPlan:
 
     @property
     def exact(self) -> bool:
-        """Whether any mode steps exactly for a linear load."""
+        """Whether any mode uses the exponential step."""
         return self.options.kind == STEPS_EXACTLY and any(self.count(b) for b in self.modes)
 
     def count(self, body: int) -> int:
@@ -192,8 +192,8 @@ class LocalPlan:
 
 
 def refuse_other_modes(scene: Scene, stages: Sequence[Any], local: Any) -> None:
-    """Raises `InputError` for a stage whose local treatment steps other modes than the stages before it: the state of a
-    run has one coordinate for each."""
+    """Raises `InputError` for a stage whose local treatment integrates other modes than the stages before it: the state
+    of a run has one coordinate per mode."""
     treatments = [as_local_dynamics(stage.options.get("local", local)) for stage in stages]
     if len(set(treatments)) == 1:
         return

@@ -1,8 +1,8 @@
-r"""States that a run leaves on the way, so that parts of it can be stepped again with another step.
+r"""Intermediate states of a run, from which parts of it can be repeated with another step.
 
-A run of up to `WHOLE` steps leaves `FEW` states in equal distances, a longer one `MARKS`. They stay in memory with the
-`History` and are not written to files. `Marks.again` makes an engine anew: whoever never asks pays for the
-copies alone.
+A run of up to `WHOLE` steps stores `FEW` equidistant states, a longer one `MARKS`. They stay in memory with the
+`History` and are not written to files. `Marks.again` creates a new engine: without a repetition the only cost is that
+of the copies.
 
 **Another step from a state in the middle of a run.** In a smooth motion x(t) the velocities and algorithmic
 accelerations of the generalized-alpha method are not those of x, but off by a constant times the step. With v_n = x' +
@@ -11,10 +11,10 @@ order in h,
 
     d = 1/2 - gamma = alpha_m - alpha_f,        c = 1/6 - beta - d/2.
 
-A state that is to go on with h_2 instead of h takes c (h_2^2 - h^2) x''' and d (h_2 - h) x''' more, or it would jump: a
-mechanism that is driven has its places given, and carries the jump as an alternation of its reactions. x''' is the
-difference of the accelerations over the first step of the run from there. The first state of a run from rest or from
-given velocities has the velocities themselves, and takes nothing.
+A state continued with h_2 instead of h is corrected by c (h_2^2 - h^2) x''' and d (h_2 - h) x'''; otherwise it would
+jump: the positions of a driven mechanism are prescribed, so its reactions would alternate. x''' is the difference of
+the accelerations over the first step of the run from there. The first state of a run from rest or from given velocities
+has the exact velocities and is not corrected.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import History
 from warpffrf.online.history.record import history_from_rows
 
-WHOLE = 4000  # steps, up to which a run is stepped again as a whole
-FEW, MARKS = 32, 100  # states of such a one, and of a longer one
+WHOLE = 4000  # steps, up to which a run is repeated as a whole
+FEW, MARKS = 32, 100  # states of such a run, and of a longer one
 MOST_BYTES = 64e6  # of them
 COARSER, FINER = 2, 4  # times the step of the run, parts of it
 ROUGHER = float(COARSER**3)  # times the error of a step allowed: local errors grow with h^3
-MOST_ATTEMPTS = 4  # a user step, in one replay: more follow where steps are halved
+MOST_ATTEMPTS = 4  # per user step, in one replay: more follow where steps are halved
 
 Array = np.ndarray
 State = Mapping[str, Array]
@@ -76,12 +76,12 @@ class Marks:
         return self.last - self.first <= WHOLE
 
     def until(self, target: int, done: int) -> int:
-        """The step to go to from `done`: `target`, or a mark before it."""
+        """The next step to stop at after `done`: `target`, or an earlier mark."""
         ahead = self.steps[self.steps > done]
         return min(target, int(ahead[0])) if len(ahead) else target
 
     def look(self, engine: Engine, done: int) -> None:
-        """Keep the state where a mark is reached; the last needs none."""
+        """Store the state if a mark is reached, except the last."""
         if done in self.steps[:-1] and not np.any(engine.word("status")):
             self.states[done] = engine.state.to_numpy()
 
@@ -91,11 +91,11 @@ class Marks:
         return [(int(a), int(b)) for a, b in zip(ends[:-1], ends[1:], strict=True) if int(a) in self.states]
 
     def engine(self) -> Engine:
-        """The engine of the run, made anew."""
+        """A new engine of the run."""
         return Engine(self.scene, **self.options)
 
     def again(self, engine: Engine, begin: int, end: int) -> Again | None:
-        """User steps `begin` to `end` once more, an even number of them; None where they fail with the longer step."""
+        """Repeat user steps `begin` to `end`, an even number; None if they fail with the longer step."""
         state, pairs = self.states[begin], (end - begin) // COARSER
         fresh = begin == 0 and not np.any(state["ctl"]["steps"])
         step_error = engine.scratch.step_error.numpy()

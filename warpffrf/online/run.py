@@ -1,4 +1,4 @@
-"""Driving the graph: start, chunks with progress, stop, and what goes into the History."""
+"""Run control: start, replay of the graph in chunks with progress, stop, and assembly of the History."""
 
 from __future__ import annotations
 
@@ -76,10 +76,10 @@ STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or be
 COARSEN = "coarsen the contact grid (traction_spacing)"
 UPHILL = "every step from here leads uphill; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
-UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # how contact that is wedged deeply fails
+UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # failure bits of deeply wedged contact
 RUNS_AWAY = int(
     k.NOT_CONVERGED | k.SINGULAR | k.NOT_FINITE | k.ENERGY | k.RESTLESS | k.UNDERFLOW
-)  # how a body that nothing holds fails
+)  # failure bits of an unconstrained body
 MESSAGES = {
     k.NOT_CONVERGED: ("not_converged", "the Newton iteration did not converge; reduce step"),
     k.CYCLING: (
@@ -141,17 +141,17 @@ def run(
     keeper: Keeper | None = None,
     engine_of: EngineOf = Engine,
 ) -> History:
-    """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver that fails says so in `History.status`.
+    """Simulate `scene` for `duration` [s] in steps of `step` [s]; a solver failure is reported in `History.status`.
 
     start: "initial", "equilibrium", or the History of an earlier run of the same scene, or of its equilibrium, which
-    is continued bit for bit, or of a static run, which is left at rest (`start_from_loads`), or an Unfinished run,
-    which goes on to its end: the History is that of the whole, and `duration` is taken from it. keeper: takes what is
-    saved while the run is under way. step_error: halve steps whose local error exceeds it, see
-    `warpffrf_kernels.step.accuracy`. project_start: initial velocities that do not agree with the joints are changed as
-    little as possible (in the kinetic energy of the change) instead of refused. engine_of: makes the engine, alone or
-    in a place beside others (`warpffrf.online.worlds`). A run in which a body with inertia "auto" turns faster than its
-    level holds for begins anew (`online.compile.inertia_plan`), and so does one in which a patch of a crown runs off an
-    end (`online.diagnosis.off_end`). Raises InputError for wrong input.
+    is continued bit for bit, or of a static run, which starts from rest (`start_from_loads`), or an Unfinished run,
+    which is continued to its end: the History covers the whole run, whose `duration` is used. keeper: receives the
+    saved rows during the run. step_error: steps whose local error exceeds it are halved, see
+    `warpffrf_kernels.step.accuracy`. project_start: initial velocities that violate the joints are changed as little
+    as possible (in the kinetic energy of the change) instead of refused. engine_of: creates the engine, alone or as one
+    world of several (`warpffrf.online.worlds`). The run restarts if a body with inertia "auto" rotates faster than its
+    level is valid for (`online.compile.inertia_plan`), or if a contact patch of a crowned surface runs off an end
+    (`online.diagnosis.off_end`). Raises InputError for wrong input.
     """
     options = {
         "step": step, "integrator": integrator, "local": local, "step_error": step_error, "save_every": save_every,
@@ -173,7 +173,7 @@ def run(
 
 
 class _Outrun(Exception):
-    """Bodies have `turned` (bodies,) [rad/s] faster than their inertia levels hold for."""
+    """Bodies rotate at `turned` (bodies,) [rad/s], faster than their inertia levels are valid for."""
 
     def __init__(self, turned: np.ndarray) -> None:
         super().__init__()
@@ -199,8 +199,8 @@ def _run(
     turned: np.ndarray,
     off_end: bool,
 ) -> History:
-    """`run`, with inertia levels for bodies that have `turned` so fast [rad/s], each, and cells for crowns that run
-    `off_end`; raises `_Outrun` where one turns faster than its level holds for, and `OffEnd`."""
+    """`run`, with inertia levels for the angular speeds `turned` [rad/s] of the bodies, and cells for crowns that run
+    `off_end`; raises `_Outrun` if a body rotates faster than its level is valid for, and `OffEnd`."""
     if isinstance(integrator, CHECK_INTEGRATORS):
         if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
             raise InputError(
@@ -221,8 +221,8 @@ def _run(
             _check_velocity(drive, began, began + steps * step)
         refuse_short_signals(scene, began, began + steps * step)
     save_every = require_count(save_every, "simulate: save_every", 1, most=MOST_COUNTED)
-    loaded = isinstance(start, History) and is_loaded(start.checkpoint)  # what `run_static` leaves
-    # what `find_equilibrium` leaves
+    loaded = isinstance(start, History) and is_loaded(start.checkpoint)  # result of `run_static`
+    # result of `find_equilibrium`
     at_rest = isinstance(start, History) and not loaded and not is_dynamic(start.checkpoint)
     if not continued or at_rest:
         if start == "initial":
@@ -351,7 +351,7 @@ def _run(
     history.marks = marks
     history.message = gain or history.message
     history.counters["loop_seconds"] = ended - loop
-    history.counters["finish_seconds"] = time.perf_counter() - ended  # notes, and what cells are held against
+    history.counters["finish_seconds"] = time.perf_counter() - ended  # notes and checks of the cells
     if interrupted and history.status == "completed":
         history.status, history.message = INTERRUPTED, "interrupted by the user; results up to there are kept"
     return history
@@ -364,8 +364,8 @@ def find_equilibrium(
 ) -> History:  # fmt: skip
     """Static state of `scene` under its loads and prescribed motions at time 0, as a History of one row.
 
-    friction: of joints and contacts answers the slip from where the scene begins (`start.rub_to_rest`), as that of laps
-    does in any case. Raises InputError for wrong input.
+    friction: joint and contact friction acts on the slip from the initial state (`start.rub_to_rest`); friction of
+    small-sliding contacts always does. Raises InputError for wrong input.
     """
     refuse_singular_mass(scene)
     if friction:
@@ -401,17 +401,17 @@ def finish(
     engine: Engine, begin: float, built: float, notes: list[str], prefix: str, rejected_before: int = 0,
     films: FilmWatch | None = None,
 ) -> History:  # fmt: skip
-    """The History of what was saved; `rejected_before`: attempts that an earlier run, which is continued, rejected;
-    `films`: states of its oil films on the way."""
-    left = engine.checkpoint()  # before anything is evaluated for notes
+    """The History of the saved rows; `rejected_before`: attempts rejected by the earlier run that is continued;
+    `films`: intermediate states of the oil films."""
+    left = engine.checkpoint()  # before the evaluations for the notes
     bits = int(engine.word("status")[0])
     wanted = engine.no_room.get(0)
     if wanted is None:
-        bits &= ~int(k.ROOM)  # left where the user interrupts
+        bits &= ~int(k.ROOM)  # remains set when the user interrupts
     status, message = describe(bits, wanted or int(engine.word("spare")[0]), coarser(engine))
     at_rest = prefix.startswith("equilibrium")
     if at_rest and bits:
-        uphill = bits & int(k.ENERGY) and not bits & int(k.CAPACITY)  # a window that is too small leads there, too
+        uphill = bits & int(k.ENERGY) and not bits & int(k.CAPACITY)  # too small a window also causes it
         message = UPHILL if uphill else message.replace("; reduce step", STATIC_CURE)
     hidden = hidden_inertia(engine) if bits & int(k.SINGULAR) else ""
     owner = failure_owner(engine, bits) if bits and not hidden else ""
@@ -448,7 +448,7 @@ def finish(
     if engine.compiled.slips.laws or engine.compiled.tensions.laws:
         history.counters["forgetful_steps"] = int(engine.word("forgotten")[0])
     if engine.graph.pattern is not None:
-        factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of the pressures, and of the tractions
+        factors = engine.scratch.fallback, engine.scratch.cell_fallback  # of pressures and tractions
         history.counters["dense_fallbacks"] = sum(int(factor.numpy()[0, 1]) for factor in factors)
     if engine.word("edge")[0]:
         arcs = [c.name for c in engine.scene.contacts if not c.a.surface.grid.periodic]
@@ -500,11 +500,11 @@ def finish(
 
 
 def _reaction_notes(integrator: Integrator, engine: Engine) -> list[str]:
-    """A note where the integrator hardly damps the alternation of joint reactions from step to step.
+    """A note if the integrator hardly damps joint reactions that alternate from step to step.
 
-    In the equations with positions as constraints (index 3) the multipliers obey a recursion with the double root
-    -rho_inf (Cardona and Geradin 1989): a disturbance grows like n rho^n, 1/(e (1 - rho)) times at most, and at 1
-    without end, until large rotations make the whole iteration diverge.
+    With position-level constraints (index 3) the multipliers obey a recursion with the double root
+    -rho_inf (Cardona and Geradin 1989): a disturbance grows like n rho^n, 1/(e (1 - rho)) times at most, and at rho 1
+    without bound, until large rotations make the whole iteration diverge.
     """
     rho = float(np.abs(roots_at_infinity(integrator.coefficients)).max())
     if rho <= MOST_UNDAMPED or not any(engine.compiled.joints.rows.values()):
@@ -516,7 +516,7 @@ def _reaction_notes(integrator: Integrator, engine: Engine) -> list[str]:
 
 
 def _check_velocity(drive: Drive, began: float, end: float) -> None:
-    """A prescribed position whose velocity jumps between `began` and `end` [s] would need an infinite force."""
+    """Raise `InputError` if the velocity of a prescribed position jumps between `began` and `end` [s]."""
     breaks, c = drive.position().polynomial()
     powers = np.arange(1, c.shape[1])
     ends = [float(np.sum(powers * c[i, 1:] * (breaks[i + 1] - breaks[i]) ** (powers - 1))) for i in range(len(c) - 1)]
@@ -536,8 +536,8 @@ def _check_velocity(drive: Drive, began: float, end: float) -> None:
 
 
 def check_load_paths(scene: Scene) -> list[str]:
-    """Refuse laps that push bodies away, and pretensions that press on nothing; notes on pairs that wedge deeply, or
-    will hardly touch."""
+    """Refuse small-sliding contacts that push bodies apart and pretensions without a load path; notes on contacts that
+    wedge deeply or will hardly touch."""
     check = scene.check()
     refuse_pushed_apart(scene)
     for force in scene.forces:
@@ -548,7 +548,7 @@ def check_load_paths(scene: Scene) -> list[str]:
 
 
 def coarser(engine: Engine) -> str:
-    """How the contacts of a scene get fewer unknowns: nodes of body-fixed grids, cells that travel with a patch."""
+    """The cure that reduces the contact unknowns: nodes of body-fixed grids, cells of contact-fixed grids."""
     cells = f"take fewer cells (cells= of {'the contact' if len(engine.compiled.patches) == 1 else 'contacts'})"
     on_cells = len(engine.compiled.patches)
     return " or ".join([cells] * (on_cells > 0) + [COARSEN] * (on_cells < len(engine.scene.contacts)))
@@ -566,7 +566,7 @@ def describe(bits: int, capacity: int, coarsen: str = COARSEN) -> tuple[str, str
 
 
 def _no_load_path(engine: Engine) -> str:
-    """Name the body that did not come to rest; where none moves, it is the iteration that does not get there."""
+    """Name the body that did not come to rest; if no body moves, report that the forces do not balance."""
     moves = np.linalg.norm(engine.scratch.dx.numpy()[0], axis=-1)
     if moves.max() <= ROUND_OFF * float(engine.compiled.model.length):
         return f"no body moves any more, and yet the forces do not balance{STATIC_CURE}"

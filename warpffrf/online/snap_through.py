@@ -1,20 +1,20 @@
-r"""Limit points of a static run: where no equilibrium is near, the structure jumps to another one.
+r"""Limit points of a static run: if no equilibrium is near, the structure jumps to another one.
 
-A load step that fails however much it is halved has met a limit point if from the last equilibrium, under the loads at
-its end, the energy leads down to another one. Newton's method cannot go there: in between a direction has negative
-stiffness -s^2, and of the proximal steps of a load step (`warpffrf_kernels.step.proximal`) those longer than 1/s lead
-back uphill. `start.settle` can, whose steps get shorter again where that happens. So
+A load step that fails at any halving has met a limit point if a path of decreasing energy leads from the last
+equilibrium, under the loads at its end, to another one. Newton's method cannot follow it: in between a direction has
+negative stiffness -s^2, and proximal steps of a load step (`warpffrf_kernels.step.proximal`) longer than 1/s lead
+back uphill. `start.settle` can, because it shortens its steps there. Therefore
 
-1. the state x_0 of the last equilibrium is kept, and `settle` goes from it to x_1, at rest under the loads of the end;
-2. x_0 is put back, and the load step is made once more, its iteration starting with the increments x_1 - x_0.
+1. the state x_0 of the last equilibrium is stored, and `settle` computes x_1, at rest under the loads of the end;
+2. x_0 is restored, and the load step is repeated, its iteration starting with the increments x_1 - x_0.
 
-It then ends at x_1 like any other load step: laps have slipped from x_0 to x_1, works are booked by the trapezoidal
-rule, and what the jump gives off, which in motion would be kinetic energy, is in the numerical line. The step goes to
-the end of the user's step at once, so that loads pass the limit by less than one of these.
+It then ends at x_1 like any other load step: small-sliding contacts have slipped from x_0 to x_1, works are booked by
+the trapezoidal rule, and the energy released, in a motion kinetic energy, is in the numerical line. The step
+extends to the end of the user's step at once, so that loads pass the limit by less than one user step.
 
-The path between x_0 and x_1 is that of steepest descent in the metric of mass, not a motion: where several equilibria
-lie below, a motion may go to another one. Joints and contacts that rub would leave their friction out on the way, so
-that scenes with such friction do not jump.
+The path between x_0 and x_1 is that of steepest descent in the metric of mass, not a motion: if several equilibria
+are lower, a motion may reach another one. The friction of joints and contacts would be omitted on the path; therefore
+scenes with such friction do not jump.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ NUMERICAL = ENERGY_LINES.index("numerical")
 
 @dataclass(frozen=True)
 class Jump:
-    """From the equilibrium at `begin` [s] to that of the load step which ends at `end` [s]: `distance` [m] that the
-    place went that went farthest, on body `body`, and `energy` [J] given off."""
+    """Jump from the equilibrium at `begin` [s] to that of the load step which ends at `end` [s]: largest displacement
+    `distance` [m] of a point, on body `body`, and `energy` [J] released."""
 
     begin: float
     end: float
@@ -59,8 +59,8 @@ class Jump:
 
 
 def snap_through(engine: Engine) -> Jump | None:
-    """Take the load step that has just failed in `engine` as a jump; None: there is none, and the engine is as it was,
-    with the failure in its status."""
+    """Repeat the failed load step of `engine` as a jump; None: there is none, and the engine is unchanged, with the
+    failure in its status."""
     if int(np.bitwise_or.reduce(engine.word("status"))) & ~LOST or rubbing(engine.scene):
         return None
     kept, notes = engine.checkpoint(), list(engine.start_notes)
@@ -103,10 +103,10 @@ def snap_through(engine: Engine) -> Jump | None:
 
 
 def _settled(engine: Engine, time: float) -> bool:
-    """Whether the scene comes to rest under the loads of `time` [s], from where it is."""
+    """Whether the scene comes to rest under the loads of `time` [s], from the present state."""
     engine.control(status=0, downhill=0)
     engine.clock(time=time, start_time=time)
-    engine.static_step(LEAST * float(engine.compiled.model.length))  # drives go to where they are then
+    engine.static_step(LEAST * float(engine.compiled.model.length))  # drives move to their positions at that time
     return not np.any(engine.word("status")) and settle(engine)
 
 
@@ -125,7 +125,7 @@ def _numerical(engine: Engine) -> float:
 
 
 def _places(engine: Engine) -> dict[str, Array]:
-    """Places (n, 3) [m] of the surface of each body, with its global modes; of a rigid one its centre of mass."""
+    """Points (n, 3) [m] of the surface of each body, with its global modes; of a rigid one its centre of mass."""
     state, found = engine.state, {}
     r, p, q = (getattr(state, name).numpy()[0] for name in ("r", "p", "q"))
     for i, body in enumerate(engine.scene.bodies):
@@ -139,5 +139,5 @@ def _places(engine: Engine) -> dict[str, Array]:
 
 
 def _moved(before: dict[str, Array], after: dict[str, Array]) -> dict[str, float]:
-    """Largest distance [m] between places, by body."""
+    """Largest distance [m] between points, by body."""
     return {name: float(np.linalg.norm(after[name] - x, axis=1).max()) for name, x in before.items()}

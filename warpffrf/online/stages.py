@@ -1,21 +1,21 @@
-"""A run in stages: parts of one run with a step, options and loads of their own.
+"""A run in stages: parts of one run, each with its own step, options and loads.
 
     simulate(scene, stages=[Stage("press", 0.02, 1e-3), Stage("roll", 0.1, 1e-4, {"save_every": 10})])
     simulate(scene, stages=[Stage("tighten", 1.0, 0.1, kind="static"), Stage("ring", 0.1, 1e-5)])
 
-A stage begins where the one before it ended, from its checkpoint; time runs on. A stage of kind "static" goes from
-equilibrium to equilibrium (`warpffrf.online.load_steps`); one in time after it begins at rest, and one after a stage in
-time gives up the velocities, with a note. What a stage overrides holds for that
-stage alone, the next one is back at the scene and the options of the run:
+A stage starts from the checkpoint of the previous one; time continues. A stage of kind "static" computes consecutive
+equilibria (`warpffrf.online.load_steps`); a dynamic stage after it starts from rest, and a static stage after a dynamic
+one drops the velocities, with a note. Overrides apply to
+their stage only; the next stage uses the scene and the options of the run:
 
     save_every, integrator, local, step_error options of `simulate`
     gravity                                   (3,) m/s2
-    forces                                    {name: force}: takes the place of the scene's force of that name
+    forces                                    {name: force}: replaces the scene's force of that name
 
-A force may be replaced only by one of the same kind: the equations then keep their size, and the state its meaning.
-Loads that jump between stages make accelerations jump, as a signal that jumps does; the potential energy that jumps
+A force may be replaced only by one of the same kind: size of the equations and meaning of the state then stay the same.
+Loads that jump between stages cause accelerations to jump; a jump of the potential energy
 with gravity, or with the stiffness or free length of a spring, is booked as work of forces. Joints, drives and bodies
-cannot be replaced: positions would have to jump.
+cannot be replaced, because positions would jump.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ RUN_OPTIONS = ("save_every", "integrator", "local", "step_error")
 OF_TIME = ("integrator", "step_error")
 KINDS = ("dynamic", "static")
 SCENE_VALUES = ("gravity", "forces")
-# the other counters run on through the stages
+# the other counters continue through the stages
 SUMMED = ("build_seconds", "seconds_in_graph", "loop_seconds", "finish_seconds")
 
 
 @named_arguments
 @dataclass(frozen=True)
 class Stage:
-    """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. name: of the stage, each
-    another.
-    kind: "dynamic", in time, or "static", from one equilibrium to the next; static stages override save_every, local
+    """Part of a run: `duration` [s] in steps of `step` [s]; `overrides` as in the module. name: of the stage,
+    unique.
+    kind: "dynamic", or "static" for consecutive equilibria; static stages override only save_every, local
     and loads.
 
     Raises `InputError` for wrong numbers and for what cannot be overridden.
@@ -83,7 +83,7 @@ class Stage:
 
     def scene(self, scene: Scene) -> Scene:
         """`scene` itself, or a copy with this stage's gravity and forces; bodies, joints and contacts are shared.
-        Raises `InputError` for overrides that the scene does not know."""
+        Raises `InputError` for overrides that do not exist in the scene."""
         if not any(key in self.overrides for key in SCENE_VALUES):
             return scene
         label = f"stage {self.name!r}"
@@ -127,11 +127,11 @@ def check_stages(scene: Scene, stages: Any) -> list[Stage]:
 
 
 def with_potential(checkpoint: Mapping[str, np.ndarray], before: Scene, after: Scene) -> dict[str, np.ndarray]:
-    """A checkpoint that goes from the loads of the scene `before` to those of `after`; the forces are the same ones in
+    """A checkpoint changed from the loads of the scene `before` to those of `after`; the forces are the same in
     the same order.
 
-    The potential of gravity and springs jumps while nothing moves; the jump is booked as work of forces, so that the
-    ledger stays closed and no step is blamed for it. A first equilibrium is left alone: its start opens the books.
+    The potential of gravity and springs jumps without motion; the jump is booked as work of forces, so that the
+    energy ledger stays closed. A first equilibrium is unchanged: the ledger starts with it.
     """
     jump = _potential(checkpoint, after) - _potential(checkpoint, before)
     if not (is_dynamic(checkpoint) or is_loaded(checkpoint)) or not np.any(jump):
@@ -145,7 +145,7 @@ def with_potential(checkpoint: Mapping[str, np.ndarray], before: Scene, after: S
 def _potential(checkpoint: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray:
     """Potential (W,) [J] of gravity, -sum m g.r, and of springs.
 
-    The values of spring rows stand behind those of joints, in the order of the forces (`compile_forces`).
+    The values of spring rows follow those of joints, in the order of the forces (`compile_forces`).
     """
     masses = np.array([body.mass for body in scene.bodies])
     total = -np.einsum("b,wbi,i->w", masses, checkpoint["r"], scene.gravity)
@@ -159,7 +159,7 @@ def _potential(checkpoint: Mapping[str, np.ndarray], scene: Scene) -> np.ndarray
 
 
 def joined(histories: Sequence[History], names: Sequence[str]) -> History:
-    """The histories of consecutive stages as one: rows one after the other, notes marked with the stage's name."""
+    """Concatenate the histories of consecutive stages; notes are labelled with the stage's name."""
     last = histories[-1]
     counters = {**last.counters, **{n: sum(h.counters.get(n, 0.0) for h in histories) for n in SUMMED}}
     notes = [f"stage {n!r}: {note}" for n, history in zip(names, histories, strict=True) for note in history.notes]
@@ -168,8 +168,8 @@ def joined(histories: Sequence[History], names: Sequence[str]) -> History:
 
 
 def joined_parts(histories: Sequence[History]) -> History:
-    """The histories of consecutive parts of a run as one: rows one after the other, and the rest from the last, but for
-    the scene."""
+    """Concatenate the rows of consecutive parts of a run; everything else is taken from the last part, except the
+    scene."""
     rows = {
         entry.name: _joined([getattr(history, entry.name) for history in histories])
         for entry in fields(History)
@@ -192,8 +192,8 @@ def _joined(parts: list[Any]) -> Any:
 
 
 def _joined_joint(parts: list[JointHistory]) -> JointHistory:
-    """A joint's histories one after the other; angles go on where the stage before left them: each record counts its
-    turns from (-pi, pi]."""
+    """Concatenate a joint's histories; angles continue from the previous stage: each record counts its
+    revolutions from (-pi, pi]."""
     names = parts[0].names
     seconds = [np.asarray(part.second_coordinate) for part in parts]
     columns = [[part.coordinate for part in parts], seconds]

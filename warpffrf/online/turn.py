@@ -1,13 +1,13 @@
-"""One thread at a time in Warp, but for the replay of graphs.
+"""Lock that admits one thread at a time to Warp, except for the replay of graphs.
 
-Warp has one capture in a process, and puts every launch of every thread into it; loading a module is not safe from
-several threads either. So whoever builds arrays, captures, launches or copies has the turn, from the beginning of a run
-to its end, and leaves it to others while its graph replays, which is where a run spends its time: a replay is native
-code that works on the arrays of its own graph, and Python's lock is not held.
+Warp has one capture per process, which records every launch of every thread; loading a module is not thread-safe
+either. A thread that builds arrays, captures, launches or copies therefore holds the lock, from the start of a run to
+its end, and releases it while its graph replays, which takes most of the time: a replay is native code that works on
+the arrays of its own graph, and Python's lock is not held.
 
-Replays take turns as well on a GPU, whose one stream is captured, and in debug builds and with blocks of lanes on the
-CPU, where kernels find their shared memory by a static pointer (`shared_tile_storage` of Warp's tile.h). Other kernels
-for the CPU keep that pointer and never follow it, as none here has tiles (`tests/kernels/test_no_tiles.py`).
+Replays are serialised as well on a GPU, whose one stream is captured, and in debug builds and with blocks of lanes on
+the CPU, where kernels address their shared memory by a static pointer (`shared_tile_storage` of Warp's tile.h). Other
+CPU kernels keep that pointer but never dereference it, as none here has tiles (`tests/kernels/test_no_tiles.py`).
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def replays_side_by_side(device: str) -> bool:
 
 
 class Turn(ContextDecorator):
-    """A lock that a thread may take again, and leave for a while however often it has taken it."""
+    """A reentrant lock that a thread may release temporarily, however often it has acquired it."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -46,7 +46,7 @@ class Turn(ContextDecorator):
 
     @contextmanager
     def left(self) -> Iterator[None]:
-        """Others may have it meanwhile; nothing, where this thread does not have it."""
+        """Release it temporarily; no effect if this thread does not hold it."""
         if not self._mine():
             yield
             return
@@ -61,7 +61,7 @@ class Turn(ContextDecorator):
                 raise interruption
 
     def _wait(self) -> KeyboardInterrupt | None:
-        """Take the lock; an interruption meanwhile is answered, because what comes after it needs the turn too."""
+        """Acquire the lock, also after an interruption, because the code that follows needs it too."""
         interruption = None
         while True:
             try:

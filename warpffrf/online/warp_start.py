@@ -1,4 +1,4 @@
-"""Warp begins, and loads kernels, without a word, and its settings are left as the user has them."""
+"""Silent initialisation of Warp and loading of kernels; the user's settings are kept."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import warp as wp
 
-TESTED_WARP = "1.19.0"  # the newest that the tests have run with
+TESTED_WARP = "1.19.0"  # the newest version tested
 STDERR = 2
 
 _started = False
@@ -17,7 +17,7 @@ _started = False
 
 @contextmanager
 def quiet() -> Iterator[None]:
-    """Warp says warnings only, unless the user has asked for more, or for less, than it says by itself."""
+    """Warp prints warnings only, unless the user has changed its default verbosity."""
     asked = wp.config.log_level
     if asked == wp.LOG_INFO:
         wp.config.log_level = wp.LOG_WARNING
@@ -63,7 +63,7 @@ def _native_errors_away() -> Iterator[None]:
 
 
 def untested_warp_note(installed: str = wp.__version__) -> list[str]:
-    """A note where Warp is newer than the tests have seen: captured graphs and kernel caches are young parts of it."""
+    """A note if Warp is newer than the tested version: captured graphs and kernel caches are recent parts of it."""
     if _numbers(installed) <= _numbers(TESTED_WARP):
         return []
     return [

@@ -1,35 +1,35 @@
-"""Many scenes in one graph, each as if it were alone.
+"""Many scenes in one graph, each with the results of a single run.
 
-Engines. One engine for many scenes, and for each of them an engine of its own: its place in that one.
+Engines. One shared engine for many scenes, and one engine per scene that is a view of a world of the shared one.
 
-`SharedEngine` has the arrays and the graph of all worlds. A `Place` has what an engine of its scene alone has, as views
-on the arrays of the shared one (`online.arrays.views`), on which it launches the parts of a step that a run asks for on
-the way. Only attempts of steps, which are where a run spends its time, are made for all worlds at once: whoever replays
-waits until the others do (`online.worlds.meeting`), each with its own number of attempts. A world that has reached its
-target, or has failed, takes no part in an attempt, so what others go on with does not touch it.
+`SharedEngine` has the arrays and the graph of all worlds. A `Place` is the engine of one scene: its arrays are views
+of the shared ones (`online.arrays.views`), on which it launches the individual parts of a step that a run requires.
+Only attempts of steps, which take most of the time, are made for all worlds at once: a thread that replays
+waits for the others (`Meeting`), each with its own number of attempts. A world that has reached its
+target, or has failed, takes no part in an attempt, so its state is unaffected by the other worlds.
 
-So a run in a place is the run of that scene alone, with the same bits on the CPU: kernels do the same for a world,
-whatever others there are. Room for hats in play (`Engine.make_room`) is made for all worlds where one is short of it.
+A run in a place is therefore bit for bit the run of that scene alone on the CPU: kernels treat a world independently of
+the others. The capacity of active nodes (`Engine.make_room`) is enlarged for all worlds if one exceeds it.
 
-Meeting. Threads that do together what none of them does alone: each waits until all others have come.
+Meeting. A barrier: each thread waits until all others have arrived.
 
-Each run of many is a thread with the code of a single run. When it wants what the graph does for all of them, it comes
-to the meeting and leaves the turn (`warpffrf.online.turn`) until all that still run have come, too; the last one does
-it for everybody. Between two meetings they go on one at a time, as everything in Warp does.
+Each run is a thread with the code of a single run. For a replay of the common graph it arrives at the barrier and
+releases the lock (`warpffrf.online.turn`) until all threads still running have arrived; the last one replays
+for all. Between two barriers the threads run one at a time, as Warp requires.
 
-Same kind. Whether scenes fit into one graph: they may differ in numbers, not in what there is.
+Same kind. Whether scenes fit into one graph: they may differ in numbers, not in structure.
 
-One graph launches the same kernels over the same axes in every world, so whatever has an axis has to be there as often
-in all scenes. The order in which the outer matrix is eliminated is one for all, so joints, contacts and films are to be
-between the same bodies. Hats in play have room in slots, as many in all worlds; this room grows up to what the contacts
-allow, which is to be as much in all scenes, so that no world gets more than it would alone. All else is read from the
+One graph launches the same kernels over the same axes in every world, so everything with an axis must have the same
+count in all scenes. The elimination order of the retained matrix is common, so joints, contacts and films must
+connect the same bodies. The capacity of active nodes is equal in all worlds; it grows up to the limit of the contacts,
+which must be equal in all scenes, so that no world has more than in a single run. All other data are read from the
 tables of each world's own scene.
 
-Side by side. Runs of many scenes side by side in the worlds of one engine.
+Side by side. Simultaneous runs of many scenes in the worlds of one engine.
 
-Each run is a thread with the code of a run by itself, `online.run.run` or `online.load_steps.run_static`, and an engine
-of its own, its place in the one they share (`warpffrf.online.worlds`): start, watching, notes and history are
-those of the scene alone. One thread works at a time, but for the graph, which steps all worlds at once.
+Each run is a thread with the code of a single run, `online.run.run` or `online.load_steps.run_static`, and
+its own `Place` in the shared engine: start, monitoring, notes and history are
+those of the scene alone. One thread works at a time, except for the graph, which steps all worlds at once.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ OF_WORLDS = ("models", *(name for name, declared in DECLARED.items() if declared
 
 
 class SharedEngine(Engine):
-    """The arrays and the graph of `scenes`, one a world. Raises `InputError` where they differ by more than numbers."""
+    """The arrays and the graph of `scenes`, one per world. Raises `InputError` if they differ in structure."""
 
     def __init__(
         self,
@@ -77,7 +77,7 @@ class SharedEngine(Engine):
         refuse_other_kinds(scenes)
         self._begin(scenes, settings, integrator, step_error, progress)
         self.on_host = OnHost()
-        self.rooms = 0  # times that there was made more room, which makes scratch arrays anew
+        self.rooms = 0  # number of enlargements, each of which reallocates scratch arrays
 
     def make_room(self, slots: int) -> bool:
         """As of any engine."""
@@ -87,8 +87,8 @@ class SharedEngine(Engine):
         return found
 
     def attempt(self, budgets: Mapping[int, int]) -> float:
-        """At most so many attempts in each world, none where there is no number, and more room where one asks for it;
-        returns the wall time [s]."""
+        """Make at most the given number of attempts in each world, none without a number, and enlarge the capacity on
+        request; returns the wall time [s]."""
         each = np.full(self.worlds, NO_ATTEMPT)
         each[list(budgets)] = list(budgets.values())
         seconds = self._attempt(each)
@@ -118,7 +118,7 @@ class Place(Engine):
         self._open_books()
 
     def _sit_down(self) -> None:
-        """Views on the arrays of the shared engine as they are now."""
+        """Views of the present arrays of the shared engine."""
         shared = self.shared
         self._rooms = shared.rooms
         whole = shared.graph.program
@@ -149,7 +149,8 @@ class Place(Engine):
         return np.zeros(1, dtype=bool)
 
     def attempt(self, budget: int) -> float:
-        """At most so many attempts, beside those of the other worlds; returns the wall time [s] of all."""
+        """Make at most the given number of attempts, with those of the other worlds; returns the wall time [s] of
+        all."""
         seconds = self._company.attempt(self.world, budget)
         self._views.touched = False
         self.after_others()
@@ -244,16 +245,16 @@ class Meeting:
 
     def __init__(self, count: int) -> None:
         self._changed = threading.Condition()
-        self._coming = set(range(count))  # those that will come again
+        self._coming = set(range(count))  # threads that will arrive again
         self._brought: dict[int, Any] = {}
         self._together: Together | None = None
-        self._held = 0  # meetings so far
+        self._held = 0  # barriers so far
         self.error: BaseException | None = None  # of the last one
         self._ends: type[BaseException] | None = None
 
     def come(self, number: int, brings: Any, together: Together) -> None:
-        """Wait for the others; the last to come calls `together` with what each has brought, by number. An error of
-        this is raised in all. The thread has the turn before and after."""
+        """Wait for the others; the last to arrive calls `together` with the contribution of each, by number. Its errors
+        are raised in all threads. The thread holds the lock before and after."""
         with self._changed:
             self._raise_end()
             self._brought[number], self._together = brings, together
@@ -269,7 +270,7 @@ class Meeting:
             raise self.error
 
     def leave(self, number: int) -> None:
-        """This thread comes no more; where it was the one that all waited for, they meet now. Without the turn."""
+        """This thread arrives no more; if all others wait for it, they proceed now. Called without the lock."""
         with TURN:
             with self._changed:
                 self._coming.discard(number)
@@ -348,16 +349,16 @@ def _axes(own: Sizes, first: Sizes, i: int) -> str:
     return ""
 
 
-LOOK = 0.2  # s between two looks at how far the runs have come
+LOOK = 0.2  # s between two updates of the progress of the runs
 
 Run = Callable[[EngineOf], History]
 
 
 def side_by_side(runs: Sequence[Run], steps: int, *, progress: bool) -> list[History]:
-    """The histories of `runs`, which are given what makes their engines, in their order; steps: of each, for the bar.
+    """The histories of `runs`, called with the factory of their engines, in order; steps: of each, for the bar.
 
-    A run that fails leaves its History, and the others go on. An error ends all: `InputError` with the number of the
-    scene in front where it is one scene's. KeyboardInterrupt comes to every run as to one alone; it is raised where a
+    A run that fails returns its History, and the others continue. An error ends all: `InputError` starts with the
+    number of the scene it belongs to. KeyboardInterrupt is passed to every run; it is raised if a
     run had not begun its steps.
     """
     company = Company(len(runs), progress)

@@ -29,13 +29,13 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.core.model import AT_POINTS, LINE_OF_CENTRES, PATCH, Model
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
-LEAST_CROWN = 1.0  # radii: below, the crown is no small drop along the width
+LEAST_CROWN = 1.0  # radii: below, the drop of the crown along the width is not small
 SOFT, SOFT_STRAIN = 2e8, 0.3  # Pa, of elastomers: half of their default window over the effective radius
 SKEW = 0.02  # rad between the axes: the line of centres drops terms of the order of its square, 4e-4
 
 
 def fill_pairs(collector: Collector, m: Model) -> None:
-    """Quadrature, windows and stencils of the pairs, and the outer columns that their gaps depend on."""
+    """Quadrature, windows and stencils of the contacts, and the retained columns that their gaps depend on."""
     _fill_quadrature(collector, m)
     pairs = collector.pairs()
     turned = [between_axes(pair.contact) for pair in pairs]
@@ -65,7 +65,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
             continue
         rows = max(rows, a.grid.rows)
         second_rows = max(second_rows, b.grid.rows if isinstance(b, ContactSurface) else NO_NODES)
-        # all pairs share the widest window, so each needs what lies opposite that
+        # all contacts share the widest window, so each needs the columns opposite it
         if family == LINE_OF_CENTRES and isinstance(b, ContactSurface):
             _require_common_width(collector, contact, a, b)
             side, *hat = _reach_on_second(a, b, half)
@@ -79,7 +79,7 @@ def fill_pairs(collector: Collector, m: Model) -> None:
         limit += most
         slots += slots_of(contact, most)
         coupled.append(_coupled_columns(collector, m, body_a, body_b))
-    second_half = max(second_half, stencil[0])  # also the window of a rigid surface holds a stencil
+    second_half = max(second_half, stencil[0])  # the window of a rigid surface also contains a stencil
     collector.fill(
         m.window, half=half, columns=2 * half + 1, rows=rows, hats=(2 * half + 1) * rows,
         second_half=second_half, second_columns=2 * second_half + 1, nodes=(2 * second_half + 1) * second_rows,
@@ -128,7 +128,7 @@ def family_of(collector: Collector, pair: Pair, turned: float) -> int:
 
 def _require_common_width(collector: Collector, contact: Contact, a: ContactSurface, b: ContactSurface) -> None:
     """Raises `InputError` where the two surfaces face each other over a width in which the first has no sampling point
-    along its axis: the contact would never be felt."""
+    along its axis: the contact would never act."""
     ends = b.shape.axis_point + np.outer([b.grid.z[0], b.grid.z[-1]], b.shape.e_a)
     places = (contact.a.body.to_user(contact.b.body.to_world(ends)) - a.shape.axis_point) @ a.shape.e_a
     z = np.asarray(a.grid.z)
@@ -156,8 +156,8 @@ def _moving(*bodies: Body | Ground) -> list[Body]:
 
 
 def _coupled_columns(collector: Collector, m: Model, body_a: Body | Ground, body_b: Body | Ground) -> list[int]:
-    """Outer columns that the gap of a pair depends on: of its bodies, their modes with inertia terms, and the rows that
-    end on one of their flexible interfaces. The ground has none: those of A stand for them, with a gradient of zero."""
+    """Retained columns that the gap of a contact depends on: of its bodies, their modes with inertia terms, and rows
+    that end on one of their flexible interfaces. For the ground, those of A are used, with a gradient of zero."""
     moving = _moving(body_a, body_b)
     own = [body.index for body in moving]
     rigid = [6 * index + c for index in (own if len(own) == 2 else 2 * own) for c in range(6)]
@@ -182,7 +182,7 @@ def _half_window(collector: Collector, pair: Pair, turned: float) -> int:
 
 
 def _soft(contact: Contact) -> bool:
-    """Whether a body of the pair is of a material that is pressed far beyond what metals bear."""
+    """Whether a body of the pair is of a material that is compressed far beyond what metals bear."""
     found = [
         port.body.reduced.provenance.get("contact_materials", {}).get(port.name)
         for port in contact.ports
@@ -192,7 +192,7 @@ def _soft(contact: Contact) -> bool:
 
 
 def _reach_on_second(a: ContactSurface, b: ContactSurface, half_window: int) -> tuple[int, int, int]:
-    """Columns of the second grid on each side that face the window, and columns and rows under a hat, of two bodies of
+    """Columns of the second grid on each side that face the window, and columns and rows under a node, of two bodies of
     revolution: opposite xi lies asin(R_A sin(xi)/R_B)."""
     xi = min((half_window + 1.5) * a.grid.pitch, 0.5 * np.pi)
     angle = np.arcsin(min(a.shape.radius * np.sin(xi) / b.shape.radius, 1.0))
@@ -202,6 +202,6 @@ def _reach_on_second(a: ContactSurface, b: ContactSurface, half_window: int) -> 
 
 
 def _row_reach(z_a: np.ndarray, z_b: np.ndarray) -> int:
-    """Most rows of the second grid under a hat of the first, at any axial offset."""
+    """Largest number of rows of the second grid under a node of the first, at any axial offset."""
     widest = max(z_a[min(i + 1, len(z_a) - 1)] - z_a[max(i - 1, 0)] for i in range(len(z_a)))
     return min(len(z_b), int(np.ceil(widest / np.min(np.diff(z_b)) - ROUND_OFF)) + STENCIL_SPARE)

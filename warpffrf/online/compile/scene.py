@@ -70,8 +70,8 @@ class CompiledScene:
 
 
 def enlarge(worlds: Sequence[CompiledScene], slots: int) -> None:
-    """Room for `slots` hats in play in each world, and cells where there is friction; scratch arrays, and the models on
-    the device, are to be made anew."""
+    """Set the capacity to `slots` active nodes per world, and cells if there is friction; scratch arrays and the models
+    on the device must be reallocated."""
     cells = max(compiled.cell_room.cells(slots) for compiled in worlds)
     for compiled in worlds:
         compiled.model.capacity.slots, compiled.model.capacity.cells = slots, cells
@@ -145,8 +145,7 @@ def _compiled(collector: Collector) -> CompiledScene:
 
 
 def _gather_surfaces(collector: Collector) -> None:
-    """The surfaces that pairs load, lumped contacts meet on and films stand between, each once, and which of them their
-    sides are on."""
+    """The surfaces of contacts, lumped contacts and films, each once, and the surface index of each of their sides."""
     scene = collector.scene
     lean = leanings(scene.contacts)
     known: dict[tuple[int, str], int] = {}
@@ -175,7 +174,7 @@ def _gather_surfaces(collector: Collector) -> None:
 
 
 def _length(collector: Collector) -> float:
-    """The length of the scene [m]: the farthest place of a body, its radius of gyration, and the longest arm of a
+    """The length of the scene [m]: the farthest point of a body, its radius of gyration, and the longest arm of a
     joint or spring."""
     sizes = [float(np.sqrt(np.trace(b.inertia) / (3.0 * b.mass))) for b in collector.scene.bodies if b.mass > 0.0]
     places = [b.to_world(b.center_of_mass) for b in collector.scene.bodies] + [
@@ -243,9 +242,9 @@ def compile_scene(
     turned: Sequence[float] | np.ndarray = (),
     off_end: bool = False,
 ) -> CompiledScene:
-    """Constant device data of `scene`; `patches`: the cells of its patches in place of those that the contacts ask for;
+    """Constant device data of `scene`; `patches`: the cells of its patches instead of those that the contacts specify;
     `shared`: arrays of scenes that differ in numbers only, of which those that are equal lie on the device once;
-    `turned`: the fastest turning of each body [rad/s] in a run so far; `off_end`: patches of crowns run off an end.
+    `turned`: the largest angular speed of each body [rad/s] so far; `off_end`: patches of crowns run off an end.
     Raises `InputError` for a scene that cannot be run."""
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")

@@ -1,31 +1,31 @@
-r"""What a reader of a run should know of its contacts before trusting their pressures.
+r"""Notes on contacts that limit the accuracy of their pressures.
 
-Each note names the pair, what was seen, and the cure: a patch of too few columns of the contact grid, hats that reach
-over the end of the second surface, patches that reach an end (`border_notes`), axes that turned against each other,
-surfaces that overlapped at the start, and energy that came from nowhere.
+Each note names the contact, the observation and the cure: a patch of too few columns of the contact grid, nodes whose
+support extends beyond the second surface, patches that reach an end (`border_notes`), axes that became skewed,
+surfaces that overlapped at the start, and spurious energy.
 
-Skew. A pair on the line of centres takes the section of the second body as a circle. Where its axis is turned by an
-angle e that section is an ellipse, of the curvature cos(e)^2/R_B on its side: with like radii the relative curvature is
-too large by e^2/2. Pairs that begin skewed have their gaps taken at points; one that turns in the run keeps its family.
+Skew. Parallel-axes kinematics treats the section of the second body as a circle. If its axis is skewed by an
+angle e that section is an ellipse, of the curvature cos(e)^2/R_B on its side: with equal radii the relative curvature
+is too large by e^2/2. Contacts skewed at the start use closest-point kinematics; the kinematics do not change in a run.
 
-Sampling check. The online check of evaluation "hyper": few points beside all of them, on sampled saved steps, on the
-host.
+Sampling check. The online check of evaluation "hyper" (reduced quadrature): few points compared with all points, at
+sampled saved steps, on the host.
 
-At a saved step the poses, global coordinates and hat forces are known. With the points x_p of a rule and weights w_p
+At a saved step the poses, global coordinates and nodal forces are known. With the points x_p of a rule and weights w_p
 
     g_i = sum_p w_p psi_i(x_p) [g(x_p) - u_B(x_p)],   S_in = sum_p w_p psi_i(x_p) psi^B_n(x_p),
 
 g the distance of x_p from B's true surface, u_B = Phi_B q_B - D_B S^T s B's outward displacement there. A's own
-displacement enters through the exact Gram matrix of its hats and is the same for both rules; a layer whose yield y(p)
-is no constant is evaluated at the same points and adds `sum_p w_p psi_i(x_p) y(p(x_p))`. The difference dg between the
-few points and the Gauss points of evaluation "semi" moves the pressures of the active hats, at held bodies, by
+displacement enters through the exact Gram matrix of its nodes and is equal for both rules; a layer with nonlinear
+compression y(p) is evaluated at the same points and adds `sum_p w_p psi_i(x_p) y(p(x_p))`. The difference dg between
+the few points and the Gauss points of evaluation "semi" changes the pressures of the active nodes, at fixed bodies, by
 
     ds = -G^-1 dg,     G = M D_A M + S D_B S^T + E,     E_ij = sum_p w_p psi_i psi_j y'(p(x_p)),
 
 to first order and for the same active set. Reported are the largest |dg_i|/a_i over the depth of the patch, |sum a_i
 ds_i| over the force, and |ds| over |s| in the norm of M. The gap here is the distance normal to B; the engine may
-measure it along the line of centres, which is the same to second order in the angle and the same for both rules. Of
-a damped layer the curve at rest is taken.
+measure it along the line of centres, which is equal to second order in the angle and equal for both rules. For
+a damped layer the static curve is used.
 """
 
 from __future__ import annotations
@@ -53,17 +53,16 @@ from warpffrf.online.settings import Settings
 
 AT_POINTS = 'give the contact kinematics="closest_point"'
 FEWEST_COLUMNS = 4  # across the largest patch: with fewer, peaks and half-widths are those of the grid
-CUT = 0.05  # of the load: hats that hang over the end of the second surface by more are worth a word
-GAINED = 0.01  # of the largest energy at hand: what a run may gain without a word
-TAKEN = 0.01  # the same of what the integrator takes
+CUT = 0.05  # of the load beyond the end of the second surface: more is noted
+GAINED = 0.01  # of the largest present energy: a larger gain is noted
+TAKEN = 0.01  # the same for the loss by the integrator
 LEAST_TILT = 1e-7  # rad: less is round-off of poses
 MOMENT_LEFT = 0.01  # of the moment of a pair on the line of centres
-MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; measured against gaps at points: force 0.1 %, peak pressure 0.2 % up to there
+MOST_SKEW = 0.07  # rad: e^2/2 is 0.25 %; compared with closest-point kinematics: force 0.1 %, peak pressure 0.2 %
 
 
 def contact_notes(scene: Scene, history: History, on_axes: Collection[str] = ()) -> list[str]:
-    """Notes on the patches of all pairs of a run; `on_axes`: names of those whose gaps are taken along the line of
-    centres."""
+    """Notes on the patches of all contacts of a run; `on_axes`: names of those with parallel-axes kinematics."""
     notes = []
     taken = leanings(scene.contacts)
     for contact in loaded_contacts(scene, history):
@@ -92,8 +91,8 @@ def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[s
 
 
 def _tilted(contact: Contact, found: ContactHistory, history: History) -> list[str]:
-    """Gaps along lines of centres leave out R_B tilt^2/2, and so the moment R_B tilt F, where axes lean towards each
-    other; said where it is a noticeable part of the moment of the pair."""
+    """Parallel-axes kinematics neglect R_B tilt^2/2, and thus the moment R_B tilt F, if axes tilt towards each
+    other; noted if it is a noticeable part of the moment of the contact."""
     lean = Leaning.of(contact, found, history)
     if lean.left <= MOMENT_LEFT * lean.moment:
         return []
@@ -125,7 +124,7 @@ class Leaning:
 
 
 def _tilt(contact: Contact, found: ContactHistory, history: History) -> np.ndarray:
-    """(T,) rad, by which the axes lean towards each other along the normal."""
+    """(T,) rad, tilt of the axes towards each other along the normal."""
     axes = [turned(history.bodies[port.body.name].rotation, port.surface.shape.e_a) for port in (contact.a, contact.b)]
     normal = found.force / np.maximum(np.linalg.norm(found.force, axis=1), 1e-300)[:, None]
     return np.abs(np.subtract(*(np.einsum("ti,ti->t", normal, axis) for axis in axes)))
@@ -155,7 +154,7 @@ def _coarse(contact: Contact, columns: int) -> list[str]:
 
 
 def _cut(contact: Contact, found: ContactHistory) -> list[str]:
-    """Pressures times the areas of their hats against the normal force: they agree on parts that face each other."""
+    """Pressures times nodal areas, compared with the normal force: equal on parts that face each other."""
     surface, other = contact.a.surface, contact.b.surface
     if surface.shape.side < 0.0 or other.shape.side < 0.0:
         return []  # conformal: the pressures' directions differ
@@ -178,7 +177,7 @@ def _cut(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def overlap_notes(scene: Scene) -> list[str]:
-    """Pairs whose surfaces lie in one another at the initial poses, so that a run from there begins with a push."""
+    """Contacts whose surfaces overlap at the initial poses, so that a run starts with an impulse."""
     notes = []
     for contact in scene.contacts:
         try:
@@ -221,9 +220,9 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     return notes
 
 
-SAMPLED = 8  # saved steps that are looked at, evenly spread: a patch changes slowly beside a step
+SAMPLED = 8  # saved steps checked, evenly distributed: a patch changes slowly compared with a step
 MARGIN = 1  # columns beside the active ones
-NOTED = 0.01  # a larger difference of the force is worth a cure
+NOTED = 0.01  # a larger difference of the force is noted with a cure
 
 
 @dataclass(frozen=True)
@@ -425,7 +424,7 @@ def _opposite(B: ContactSurface, theta: np.ndarray, z: np.ndarray, columns: np.n
 
 
 def _compliance(surface: ContactSurface, columns: np.ndarray) -> np.ndarray:
-    """D of the hats of `columns`; a full turn goes on."""
+    """D of the nodes of `columns`; periodic on a full circumference."""
     grid = surface.grid
     turn = len(surface.lags) * grid.columns_per_sector
     if grid.periodic:
@@ -438,7 +437,7 @@ def _compliance(surface: ContactSurface, columns: np.ndarray) -> np.ndarray:
 
 
 def _gram(surface: ContactSurface, columns: int) -> np.ndarray:
-    """M of the hats of so many neighbouring columns [m^2]."""
+    """M of the nodes of that many adjacent columns [m^2]."""
     around = np.diag(np.full(columns, 2.0 / 3.0)) + np.diag(np.full(columns - 1, 1.0 / 6.0), 1)
     around += np.diag(np.full(columns - 1, 1.0 / 6.0), -1)
     return surface.grid.pitch * np.kron(around, np.asarray(surface.gram_z))

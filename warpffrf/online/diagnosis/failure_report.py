@@ -1,10 +1,10 @@
-"""Where a step failed: the joint, body or pair with the largest residual, from what its last attempt left behind.
+"""Location of a failure: the joint, body or contact with the largest residual of the last attempt.
 
-Residuals are compared as fractions, each of what it is measured by in `warpffrf_kernels.step.balance.balance`: forces
+Residuals are compared as fractions of their scales in `warpffrf_kernels.step.balance.balance`: forces
 of the largest force in play, modal forces of the largest modal force, joints of 1 m or 1 rad, spring forces of their
 laws, gaps of the penetration, tractions of the largest bound of all contacts (`add_friction`).
-A singular system has no residual to speak of: there the direction that it does not
-determine is told, the singular vector of the equilibrated matrix."""
+For a singular system the undetermined direction is
+reported instead, the singular vector of the equilibrated matrix."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from warpffrf.online.engine import Engine
 from warpffrf_kernels.core import control as k
 from warpffrf_kernels.friction.cell_forces import TRACTION_SLACK
 
-TOLD = 1e-8  # a share below it is converged
-MOST_LOST = 4  # names of what is not finite: it spreads through joints within an iteration
+TOLD = 1e-8  # smaller shares are converged
+MOST_LOST = 4  # names with values not finite: these spread through joints within an iteration
 NO_FORCE = 1e-30  # N: keeps fractions finite where nothing acts
 CONTACT_BITS = int(k.CYCLING) | int(k.CAPACITY) | int(k.INDEFINITE) | int(k.STENCIL) | int(k.PASSED)
 LARGEST_SYSTEM = 1500  # unknowns: a singular value decomposition of them takes some seconds
@@ -26,7 +26,7 @@ LARGEST_SYSTEM = 1500  # unknowns: a singular value decomposition of them takes 
 
 @dataclass(frozen=True)
 class Residual:
-    """One residual: its `share` of what it is measured by, and the text that names its owner."""
+    """One residual: its `share` of its scale, and the text that names its owner."""
 
     share: float
     text: str
@@ -50,7 +50,7 @@ def failure_owner(engine: Engine, bits: int, world: int = 0) -> str:
 
 
 def row_owners(engine: Engine) -> list[str]:
-    """What each row of the equations belongs to: "joint 'hinge'", "force 'spring'"."""
+    """The owner of each row of the equations: "joint 'hinge'", "force 'spring'"."""
     compiled = engine.compiled
     owners = [""] * compiled.row_count
     for kind, table in (("joint", compiled.joints.rows), ("force", compiled.forces.rows)):
@@ -148,7 +148,7 @@ def _pairs(engine: Engine, world: int) -> list[Residual]:
 
 
 def _tractions(engine: Engine, world: int) -> list[Residual]:
-    """By how much the tractions of each contact with friction are not those of their slip, as in `add_friction`."""
+    """Residual of the friction law of each contact with friction, as in `add_friction`."""
     pairs, rows = engine.compiled.model.pairs, engine.compiled.model.surfaces.rows.numpy()
     rubbing = np.flatnonzero(pairs.friction.numpy()[: pairs.count] > 0.0)
     if not len(rubbing):
@@ -188,8 +188,8 @@ def _at_pair(engine: Engine, bits: int, world: int) -> str:
 
 
 def _fullest(engine: Engine, world: int) -> str:
-    """The pair with the most active hats of those whose window is at its widest, of all where none is: where one is
-    pressed in too deep, its neighbours often follow."""
+    """The contact with the most active nodes among those with the widest window, or among all if there is none: deep
+    penetration in one contact often spreads to its neighbours."""
     contacts = engine.scene.contacts
     H = engine.compiled.model.window.half
     window = _array(engine.scratch, "window", world)[: len(contacts)]
@@ -201,7 +201,7 @@ def _fullest(engine: Engine, world: int) -> str:
 
 
 def _undetermined(engine: Engine, world: int) -> str:
-    """Names what the singular system leaves open: the row or body that its singular vector is largest in."""
+    """Name the undetermined part of a singular system: the row or body with the largest singular-vector entry."""
     m = engine.compiled.model
     if not 0 < m.outer.count <= LARGEST_SYSTEM:
         return ""

@@ -1,29 +1,29 @@
-"""Bodies that fell through the whole of a run because nothing holds them: a joint that was forgotten.
+"""Unconstrained bodies that fall during the whole run, for example because of a missing joint.
 
-A body hangs on the ground by chains of joints, springs, films and laps, and of contacts that have touched in the run.
-One that hangs on nothing moves with gravity, which is meant in free flight and else a mistake, so it is noted where
-gravity acts.
+A body is connected to the ground by chains of joints, springs, films and small-sliding contacts, and of contacts that
+touched in the run. An unconnected body moves with gravity, intended in free flight and otherwise a mistake, so it is
+noted if gravity acts.
 
 Steep falls. Notes on coefficients of friction that fell too steeply for a step
 (`warpffrf_kernels.friction.slip_speed`).
 
-Load notes. What the ledger of a static run says of its load steps.
+Load notes. Assessment of the load steps of a static run by its energy ledger.
 
 The work of a load step is booked by the trapezoidal rule, which is exact where displacements are in proportion to loads
-and errs with the cube of the step elsewhere. What is missing is the numerical line. It is also what a structure loses
-that snaps from one equilibrium to another, which no smaller step brings back; jumps that were named have said so.
+and has an error of the cube of the step otherwise. The difference is the numerical line. This line also contains the
+energy lost when a structure snaps to another equilibrium, at any step; such jumps are noted separately.
 
-Hidden inertia. Bodies so light beside their neighbours that round-off leaves nothing of them in the equations of the
+Hidden inertia. Bodies so light compared with their neighbours that round-off removes them from the equations of the
 joints.
 
-A row c of a joint lets its side b give way by c_b M_b^-1 c_b^T under a unit force. What holds a heavy body by a light
-one adds both; where the one is 1e16 times the other, double precision has no digit for the latter, and rows that do not
-depend on each other look as if they did. A system that is singular although its rows are independent is of that kind.
+A row c of a joint has the compliance c_b M_b^-1 c_b^T on its side b. A joint between a heavy and a light
+body adds both; if one is 1e16 times the other, double precision has no digit for the latter, and independent rows
+appear dependent. A system that is singular although its rows are independent is of that kind.
 
-Untouched. Contacts that carry nothing in a whole run: surfaces that only touch, that cannot, or that stay apart.
+Untouched. Contacts without load in a whole run: surfaces that only touch, that cannot touch, or that stay apart.
 
-What is below `UNLOADED` of the largest contact force is round-off of the balance of forces. Each note names the pair,
-what was seen, and the cure; those that merely stay apart share one note, with the least distance of each.
+Forces below `UNLOADED` of the largest contact force are round-off of the balance of forces. Each note names the
+contact, the observation and the cure; contacts that stay apart share one note, with the smallest distance of each.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ FELL = 0.5  # of g t^2/2, by which a body has to have gone down that fell
 
 
 def fall_notes(scene: Scene, history: History) -> list[str]:
-    """A note naming the bodies that fell from the first to the last saved step with nothing to hold them."""
+    """A note naming the unconstrained bodies that fell from the first to the last saved step."""
     size = float(np.linalg.norm(scene.gravity))
     seconds = float(history.time[-1] - history.time[0]) if len(history.time) else 0.0
     if size == 0.0 or seconds <= 0.0:
@@ -122,12 +122,12 @@ def load_notes(engine: Engine, energy: dict[str, np.ndarray]) -> list[str]:
 
 
 INDEPENDENT = 1e-8  # smallest over largest singular value of the rows, of length one: they depend on each other below
-APART = 1e10  # how much more easily one side gives way than the other, from which round-off is worth a word
+APART = 1e10  # ratio of the compliances of both sides above which round-off is reported
 
 
 def hidden_inertia(engine: Engine, world: int = 0) -> str:
-    """What to say of a singular system whose joints are independent, "" of one whose joints are not, or whose masses
-    lie near each other."""
+    """A message for a singular system whose joints are independent; "" if they are not, or if the masses are
+    similar."""
     m, scratch, bodies = engine.compiled.model, engine.scratch, engine.scene.bodies
     count, rows = m.bodies.count, np.flatnonzero(m.rows.rigid.numpy()[: m.rows.count])
     C = np.asarray(scratch.C.numpy()[world], dtype=np.float64)[rows, : 6 * count]

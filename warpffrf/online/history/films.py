@@ -41,7 +41,7 @@ def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory
 
 
 def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[str, BodyHistory]) -> FilmHistory:
-    """Of the numbers (T, `keeping.NUMBERS`) of a film and its `fields` (T, hats)."""
+    """Of the numbers (T, `keeping.NUMBERS`) of a film and its `fields` (T, nodes)."""
     T, force = len(saved), saved[:, FORCE].copy()
     numbers = {name: saved[:, n].copy() for name, n in NUMBERS.items()}
     shape = T, film.grid.columns, film.grid.rows
@@ -80,8 +80,8 @@ def _arm(body: Any, bodies: dict[str, BodyHistory], steps: int) -> Array:
 
 
 def eccentricity(film: Film, bodies: dict[str, BodyHistory], steps: int) -> Array:
-    """(T, 2) m, see `FilmHistory`: where the axis of the second surface goes through the plane across that of the
-    first, in the middle of the grid; of a second surface that is a sphere its centre, which any axis goes through."""
+    """(T, 2) m, see `FilmHistory`: intersection of the axis of the second surface with the plane normal to that of the
+    first, in the middle of the grid; for a sphere as second surface its centre."""
     first, second = film.a.surface.shape, film.b.surface.shape
     profile = second.profile()
     if profile.planar or first.profile().planar:
@@ -99,7 +99,7 @@ def eccentricity(film: Film, bodies: dict[str, BodyHistory], steps: int) -> Arra
 
 
 def _in_world(body: Any, bodies: dict[str, BodyHistory], steps: int, point: Any, axis: Any) -> tuple[Array, Array]:
-    """A place (T, 3) [m] and a direction (T, 3) of the user frame of `body`, in the world."""
+    """A point (T, 3) [m] and a direction (T, 3) of the user frame of `body`, in the world."""
     point, axis = np.asarray(point, dtype=float), np.asarray(axis, dtype=float)
     if body.name not in bodies:
         return np.tile(point, (steps, 1)), np.tile(axis, (steps, 1))

@@ -1,7 +1,7 @@
-"""What a run leaves behind: plain NumPy arrays, one row per saved step, no behaviour.
+"""Results of a run: plain NumPy arrays, one row per saved step.
 
 `T` is the number of saved steps. World axes and SI units unless a field says otherwise.
-Everything that can be derived from these arrays (half-width, peak pressure, fields) is derived in `warpffrf.output`.
+Derived quantities (half-width, peak pressure, fields) are computed in `warpffrf.output`.
 
 Budget line. One line of the error budget of a run, `warpffrf.output.budget`.
 """
@@ -26,13 +26,13 @@ ENERGY_LINES = (
     "force_work",  # cumulative work of applied forces
     "drive_work",  # cumulative work of prescribed joint motion
     "damping",  # cumulative energy removed by dampers and modal damping, positive
-    "contact_grid",  # cumulative change of the contact energy that no wrench accounts for (grid defect)
-    "numerical",  # what closes the balance; negative values are numerical dissipation
+    "contact_grid",  # cumulative change of the contact energy not balanced by any wrench (grid defect)
+    "numerical",  # closes the balance; negative values are numerical dissipation
     "friction",  # cumulative work of friction, never positive
 )
 
 
-_NOT_RECORDED = np.zeros(0)  # stands for arrays that are not given
+_NOT_RECORDED = np.zeros(0)  # default of arrays that are not given
 
 
 @dataclass(repr=False)
@@ -42,7 +42,7 @@ class BodyHistory(reprs.Rows):
     position (T, 3) [m] of the origin of its user frame, rotation (T, 4), unit quaternions (x, y, z, w) from the user
     frame to the world; velocity (T, 3) [m/s] and acceleration (T, 3) [m/s2] of that origin, angular_velocity (T, 3)
     [rad/s], angular_acceleration (T, 3) [rad/s2]; of its m global modes the coordinates modal (T, m) [kg^0.5 m],
-    modal_velocity [kg^0.5 m/s] and modal_acceleration [kg^0.5 m/s2]. What was not recorded is NaN.
+    modal_velocity [kg^0.5 m/s] and modal_acceleration [kg^0.5 m/s2]. Values not recorded are NaN.
     """
 
     position: np.ndarray
@@ -56,7 +56,7 @@ class BodyHistory(reprs.Rows):
     modal_acceleration: np.ndarray = field(default_factory=lambda: _NOT_RECORDED)
 
     def __post_init__(self) -> None:
-        """What was not recorded is NaN."""
+        """Fill values not recorded with NaN."""
         for name in ("acceleration", "angular_acceleration"):
             if getattr(self, name) is _NOT_RECORDED:
                 setattr(self, name, np.full(np.shape(self.velocity), np.nan))
@@ -67,7 +67,7 @@ class BodyHistory(reprs.Rows):
 
 @dataclass(repr=False)
 class JointHistory(reprs.Rows):
-    """Reaction of one joint on its second body, and the joint coordinates where it has some: `named("rotation")`.
+    """Reaction of one joint on its second body, and its joint coordinates, if any: `named("rotation")`.
 
     force (T, 3) [N] and torque (T, 3) [N m] about the joint point on the second body, world axes. coordinate and
     second_coordinate (T,) [rad or m], those called by the first and second of `names`, which are coordinate_names:
@@ -86,7 +86,7 @@ class JointHistory(reprs.Rows):
             self.second_coordinate = np.full(len(self.coordinate), np.nan)
 
     def named(self, name: str) -> np.ndarray:
-        """The coordinate (T,) [m or rad] called `name`; raises `InputError` listing those that exist."""
+        """The coordinate (T,) [m or rad] called `name`; raises `InputError` that lists the existing ones."""
         if name not in self.names:
             raise unknown_name("joint coordinate", name, self.names)
         values = (self.coordinate, self.second_coordinate)[self.names.index(name)]
@@ -95,20 +95,20 @@ class JointHistory(reprs.Rows):
 
 @dataclass(repr=False)
 class JointFrictionHistory(reprs.Rows):
-    """Friction in one joint, at the surfaces that slide, along the joint's axis and around it; 0 in a direction that
-    the joint holds. Where no radius of them is known, around means at an arm of 1 m."""
+    """Friction in one joint, at the sliding surfaces, along the joint's axis and around it; 0 in a constrained
+    direction. If their radius is unknown, the values around the axis refer to an arm of 1 m."""
 
     state: np.ndarray  # (T,) int8: 1 stick, 2 slip, as of contact
     slip_velocity: np.ndarray  # (T, 2) m/s, of the second body against the first
     traction: np.ndarray  # (T, 2) N, on the second body
-    bound: np.ndarray  # (T,) N, that the length of it cannot exceed
+    bound: np.ndarray  # (T,) N, upper bound of the norm of the traction
     power: np.ndarray  # (T,) W, dissipated in the last step, never negative
 
 
 @dataclass(repr=False)
 class ForceHistory(reprs.Rows):
-    """One force element: what it exerts on the body that it loads; of an element between two ports on the second one,
-    its opposite acts on the first.
+    """One force element: its force on the loaded body; for an element between two ports on the second body, with the
+    opposite on the first.
 
     force (T, 3) [N] and torque (T, 3) [N m] about the (second) port, of surface and nodal loads about the user origin;
     world axes. deformation (T, k): coordinates of its law [m, rad], as `warpffrf.forces` defines them, k = 0 for loads.
@@ -123,8 +123,8 @@ class ForceHistory(reprs.Rows):
 
 @dataclass(repr=False)
 class SensorHistory(reprs.Rows):
-    """The `values` (T, components) [`unit`] of one sensor, with what they are: its kind, their unit, the frame, "world"
-    or "body", of their axes, and what the components are called."""
+    """The `values` (T, components) [`unit`] of one sensor, with its kind, unit, frame of the axes ("world" or "body")
+    and names of the components."""
 
     kind: str
     unit: str
@@ -135,8 +135,8 @@ class SensorHistory(reprs.Rows):
 
 @dataclass(repr=False)
 class CellHistory(reprs.Rows):
-    """Where the cells were that travel with the patch of a pair: equal strips across, over `half_width` W on each side
-    of the place `column` of the first surface's grid; rows on its meridian."""
+    """Position of the contact-fixed cells of a contact: equal strips across, over `half_width` W on each side
+    of the coordinate `column` of the first surface's grid; rows on its meridian."""
 
     column: np.ndarray  # (T,) of the first surface's contact grid, a real number
     half_width: np.ndarray  # (T,) m
@@ -147,8 +147,8 @@ class CellHistory(reprs.Rows):
 
 @dataclass(repr=False)
 class FrictionHistory(reprs.Rows):
-    """Friction of one contact pair, in the window of `ContactHistory.pressure`, along (e_theta, t_z) of the first
-    surface: around it, and along its meridian."""
+    """Friction of one contact, in the window of `ContactHistory.pressure`, along (e_theta, t_z) of the first
+    surface: circumferential and meridional."""
 
     traction: np.ndarray  # (T, 2, columns, rows) Pa, on the first body
     slip_velocity: np.ndarray  # (T, 2, columns, rows) m/s, of the first surface against the second, 0 where open
@@ -161,7 +161,7 @@ class FrictionHistory(reprs.Rows):
 
 @dataclass(repr=False)
 class ContactHistory(reprs.Rows):
-    """One contact pair. Pressure lives on the hats of the first body's contact grid, loads of the second on its own."""
+    """One contact. Pressure refers to nodes of the first body's contact grid, loads of the second to its own grid."""
 
     force: np.ndarray  # (T, 3) N, on the first body
     torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
@@ -169,29 +169,29 @@ class ContactHistory(reprs.Rows):
     torque_second: np.ndarray  # (T, 3) N m, about the second body's user origin
     first_column: (
         np.ndarray
-    )  # (T,) int, grid column of pressure[:, 0] on the first surface (modulo the columns of the full turn)
+    )  # (T,) int, grid column of pressure[:, 0] on the first surface (modulo the columns of the full circumference)
     center_column: np.ndarray  # (T,) float, grid column coordinate of the line of centres on the first surface
-    pressure: np.ndarray  # (T, columns, rows) Pa, hat coefficients in the window
+    pressure: np.ndarray  # (T, columns, rows) Pa, nodal values in the window
     first_column_second: np.ndarray  # (T,) int
-    load_second: np.ndarray  # (T, columns2, rows2) N, hat forces on the second surface, positive inwards
+    load_second: np.ndarray  # (T, columns2, rows2) N, nodal forces on the second surface, positive inwards
     approach: np.ndarray  # (T,) m, rigid approach at mid-width: sum of radii minus the distance of the axes
-    # ... or minus the smallest undeformed gap of a pair whose gaps are taken at points
+    # ... or minus the smallest undeformed gap with closest-point kinematics
     active_hats: np.ndarray  # (T,) int
-    friction: FrictionHistory | None = None  # None of a frictionless pair
-    cells: CellHistory | None = None  # where `pressure` is constant on cells that travel with the patch
+    friction: FrictionHistory | None = None  # None if frictionless
+    cells: CellHistory | None = None  # if `pressure` is constant on contact-fixed cells
 
 
 @dataclass(repr=False)
 class LumpedHistory(reprs.Rows):
-    """One lumped contact; world axes. Where the surfaces are apart the forces are zero and the place is where they are
-    nearest.
+    """One lumped contact; world axes. If the surfaces are apart, the forces are zero and the place is the closest
+    point.
 
     On the first body: force (T, 3) [N], normal and friction, torque (T, 3) [N m] about its user origin, friction_force
-    (T, 3) [N], moment (T, 3) [N m] against rolling and pivoting, which is in the torque. place (T, 3) [m]: where the
-    force acts, by laminae the mean of their places weighed by their forces. approach (T,) [m] of the
+    (T, 3) [N], moment (T, 3) [N m] against rolling and pivoting, included in the torque. place (T, 3) [m]: point of
+    action of the force, with laminae the mean of their points weighted by their forces. approach (T,) [m] of the
     undeformed surfaces, the largest of all laminae, negative where apart. normal_force (T,) [N]; slip_velocity (T, 3)
     [m/s] of the first surface against the second at the place, tangential; lamina_force (T, laminae) [N], the normal
-    force of each, one column of a law that has none.
+    force of each, one column for a law without laminae.
     """
 
     force: np.ndarray
@@ -207,47 +207,47 @@ class LumpedHistory(reprs.Rows):
 
 @dataclass(repr=False)
 class LapHistory(reprs.Rows):
-    """One lap: fields over its cells (c), along their frames (n, t_1, t_2), which turn with the first body."""
+    """One small-sliding contact: fields on its cells (c), in their frames (n, t_1, t_2), which rotate with body 1."""
 
     force: np.ndarray  # (T, 3) N, on the second face, world axes; the opposite acts on the first
     torque: np.ndarray  # (T, 3) N m, on the second face, about the middle of the first face's cells, world axes
-    normal_force: np.ndarray  # (T,) N, of all cells, whatever their directions
+    normal_force: np.ndarray  # (T,) N, sum over cells, irrespective of direction
     pressure: np.ndarray  # (T, c) Pa
     traction: np.ndarray  # (T, c, 2) Pa, on the second face along t_1, t_2
     gap: np.ndarray  # (T, c) m
-    slip: np.ndarray  # (T, c, 2) m, of the second face so far, along t_1, t_2; sliding apart is part of it
+    slip: np.ndarray  # (T, c, 2) m, accumulated, of the second face along t_1, t_2; includes sliding while open
     state: np.ndarray  # (T, c) 0 open, 1 stick, 2 slip
-    loss: np.ndarray  # (T, c) J, by friction so far
+    loss: np.ndarray  # (T, c) J, accumulated friction loss
 
 
 @dataclass(repr=False)
 class FilmHistory(reprs.Rows):
-    """One oil film. Fields stand at the nodes of the contact grid of the first surface."""
+    """One oil film. Fields are given at the nodes of the contact grid of the first surface."""
 
     force: np.ndarray  # (T, 3) N, on the first body, shear included; the opposite acts on the second
     torque: np.ndarray  # (T, 3) N m, on the first body, about its user origin
     torque_second: np.ndarray  # (T, 3) N m, on the second body, about its user origin, of the ground the world's
     smallest_gap: np.ndarray  # (T,) m, at a point of the film; of evaluation "hyper" around nodes, the ends with them
     largest_pressure: np.ndarray  # (T,) Pa
-    pressure_loss: np.ndarray  # (T,) W, taken by the flow that pressure drives, voids that close and feeds
-    friction_power: np.ndarray  # (T,) W, taken by sliding
+    pressure_loss: np.ndarray  # (T,) W, dissipated by pressure-driven flow, closing cavities and feeds
+    friction_power: np.ndarray  # (T,) W, dissipated by sliding
     feed_flow: np.ndarray  # (T,) m3/s, of oil in through feeds; NaN of evaluation "hyper"
     end_flow: np.ndarray  # (T,) m3/s, of oil out at the ends; likewise
-    void_fraction: np.ndarray  # (T,) volume of the voids over that of the gap
-    oil_volume: np.ndarray  # (T,) m3 in the film, as of the density without pressure
-    asperity_force: np.ndarray  # (T,) N, normal force of the asperities, whatever its direction
+    void_fraction: np.ndarray  # (T,) volume of cavities divided by that of the gap
+    oil_volume: np.ndarray  # (T,) m3 in the film, at the density without pressure
+    asperity_force: np.ndarray  # (T,) N, normal force of the asperities, irrespective of direction
     largest_asperity_pressure: np.ndarray  # (T,) Pa
-    eccentricity: np.ndarray  # (T, 2) m, axis of the inner surface against that of the outer one, as rigid bodies, at
-    # ... the middle of the grid along e_0 and e_1 of the first surface's shape, turning with it; NaN beside a plane
+    eccentricity: np.ndarray  # (T, 2) m, axis of the inner surface relative to that of the outer, as rigid bodies, at
+    # ... the middle of the grid along e_0 and e_1 of the first surface's shape, rotating with it; NaN for a plane
     pressure: np.ndarray  # (T, columns, rows) Pa
     gap: np.ndarray  # (T, columns, rows) m
-    void: np.ndarray  # (T, columns, rows) m, volume of the voids per area
-    asperity: np.ndarray  # (T, columns, rows) Pa, pressure of the asperities beside that of the oil
-    load_second: np.ndarray | None = None  # (T, columns2, rows2) N, hat forces on a second surface that yields, inwards
+    void: np.ndarray  # (T, columns, rows) m, cavity volume per area
+    asperity: np.ndarray  # (T, columns, rows) Pa, pressure of the asperities, in addition to that of the oil
+    load_second: np.ndarray | None = None  # (T, columns2, rows2) N, nodal forces on a flexible second surface, inwards
 
     @property
     def fill(self) -> np.ndarray:
-        """(T, columns, rows) part of the gap that oil fills, 1 where there is no void."""
+        """(T, columns, rows) film fraction of the gap, 1 without cavity."""
         part = np.zeros_like(self.gap)
         np.divide(self.void, self.gap, out=part, where=self.gap > 0.0)
         return 1.0 - part
@@ -257,7 +257,7 @@ class FilmHistory(reprs.Rows):
 class History(reprs.Shown):
     """A run: histories, the energy ledger, solver counts, status, and the state to continue from."""
 
-    scene: Any  # the Scene that was run, or what a file tells of it
+    scene: Any  # the Scene of the run, or its description from a file
     time: np.ndarray  # (T,) s
     step_size: np.ndarray  # (T,) s, size of the step that led here (0 in the first row)
     bodies: dict[str, BodyHistory]
@@ -283,12 +283,12 @@ class History(reprs.Shown):
     sensors: dict[str, SensorHistory] = field(default_factory=dict)
     checkpoint: dict[str, np.ndarray] = field(default_factory=dict)  # the complete device state at the end
     options: dict[str, str] = field(default_factory=dict)  # of `simulate`, name -> value as text
-    marks: Any = None  # states on the way, `online.marks.Marks`, of a run in this process; a file has none
+    marks: Any = None  # intermediate states, `online.marks.Marks`, only for a run in this process
     cell_checks: dict[int, Any] = field(default_factory=dict)  # by contact, `online.diagnosis.cell_check`, as marks
     film_checks: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_check`, likewise
     film_grids: dict[str, Any] = field(default_factory=dict)  # by film, `online.diagnosis.film_grid`, likewise
-    budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once they have been looked at
-    stopping: bool = False  # True where Ctrl-C came while the run was being finished: nothing more is to begin
+    budget: list[BudgetLine] = field(default_factory=list)  # the errors of the run, once evaluated
+    stopping: bool = False  # True if Ctrl-C was pressed while the run finished: nothing further may start
 
     def motion(
         self, port: Port, *, point: np.ndarray | None = None, frame: str = "world"
@@ -303,7 +303,7 @@ class History(reprs.Shown):
         return x, v, a
 
     def shown(self) -> dict[str, Any]:
-        """How it ended and what it holds, name -> value, for a table."""
+        """Status and contents, name -> value, for a table."""
         kinds = ("bodies", "joints", "forces", "contacts", "lumped_contacts", "films", "laps", "sensors")
         found = {kind: reprs.names(getattr(self, kind)) for kind in kinds if getattr(self, kind)}
         message = {"message": self.message} if self.message else {}
@@ -314,10 +314,10 @@ class History(reprs.Shown):
 
 @dataclass(frozen=True)
 class BudgetLine:
-    """What one source of error does to one quantity of a run.
+    """Effect of one source of error on one quantity of a run.
 
-    size: a fraction of the quantity (`of` says which), NaN where it could not be found; `basis` says how it was found,
-    or why not, `cure` what makes it smaller.
+    size: a fraction of the quantity `of`, NaN if it could not be determined; `basis` states how it was determined,
+    or why not, `cure` how to reduce it.
     """
 
     source: str

@@ -1,4 +1,4 @@
-r"""How an interface and a port moved in a run, from the recorded motion of the body.
+r"""Motion of an interface and a port, from the recorded motion of the body.
 
 With d = Phi^T q - q.K q/2 of `warpffrf.model.reduced.inertia` the rates are
 
@@ -11,7 +11,7 @@ A port at X (user frame) of a body with user origin r, orientation A and angular
     a = rddot + alpha cross A y + omega cross (omega cross A y) + 2 omega cross A ydot + A yddot,
 
 with the motion d = (u, theta) of an interface at X_if, zero of other ports. Accelerations are those of the equations of
-motion, not differences.
+motion, not finite differences.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def interface_motion(port: Port, body: BodyHistory) -> Motion:
 
 
 def turned(p: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """Vectors x (3,) or (T, 3) turned by unit quaternions p (T, 4)."""
+    """Vectors x (3,) or (T, 3) rotated by unit quaternions p (T, 4)."""
     v, w = p[:, :3], p[:, 3:]
     x = np.broadcast_to(x, v.shape)
     t = 2.0 * np.cross(v, x)
@@ -51,7 +51,7 @@ def turned(p: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def point_motion(port: Port, point: np.ndarray, bodies: dict[str, BodyHistory], count: int) -> Motion:
-    """Position, velocity and acceleration (T, 3), world, of the place `point` (3,) [m, user frame] that moves with the
+    """Position, velocity and acceleration (T, 3), world, of the `point` (3,) [m, user frame] that moves with the
     port's interface, or with its body."""
     if port.body.index < 0:
         zero = np.zeros((count, 3))

@@ -1,20 +1,20 @@
-"""From the rows that a run has saved (`warpffrf.online.arrays.ring`) to a History in user frames.
+"""Conversion of saved rows (`warpffrf.online.arrays.ring`) to a History in user frames.
 
-Joint friction. Friction in joints from the rows that a run has saved.
+Joint friction, from the saved rows.
 
-Joint coordinates and the defects of rows left out, from the recorded motion of the bodies.
+Joint coordinates and the defects of omitted rows, from the recorded motion of the bodies.
 
-A coordinate is a function of the markers' poses (`warpffrf.model.joints.base`), so it is evaluated from what is saved
-instead of being carried through the step. Angles come out in (-pi, pi]; turns are counted by prediction: of a driven
-coordinate its signal, else the last value and the trapezoidal rule of its rate t.(omega_b - omega_a). The turn nearest
-to the prediction is taken, which is right while that is off by less than half a turn, also when saved steps lie several
-turns apart.
+A coordinate is a function of the markers' poses (`warpffrf.model.joints.base`), so it is evaluated from saved rows
+instead of being integrated. Angles are in (-pi, pi]; revolutions are counted by prediction: the signal of a driven
+coordinate, else the last value and the trapezoidal rule of its rate t.(omega_b - omega_a). The revolution closest to
+the prediction is used, which is correct if its error is below half a revolution, also when saved steps are several
+revolutions apart.
 
-Laps. Histories of laps, from the saved rows of their cells.
+Histories of small-sliding contacts, from the saved rows of their cells.
 
-Lumped. Histories of lumped contacts, from the saved rows of their places.
+Histories of lumped contacts, from the saved rows of their contact points.
 
-Pretensions, and preloads of springs in time, from the rows that a run has saved.
+Pretensions and time-dependent preloads of springs, from the saved rows.
 
 User frame. Motion of the centre of mass -> motion of the user frame.
 
@@ -126,11 +126,11 @@ def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str,
     plan = compiled.patches.get(i)
     columns, lines = _window(compiled, i)
     pressure = x["saved_pressure"][:, : columns * lines].reshape(T, columns, lines)
-    load = np.zeros((T, 0, 0))  # a rigid second surface has no grid, and cells that travel load none
+    load = np.zeros((T, 0, 0))  # a rigid second surface has no grid, contact-fixed cells load none
     if plan is None and b.grid is not None:
         load = x["saved_second_load"][:, : m.window.second_columns * b.grid.rows]
         load = load.reshape(T, m.window.second_columns, b.grid.rows)
-    # distance of the axes at mid-width, or the smallest gap of a pair whose gaps are taken at points
+    # distance of the axes at mid-width, or the smallest gap with closest-point kinematics
     distance, family = x["saved_distance"], m.pairs.family.numpy()[i]
     approach = -distance if family != LINE_OF_CENTRES else a.shape.radius + b.shape.radius - distance
     return ContactHistory(
@@ -143,7 +143,7 @@ def _contact(compiled: CompiledScene, i: int, rows: SavedRows, bodies: dict[str,
 
 
 def _window(compiled: CompiledScene, i: int) -> tuple[int, int]:
-    """Columns and rows of the window of pair i."""
+    """Columns and rows of the window of contact i."""
     plan = compiled.patches.get(i)
     if plan is None:
         return compiled.model.window.columns, compiled.scene.contacts[i].a.surface.grid.rows
@@ -151,7 +151,7 @@ def _window(compiled: CompiledScene, i: int) -> tuple[int, int]:
 
 
 def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
-    """Where the cells of a pair were, of its `saved_patch` (T, 4)."""
+    """Position of the cells of a contact, from its `saved_patch` (T, 4)."""
     width = place[:, 2]
     scale = (width if plan.follows else np.ones(len(width)))[:, None]
     middle = (place[:, 1] if plan.follows else np.zeros(len(width)))[:, None]
@@ -165,7 +165,7 @@ def _cells(plan: PatchPlan, place: np.ndarray) -> CellHistory:
 
 
 def _friction(compiled: CompiledScene, i: int, rows: SavedRows) -> FrictionHistory:
-    """Friction of pair i."""
+    """Friction of contact i."""
     columns, lines = _window(compiled, i)
     T, cells = len(rows["saved_time"]), columns * lines
 
@@ -207,7 +207,7 @@ def friction_histories(table: SlipTable, rows: SavedRows) -> dict[str, ForceHist
     return found
 
 
-LEFT_OUT = 1e-6  # of the scene's length, or rad: a redundant row is kept to round-off; more means that it was needed
+LEFT_OUT = 1e-6  # of the scene's length, or rad: a redundant row is satisfied to round-off; beyond, it was required
 NEAR_HALF_TURN = 0.75  # of half a turn: a bushing that comes so far is no bushing; leaves room for what is not saved
 
 
@@ -273,7 +273,7 @@ def _count_turns(angle: np.ndarray, rate: np.ndarray, time: np.ndarray, drive: D
 
 
 def left_out_notes(scene: Scene, dropped: list[ConstraintRow], bodies: dict[str, BodyHistory], count: int) -> list[str]:
-    """A note for every row that was left out as redundant and did not stay satisfied at the `count` saved steps."""
+    """A note for every row omitted as redundant that did not stay satisfied at the `count` saved steps."""
     notes = []
     length = scene_length(scene) if dropped else 1.0
     for item in dropped:
@@ -291,8 +291,8 @@ def left_out_notes(scene: Scene, dropped: list[ConstraintRow], bodies: dict[str,
 
 
 def half_turn_notes(laws: dict[str, SpringLaw], bodies: dict[str, BodyHistory], count: int) -> list[str]:
-    """A note for every bushing that came near half a turn at the `count` saved steps, where its rotation vector jumps
-    to the other side."""
+    """A note for every bushing that rotated by nearly half a revolution at the `count` saved steps, where its rotation
+    vector jumps to the opposite sign."""
     notes = []
     for name, law in laws.items():
         if count == 0 or not any(c.kind == "bushing" and np.any(c.vector[3:]) for c in law.coordinates):

@@ -1,4 +1,4 @@
-"""Force elements and sensors of a run, from what it saved."""
+"""Force elements and sensors of a run, from its saved rows."""
 
 from __future__ import annotations
 
@@ -55,9 +55,9 @@ def force_histories(
 
 
 def sensor_histories(history: History) -> dict[str, SensorHistory]:
-    """Values of all sensors of the run but those that are evaluated from its result, when they are asked for.
+    """Values of all sensors of the run, except those evaluated from its result on request.
 
-    A sensor whose evaluation fails has NaN, and the run a note: what was computed is kept.
+    A sensor whose evaluation fails returns NaN, with a note; the run is kept.
     """
     found = {}
     for sensor in history.scene.sensors:
@@ -85,5 +85,5 @@ def sensor_values(sensor: Sensor, run: Any) -> np.ndarray:
 
 
 def sensor_history(sensor: Sensor, values: np.ndarray) -> SensorHistory:
-    """The `values` of a `sensor`, with what they are."""
+    """The `values` of a `sensor`, with kind, unit, frame and components."""
     return SensorHistory(sensor.kind, sensor.unit, sensor.frame, tuple(sensor.components), values)

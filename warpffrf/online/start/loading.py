@@ -1,4 +1,4 @@
-"""Load steps as the host begins them, and what it says of one that does not come to rest."""
+"""Start of load steps by the host, and messages for one that does not come to rest."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ from warpffrf_kernels.step.commit import DRAGS
 
 
 def begin_loading(engine: Engine, step: float) -> None:
-    """A new count of load steps of `step` [s] from the present time on."""
+    """Start a new count of load steps of `step` [s] at the present time."""
     engine.clock(start_time=engine.word("time"), tau=LAST * float(engine.compiled.model.length))
     engine.enter(k.LOADING, step, target=0)
     engine.control(careful=0, reason=0, shaken=0, spell=0, again=0)
 
 
 def restless(engine: Engine) -> str:
-    """The body that went on moving, of a load step that did not come to rest; else ""."""
+    """The body that kept moving in a load step that did not come to rest; else ""."""
     if not engine.word("status")[0] & int(k.RESTLESS):
         return ""
     scratch, bodies = engine.scratch, engine.compiled.model.bodies
@@ -36,8 +36,8 @@ def restless(engine: Engine) -> str:
 
 
 def slides(engine: Engine) -> str:
-    """Of a load step that failed: the contacts of surfaces that do not hold what their friction alone resists; "" where
-    nothing is like that."""
+    """For a failed load step: the contacts whose friction alone resists a motion and does not suffice; "" if there are
+    none."""
     if not engine.compiled.model.pairs.count or engine.scratch.hold_force.numpy()[0] <= DRAGS:
         return ""
     names = ", ".join(repr(contact.name) for contact in engine.scene.contacts if contact.friction.acts)

@@ -1,21 +1,21 @@
-r"""The static state of a scene in which friction holds: one load step from where the scene begins.
+r"""The static state of a scene with friction: one load step from the initial state.
 
-Friction at rest answers slip, and slip needs a place that it is counted from. An equilibrium has none of its own, so it
-is frictionless but for laps (`settle`), unless it is asked for with friction: then slip is counted from the *initial
-state*, the positions in which the scene was put together, with joints closed. With x_0 that state, a load step
+Static friction depends on slip, and slip requires a reference. An equilibrium has none, so it
+is frictionless except in small-sliding contacts (`settle`), unless friction is requested: then slip is measured from
+the *initial state*, the positions of the assembled scene, with joints closed. With x_0 that state, a load step
 (`warpffrf_kernels.step.proximal`) finds x_1 with
 
     R(x_1, t; slip = x_1 - x_0) = 0        under the loads and prescribed motions of the time t,
 
 all friction by its law with the loads that press at x_1: a joint, a lumped contact or a cell sticks where less than its
-bound holds x_0, and has slipped against its traction elsewhere. It is what loads do that grow together from nothing to
-what they are, as far as directions of slip stay what they are at the end; loads one after the other are a static run,
-which goes on from here.
+bound holds x_0, and has slipped against its traction elsewhere. This equals the result of loads that grow
+simultaneously from zero, as long as slip directions stay those of the end; consecutive loads require a static run,
+which continues from here.
 
-Halving such a step makes no sense, its loads do not depend on time: it is the last of 2^n parts of a step, n the depth
-at which steps are halved no more, and so goes on with shorter proximal steps at once.
+Halving such a step has no effect, because its loads do not depend on time: it is the last of 2^n parts of a step, n the
+largest depth of halving, and so continues with shorter proximal steps at once.
 
-The books open at the state found: works before it are no part of the ledger.
+The energy ledger starts at the state found: earlier work is not included.
 
 **Contact of surfaces.** Tractions are found from pressures near those of the state before, and from none at all the
 iteration rarely gets there. So the scene is pressed together first, without friction and with all that friction will
@@ -109,7 +109,7 @@ def _rubbed(engine: Engine, careful: int) -> bool:
     whole = TAKES * 2.0**deep
     begin_loading(engine, whole)
     engine.clock(start_time=time - whole)
-    engine.control(level=deep, sub=2**deep - 1, careful=careful, target=1, every=2)  # one step leaves no row
+    engine.control(level=deep, sub=2**deep - 1, careful=careful, target=1, every=2)  # one step records no row
     # grids of contact make more of energies than a load step changes them by, where it closes or opens
     engine.control(downhill=int(engine.compiled.model.pairs.count == 0))
     engine.replay(ATTEMPTS)
@@ -132,7 +132,7 @@ def _rubbed(engine: Engine, careful: int) -> bool:
 
 
 def _joints_stick(engine: Engine) -> None:
-    """Joints that rub count their slip from the present state, whatever comes before friction acts."""
+    """Joints with friction measure slip from the present state, whatever precedes the action of friction."""
     table, state = engine.compiled.slips, engine.state
     coordinate, stuck_at = engine.scratch.coordinate.numpy(), state.stuck_at.numpy().copy()
     for e, rows in enumerate(table.rows.values()):

@@ -1,13 +1,13 @@
-r"""The static state of a scene, found by proximal steps on the device.
+r"""The static state of a scene, computed by proximal steps on the device.
 
 A proximal step of size tau [s] balances `M d/tau^2 = F` at its end, d the displacement: a step of implicit motion
-without velocity. A short one goes down the slope of the energy, a long one is Newton's step. So tau grows while steps
-converge, and an iteration that fails, or a step that ends higher than it began (`kernels commit`), is taken again with
-a shorter one; once the scene has come much nearer to rest, longer ones are tried again.
+without velocity. A short one follows the gradient of the energy, a long one is Newton's step. So tau grows while steps
+converge, and a step whose iteration fails or whose energy rises (`kernels commit`) is repeated with
+a shorter tau; once the scene is much closer to rest, longer ones are tried again.
 
-Motions that nothing resists (`warpffrf.online.start.free_motions`) are held where they are as soon as the rest is known
-to within the tolerance of Newton's method: round-off, and what the grids leave of torques that are zero, would carry
-them off. What moves along them all the same, as balls turn by round-off, is no movement of a scene that rests.
+Motions that nothing resists (`warpffrf.online.start.free_motions`) are constrained as soon as the rest is known
+to within the tolerance of Newton's method: round-off, and grid errors of torques that are zero, would drive
+them. Motion along them, as of balls that rotate by round-off, does not count as motion of a scene at rest.
 
 Laps that rub go down with their energy and what friction has taken since the state that its history begins in: as
 pressures come to rest that falls, and the energy alone may rise by as much. Where even steps shorter than the first one
@@ -16,12 +16,12 @@ end higher, it is not asked any more.
 Films are squeezed over the time tau while their walls slide with the velocities that the scene begins with, so that
 what comes to rest is a steady state; it has no energy to go down.
 
-Rest. What is left of the forces after a proximal step of an equilibrium: whether a scene that still moves is at rest.
+Rest. Residual forces after a proximal step of an equilibrium: whether a scene that still moves is at rest.
 
 A proximal step of size tau balances `m d/tau^2 = F` and `J psi/tau^2 = M` for every body, `d` and `psi` its
-displacement and rotation in the step: these inertia forces are what the static forces leave over. A body that nothing
-holds in one direction, a roller free to turn on its axle, goes on moving under what the grids leave of a torque that is
-zero, some 1e-12 of the load, and never comes to rest. Its forces balance all the same.
+displacement and rotation in the step: these inertia forces are the residual of the static forces. A body unconstrained
+in one direction, such as a roller free to rotate on its axle, keeps moving under the grid error of a torque that is
+zero, some 1e-12 of the load, and never comes to rest. Its forces balance nevertheless.
 
 Pressed. The state in which a scene is pressed together, before friction of its surfaces acts.
 
@@ -93,7 +93,7 @@ LEVEL = 1e-3, 1e-2  # of it: energies differ by no more than what grids of conta
 
 def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
     """Bring every world of `engine` to its static state at the present time; True on success. free: the motions that
-    are held, None those that nothing resists.
+    are constrained, None those without resistance.
 
     A scene in which a body creeps although its forces balance, to the tolerance of Newton's method, is at rest too.
     What creeps, and what is free and was left where it is, is named in `engine.start_notes`.
@@ -180,14 +180,14 @@ def _stepped(engine: Engine, free: FreeMotions) -> bool:
 
 
 def _turned(engine: Engine) -> np.ndarray:
-    """Largest turn of a body in the last step, at its radius of gyration (worlds,) [m]; one that turns about its centre
-    of mass does not move otherwise."""
+    """Largest rotation of a body in the last step times its radius of gyration (worlds,) [m]; a body that rotates about
+    its centre of mass has no other motion."""
     turns = np.linalg.norm(engine.scratch.psi.numpy()[:, : len(engine.scene.bodies)], axis=-1)
     return np.asarray((_gyration(engine) * turns).max(axis=1, initial=0.0))
 
 
 def _moved_else(engine: Engine, free: FreeMotions) -> np.ndarray:
-    """Largest movement of a body in the last step but for what is free (worlds,) [m], turns at radii of gyration."""
+    """Largest motion of a body in the last step except free motions (worlds,) [m], rotations at radii of gyration."""
     count, gyration = len(engine.scene.bodies), _gyration(engine)
     found = []
     for world in range(engine.worlds):
@@ -214,7 +214,7 @@ def _films_steady(engine: Engine) -> bool:
 
 
 def _at_rest(engine: Engine, free: FreeMotions, *, creeping: bool) -> bool:
-    """True, with notes of what is free and what creeps; what remembers a history begins it here."""
+    """True, with notes on free and creeping motions; history variables start here."""
     engine.start_notes.extend(free.notes())
     if creeping and np.isfinite(free.first):
         engine.start_notes.extend(creeping_notes(engine))
@@ -327,7 +327,7 @@ class Friction:
         return rows, np.array(found)
 
     def lets_go(self, lam: np.ndarray) -> bool:
-        """Let those slip that stick by more than their bound; True if there are any."""
+        """Release sticking rows whose force exceeds the bound; True if there are any."""
         gone = False
         for e, (law, rows, way) in enumerate(zip(self.laws, self.rows, self.ways, strict=True)):
             force = lam[rows] / np.array(law.weights)
@@ -337,7 +337,7 @@ class Friction:
         return gone
 
     def store(self, lam: np.ndarray) -> None:
-        """Tell the engine which joints slip, where the others stick, and the bounds by the multipliers `lam`."""
+        """Set in the engine which joints slip, where the others stick, and the bounds by the multipliers `lam`."""
         value = self.engine.scratch.coordinate.numpy()[self.world]
         arrays = [self.engine.state.slipping, self.engine.state.stuck_at, self.engine.scratch.slip_bound]
         slipping, stuck_at, bound = (array.numpy().copy() for array in arrays)
@@ -350,7 +350,7 @@ class Friction:
 
     @staticmethod
     def _way(law: SlipLaw, v: np.ndarray, fastest: float) -> np.ndarray | None:
-        """Friction over its bound, None of one that sticks."""
+        """Friction divided by its bound, None if sticking."""
         speed, slow = float(np.linalg.norm(v)), law.friction.creep_limit
         if slow > 0.0:
             return v / max(speed, slow)

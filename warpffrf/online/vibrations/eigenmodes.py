@@ -47,9 +47,9 @@ from warpffrf.online.vibrations.stuck_laps import stuck_notes
 from warpffrf_kernels.core.control import LOADING, STATIC
 
 Array = np.ndarray
-RANK = 1e-10  # of the largest singular value: rows that hold nothing; the compiler has taken dependent rows out
+RANK = 1e-10  # of the largest singular value: rows that constrain nothing; the compiler has removed dependent rows
 ZERO = 2.0 * np.pi * 1e-4  # rad/s: a period of three hours; differences of kernels see no stiffness below it
-SHIFT = 1.0  # 1/s2: makes k + sigma m definite where nothing holds a body
+SHIFT = 1.0  # 1/s2: makes k + sigma m definite for unconstrained bodies
 MORE_SHIFT = 10.0  # factor, where an unstable state needs a larger one
 MOST_SHIFTS = 30
 SAME_SHAPE = 1e-6  # singular value, below which the shapes of two zero eigenvalues are one motion
@@ -79,8 +79,8 @@ class BodyShape:
 class SceneModes:
     """Modes by rising frequency: `eigenvalues` (n,) complex [1/s], `shapes` body -> (n,) list of BodyShape.
 
-    Shapes are scaled to y^H M y = 1 kg m2 with the largest coordinate real, `scene` and `time` [s] say where, `method`
-    how the state was found, `notes` what was left out.
+    Shapes are scaled to y^H M y = 1 kg m2 with the largest coordinate real, `scene` and `time` [s] define the state,
+    `method` how it was found, `notes` what was omitted.
     """
 
     scene: Scene
@@ -224,7 +224,7 @@ def _scaled(Y: Array, M: Array) -> Array:
 
 
 def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
-    """Bring the engine to the state that `about` means; says in words which it is."""
+    """Set the engine to the state `about`; returns its description."""
     if about is None:
         if not settle(engine):
             bits = int(engine.word("status")[0])
@@ -264,7 +264,7 @@ def _prepare(engine: Engine, about: Any, notes: list[str]) -> str:
 
 
 def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
-    """What a reader of the modes should know."""
+    """Notes on the modes."""
     notes = list(engine.compiled.notes) + _rubbing_notes(engine)
     if linear.lumped:
         notes.append(
@@ -303,7 +303,7 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
 
 
 def _rubbing_notes(engine: Engine) -> list[str]:
-    """What friction and rolling resistance are to small motions (`linearise`)."""
+    """Notes on the treatment of friction and rolling resistance in small motions (`linearise`)."""
     scene = engine.scene
     if int(engine.word("mode")[0]) in (int(STATIC), int(LOADING)):
         return friction_notes(scene, "eigenmodes") + rolling_notes(scene, "eigenmodes")

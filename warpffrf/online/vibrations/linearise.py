@@ -1,4 +1,4 @@
-r"""Small motions about a state: M, D, K of a scene, taken from the kernels of the step themselves.
+r"""Small motions about a state: M, D, K of a scene, evaluated with the kernels of the step.
 
 The kernels evaluate, for given positions x, velocities v and accelerations a of all bodies and modes and given
 multipliers lambda and pressures s, the unbalanced forces R(x, v, a; lambda, s), the value of every row and the law of
@@ -16,8 +16,8 @@ Characteristics of springs and dampers enter by their slopes at the state, as di
     L dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x; of laps `stuck_laps`
 
 C, and on the active set L and the local compliance G (hats without the modes), are those of the kernels. The phases of
-the contact grids are held, as in the kernels' own gradient: how the patch wanders over the material is no part of small
-motions. The pressures' line of action turns with the bodies; that is in R_x.
+the contact grids are fixed, as in the kernels' own gradient: the travel of the patch over the material is not part of
+small motions. The pressures' line of action rotates with the bodies; that is in R_x.
 
 **Friction** of a static state is none. In a state of a run joints and pairs of surfaces rub with unknowns of their own
 (multipliers, tractions), which are held: their friction neither holds nor damps. In lumped contacts it is a function of
@@ -25,9 +25,9 @@ the motion, and in the matrices: where it sticks its stiffness is in R_x; where 
 and along its spring on the other, the difference has the mean of both; regularised friction, rolling resistance and
 pivoting have their slopes at the velocities of the state in R_v.
 
-**Turning bodies.** x varies by dr (world axes) and by psi (body axes, A = A_0 exp(psi^)), so that
-`dw = psi' + w x psi`, `dwdot = psi'' + w x psi' + wdot x psi`. In coordinates y that turn with the body, `dr = A y_r`,
-`psi = y_t`,
+**Rotating bodies.** x varies by dr (world axes) and by psi (body axes, A = A_0 exp(psi^)), so that
+`dw = psi' + w x psi`, `dwdot = psi'' + w x psi' + wdot x psi`. In coordinates y that rotate with the body,
+`dr = A y_r`, `psi = y_t`,
 
     dv = A (y_r' + w x y_r),     dvdot = A (y_r'' + 2 w x y_r' + w x (w x y_r) + wdot x y_r),
 
@@ -91,14 +91,14 @@ class Linearisation:
     C: Array
     T: Array
     co_rotating: bool
-    turning: list[str]  # names of the bodies that turn
-    closed: int  # active hats of closed contacts
-    kinked: list[str]  # names of springs and dampers whose slope jumps where they stand
+    turning: list[str]  # names of the rotating bodies
+    closed: int  # active nodes of closed contacts
+    kinked: list[str]  # names of springs and dampers whose slope jumps at the state
     lumped: int  # closed places of lumped contacts
-    films: list[FilmSystem]  # oil films, beside M, D and K
+    films: list[FilmSystem]  # oil films, in addition to M, D and K
     U: Array  # y -> rates of displacements, as bodies turn
-    K_laps: Array  # the part of K that sticking laps add
-    laps: Array  # B (z, n) of `stuck_laps`, y -> motion that laps see
+    K_laps: Array  # contribution of sticking small-sliding contacts to K
+    laps: Array  # B (z, n) of `stuck_laps`, y -> motion at small-sliding contacts
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
 
 
