@@ -31,10 +31,7 @@ from warpffrf.model.surfaces.form_deviations import Form, as_form, refuse_form
 EVALUATIONS = ("semi", "hyper")
 PROFILES = (0, 1, 2)  # axial degrees: a tilting shaft requires odd ones
 MOST_POWER = 8
-LEAST_ROWS, LEAST_COLUMNS = (
-    3,
-    8,
-)  # rows between the ends, and columns: fewer resolve no pressure
+LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: fewer resolve no pressure
 SAME = 0.01  # of the deviation of the summed heights, which walls and asperity law both define
 LOOSEST = (
     0.1  # clearance over radius, far beyond any bearing: the gap is taken along normals, which then are not shared
