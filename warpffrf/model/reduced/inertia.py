@@ -126,8 +126,7 @@ class GeometricStiffness:
 
     def matrix(self, w: Array, loads: Mapping[str, Array] | None = None) -> Array:
         """K_geo (k, k) at angular velocity `w` (3,) [rad/s] under interface `loads` name -> (6,) [N, N m], body axes.
-
-        Raises `InputError` for an interface that there is none of.
+        Raises `InputError` for an unknown interface.
         """
         total = np.tensordot([w[a] * w[b] for a, b in PRODUCTS], self.centrifugal, 1)
         for name, load in (loads or {}).items():
@@ -140,7 +139,7 @@ class GeometricStiffness:
 @dataclass(frozen=True, eq=False)
 class InertiaTerms:
     """Invariants of the first k modes: `first` J1 (k, 3, 3) [kg m], `second` J2 (k, k, 3, 3) [kg], `gyroscopic` G
-    (k, k, 3) [kg], and the `stiffening` where it was asked for. See the module docstring."""
+    (k, k, 3) [kg], and the `stiffening` if requested. See the module docstring."""
 
     first: Array
     second: Array
@@ -163,10 +162,10 @@ class InertiaTerms:
         return len(self.first)
 
     def kept(self, level: str, *, stiffened: bool = False) -> tuple[Array, Array, Array]:
-        """J1, J2, G with those that `level` leaves out set to zero; raises `InputError` for an unknown level.
+        """J1, J2, G with those that `level` omits set to zero; raises `InputError` for an unknown level.
 
         `stiffened`: J2 - Kc, the energy q.K_c q/2 of stiffening by rotation with its sign in w.J w/2; a mixed product
-        of w stands in two places of J2, half in each.
+        of w is split in halves over two entries of J2.
         """
         if level not in LEVELS:
             raise unknown_name("inertia level", level, LEVELS)
@@ -193,7 +192,7 @@ def momentum(terms: InertiaTerms, J0: Array, q: Array, qd: Array, w: Array, leve
 
 
 def kinetic_energy(terms: InertiaTerms, J0: Array, q: Array, qd: Array, w: Array, level: str = "full") -> float:
-    """w.J w/2 + w.h + |qd|^2/2 [J]: of turning and deforming; the m v.v/2 of the centre of mass is not in it."""
+    """w.J w/2 + w.h + |qd|^2/2 [J]: of rotation and deformation, without m v.v/2 of the centre of mass."""
     h = _cross(terms.kept(level)[2], q, qd)
     return float(0.5 * w @ inertia(terms, J0, q, level) @ w + w @ h + 0.5 * qd @ qd)
 
@@ -208,7 +207,7 @@ def body_torque(
     wdot: Array,
     level: str = "full",
 ) -> Array:
-    """dL/dt + w x L (3,) [N m]: the torque about the centre of mass that this motion needs, body axes."""
+    """dL/dt + w x L (3,) [N m]: the torque about the centre of mass required for this motion, body axes."""
     J1, J2, G = terms.kept(level)
     k = terms.modes
     q, qd, qdd = q[:k], qd[:k], qdd[:k]
@@ -221,8 +220,8 @@ def body_torque(
 
 
 def modal_forces(terms: InertiaTerms, q: Array, qd: Array, w: Array, wdot: Array, level: str = "full") -> Array:
-    """What stands beside qddot + c qdot + k q on the left of the modes' equations (m,) [N]: Coriolis, Euler and
-    centrifugal terms; zero for the modes beyond the first k. Geometric stiffening is not in it."""
+    """Terms added to qddot + c qdot + k q on the left of the modes' equations (m,) [N]: Coriolis, Euler and
+    centrifugal; zero for the modes beyond the first k. Geometric stiffening is not included."""
     J1, J2, G = terms.kept(level)
     k = terms.modes
     found = np.zeros(len(q))
@@ -248,7 +247,7 @@ def membrane_amplitudes(forms: Array, q: Array) -> Array:
 
 
 def membrane_forms(body: Any) -> Array | None:
-    """L (R, k, k) of a body that loads stiffen, None of others, and of one without membrane energy.
+    """L (R, k, k) of a body with stiffening, None for others, and for one without membrane energy.
 
     A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
     """
@@ -266,8 +265,7 @@ def membrane_energies(forms: Array, q: Array) -> Array:
 @dataclass(frozen=True, eq=False)
 class SecondOrderMotion:
     """Amplitudes of the shapes of second order: `forms` S (R, k, k) [1/m], symmetric, of the first k modes, and the
-    `overlap` C (k, R) of these modes with the shapes. The shapes themselves are with what is seen of them, as
-    `DisplaySurface.second_order`."""
+    `overlap` C (k, R) of these modes with the shapes. The shapes themselves are in `DisplaySurface.second_order`."""
 
     forms: Array
     overlap: Array
@@ -290,14 +288,14 @@ class SecondOrderMotion:
         return np.einsum("...i,sij,...j->...s", x[..., :k], self.forms, y[..., :k], optimize=True)
 
     def kinetic_energy(self, q: Array, qd: Array) -> Array:
-        """What T (...) [J] has beside |qd|^2/2, at q (..., m) [m] and rates qd (..., m) [m/s]."""
+        """Contribution to T (...) [J] in addition to |qd|^2/2, at q (..., m) [m] and rates qd (..., m) [m/s]."""
         gd = self.between(q, qd)
         along = np.einsum("...i,is,...s->...", qd[..., : len(self.overlap)], self.overlap, gd, optimize=True)
         return along + 0.5 * np.sum(gd * gd, axis=-1)
 
 
 def motion_of(body: Any) -> SecondOrderMotion | None:
-    """The second-order motion of a body that loads stiffen, None of others, and of one that was reduced without.
+    """The second-order motion of a body with stiffening, None for others, and for one reduced without.
 
     A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
     """
@@ -329,7 +327,7 @@ def interface_motion(body: Any, name: str, q: Array) -> Array:
 
 
 def interface_slope(body: Any, name: str, q: Array) -> Array:
-    """The derivative (m, 6) of `interface_motion` by the modal coordinates at q (m,): how modes move the interface."""
+    """The derivative (m, 6) of `interface_motion` by the modal coordinates at q (m,)."""
     slope = np.array(body.reduced.interfaces[name].modes, dtype=float)
     if body.stiffening:
         K = body.reduced.inertia_terms.stiffening.interfaces[name]
@@ -339,7 +337,7 @@ def interface_slope(body: Any, name: str, q: Array) -> Array:
 
 
 def second_order(body: Any, name: str, x: Array, y: Array) -> Array:
-    """x.K_c y (..., 6) for x, y (..., m) [m]; zeros of a body that loads do not stiffen."""
+    """x.K_c y (..., 6) for x, y (..., m) [m]; zeros for a body without stiffening."""
     if not body.stiffening:
         return np.zeros((*x.shape[:-1], 6))
     K = body.reduced.inertia_terms.stiffening.interfaces[name]
