@@ -1,9 +1,9 @@
 r"""Moments of lumped contacts, in addition to the contact force: rolling resistance and resistance to pivoting about
 the normal.
 
-    RollingResistanceArm        M = e F, e the arm RollingHysteresis   the fraction of the compression work that is lost
-    in rolling spin                Coulomb's friction over Hertz's ellipse in pure pivoting, of the contact's law of
-    friction
+    RollingResistanceArm    M = e F, e the arm
+    RollingHysteresis       the fraction of the compression work that is lost in rolling
+    spin                    Coulomb's friction over Hertz's ellipse in pure pivoting, of the contact's friction law
 
 Kernels are `warpffrf_kernels.lumped.moments`. A user-defined rolling law is a subclass of `RollingResistance`.
 

@@ -1,7 +1,8 @@
 """Small-sliding contact (joint interfaces, laps): its cells, and its data in a reduced body.
 
-LapCells      the cells of a face, or of the overlap of two faces, as requested from `reduce` LapSurface    the cells of
-a reduced body Lap           the contact in a scene, within a body or between two
+LapCells      the cells of a face, or of the overlap of two faces, as requested from `reduce`
+LapSurface    the cells of a reduced body
+Lap           the contact in a scene, within a body or between two
 """
 
 from __future__ import annotations

@@ -2,10 +2,13 @@
 
 With the gap g [m] between the deformed surfaces, the depth d = -g and the pressure p >= 0 [Pa]
 
-    Unilateral               p > 0 only at g = 0: no layer, no parameter LinearLayer              p = k d NonlinearLayer
-    p = k d^n TabulatedLayer               p(g) from a table ExponentialAsperities    p = p_0 exp(-g/lambda)
-    GreenwoodTripp           p = K E* F(g/s), asperities with Gaussian heights HuntCrossley             p = k d^n (1 +
-    chi d_dot)
+    Unilateral               p > 0 only at g = 0: no layer, no parameter
+    LinearLayer              p = k d
+    NonlinearLayer           p = k d^n
+    TabulatedLayer           p(g) from a table
+    ExponentialAsperities    p = p_0 exp(-g/lambda)
+    GreenwoodTripp           p = K E* F(g/s), asperities with Gaussian heights
+    HuntCrossley             p = k d^n (1 + chi d_dot)
 
 Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too, and so are
 those of their rolling resistance, in `warpffrf.model.moments`.

@@ -1,7 +1,7 @@
 r"""Detection of rotational periodicity in a mesh: axis, number of sectors, and the images of nodes under rotation.
 
-A body of N >= 3 equal sectors is mapped onto itself by a rotation by phi = 2 pi/N about its axis. So do its nodes,
-hence
+A body of N >= 3 equal sectors is mapped onto itself by a rotation by phi = 2 pi/N about its axis. So are its
+nodes, hence
 
 - the mean of the nodes lies on the axis, and the tensor of their second moments has it as an eigenvector, the two other
   eigenvalues being equal. Unequal ones exclude periodicity at the cost of one pass over the nodes;

@@ -4,8 +4,8 @@ Pressures on a contact-fixed grid displace the surface by u = H p + P S P^T p: H
 exact on any grid, and S the body's compliance minus the half-space, in the splines of `FarSplines`, which P evaluates.
 Both parts use the same half-space, which is
 
-- cut off by `cutoff` of the angle between outward normals, so that it does not extend around the body; - a quarter
-space at the `ends` of the surface, see `warpffrf.offline.near_field.window`.
+- cut off by `cutoff` of the angle between outward normals, so that it does not extend around the body;
+- a quarter space at the `ends` of the surface, see `warpffrf.offline.near_field.window`.
 
 Tangential tractions have a far field, too (`FarTangential`), among the same splines. Their half-space is Cerruti's with
 mirror images at the ends, of the same sign around and along, and without coupling of these directions; the effect of a
