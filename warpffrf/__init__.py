@@ -2,8 +2,8 @@
 
     import warpffrf as wf
 
-The public names are loaded when first used, so that importing the package costs nothing and pulls in neither the viewer
-nor the plotting and mesh libraries.
+Public names are loaded on first use, so that importing the package is fast and does not load the viewer, plotting or
+mesh libraries.
 """
 
 from __future__ import annotations

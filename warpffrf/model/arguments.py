@@ -1,4 +1,4 @@
-"""Types of what users hand over, as editors and type checkers see them; whatever comes is checked again when it runs.
+"""Types of user arguments for editors and type checkers; values are checked again at run time.
 
 Texts are sequences too, but of texts: they are no `Vector`, which NumPy's `ArrayLike` would let pass.
 """

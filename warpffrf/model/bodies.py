@@ -1,7 +1,7 @@
-"""Bodies of a scene and the places on them that joints, forces and contact pairs attach to.
+"""Bodies of a scene and their ports, to which joints, forces and contacts attach.
 
-Points of a body are given in its *user frame* (the frame of its mesh file, or the one its rigid data are given in); a
-pose maps them to the world, x = position + A(rotation) x_user.
+Points of a body are given in its *user frame* (the frame of its mesh file, or of its rigid-body data); a pose maps them
+to the world, x = position + A(rotation) x_user.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ INERTIA_LEVELS = ("constant", "deformed", "gyroscopic", "full", "auto")
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Port(reprs.Shown):
-    """A place on a body: an interface, or a body-fixed point (3,) [m, user frame].
+    """A port of a body: an interface, or a body-fixed point (3,) [m, user frame].
 
-    `point` is None only for the bare ground: the joint's other port then says where it is.
+    `point` is None only for the bare ground: the joint's other port then defines the point.
     """
 
     body: Any  # Body or Ground
@@ -84,7 +84,7 @@ class SurfacePort(reprs.Shown):
 
     @property
     def on_ground(self) -> bool:
-        """True where the body is the ground, which stays."""
+        """True where the body is the ground, which is fixed."""
         return self.body.index == GROUND_INDEX
 
     @property
@@ -96,7 +96,7 @@ class SurfacePort(reprs.Shown):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class LapPort(reprs.Shown):
-    """A face of a flexible body that laps lie on, or two faces of it, as `reduce(laps=...)` named them."""
+    """One or two faces of a flexible body for small-sliding contact, as named in `reduce(laps=...)`."""
 
     body: Any  # Body or Ground
     name: str
@@ -120,7 +120,7 @@ class LapPort(reprs.Shown):
 if TYPE_CHECKING:
 
     class Place(Port, SurfacePort, LapPort):
-        """What a name of a body stands for: interface, contact surface or lap; which of them only a run can tell."""
+        """Result of `body[name]`: interface, contact surface or small-sliding contact face, known only at run time."""
 
         point: np.ndarray
 
@@ -141,10 +141,10 @@ class _Posed(reprs.Shown):
     def surface(self, shape: Shape, *, name: str, form: Form | RoundForm | None = None) -> SurfacePort:
         """Give this rigid body, or the ground, a contact surface of `shape` (`warpffrf.surfaces`), in its user frame.
 
-        form: how it deviates from that around its axis, of `warpffrf.films`, positive where material is missing:
-        `films.LobedForm(5e-6, 2)` makes it oval; lumped contacts alone see it. Returns its port, `body[name]` from then
-        on. Raises `InputError` for a flexible body, whose surfaces come from its reduction, and for a shape that leaves
-        something to be fitted.
+        form: form deviation around its axis, of `warpffrf.films`, positive where material is missing:
+        `films.LobedForm(5e-6, 2)` makes it oval; only lumped contacts use it. Returns its port, later available as
+        `body[name]`. Raises `InputError` for a flexible body, whose surfaces are defined by its reduction, and for a
+        shape with parameters left to be fitted.
         """
         if self.reduced is not None:
             raise InputError(f"body {self.name!r} is flexible: name its surfaces in reduce(contact={{...}})")
@@ -166,7 +166,7 @@ class _Posed(reprs.Shown):
 
     @property
     def rotation(self) -> np.ndarray:
-        """Unit quaternion (x, y, z, w), user frame to world, at the start; any form of `rotation` may be set."""
+        """Unit quaternion (x, y, z, w), user frame to world, at the start; any form of `rotation` is accepted."""
         return self._rotation
 
     @rotation.setter
@@ -184,8 +184,8 @@ class _Posed(reprs.Shown):
 
 @named_arguments
 class Ground(_Posed):
-    """The world as a body: it does not move. Use it bare in a joint, or `ground.at(point)`; `ground.surface(...)` for
-    contact."""
+    """The world as a body: it does not move. Use it directly in a joint, or `ground.at(point)`; `ground.surface(...)`
+    for contact."""
 
     index = GROUND_INDEX
     mode_count = 0
@@ -212,12 +212,12 @@ class Ground(_Posed):
 
 @named_arguments
 class Body(_Posed):
-    """One body of a scene; made by `Scene.add_body` and `Scene.add_rigid_body`.
+    """One body of a scene, created by `Scene.add_body` and `Scene.add_rigid_body`.
 
     mass [kg], center_of_mass (3,) [m, user frame], inertia (3, 3) [kg m2, about the centre of mass, user axes],
     `reduced` (None for a rigid body), damping (m,) [-] ratio of each global mode, initial `position`, `rotation` (may
     be changed), `velocity` of the user origin [m/s] and `angular_velocity` [rad/s], world axes; `level` of the inertia
-    terms (one of INERTIA_LEVELS) and whether loads stiffen it.
+    terms (one of INERTIA_LEVELS) and `stiffening`: whether loads stiffen it geometrically.
     """
 
     def __init__(
@@ -273,8 +273,8 @@ class Body(_Posed):
         return self.reduced
 
     def __getitem__(self, name: str) -> Place:
-        """The `Port` of an interface, the `SurfacePort` of a contact surface or the `LapPort` of a lap called
-        `name`."""
+        """The `Port` of an interface, the `SurfacePort` of a contact surface or the `LapPort` of a small-sliding
+        contact face called `name`."""
         place: Any = self._place(name)
         return place
 
@@ -314,11 +314,11 @@ class Body(_Posed):
 
 
 def _known(surfaces: dict[str, RigidSurface]) -> str:
-    """The surfaces that there are, for a message about one that there is not."""
+    """The existing surfaces, for the error message about an unknown one."""
     return f"known surfaces: {', '.join(map(repr, surfaces))}; " if surfaces else ""
 
 
-PortLike: TypeAlias = Port | Ground  # the bare ground is a port whose place the other one says
+PortLike: TypeAlias = Port | Ground  # the bare ground is a port whose point the other port defines
 
 
 def as_port(value: Any, name: str) -> Port:
@@ -335,8 +335,9 @@ def as_port(value: Any, name: str) -> Port:
 
 
 def require_relative_motion(a: Port, b: Port, label: str) -> None:
-    """Raise `InputError` naming `label` where nothing can move between two ports: both on the ground or on one rigid
-    body, at one interface, or on a body without modes. Two interfaces of a flexible body move apart by its modes."""
+    """Raise `InputError` naming `label` where two ports have no relative motion: both on the ground or on one rigid
+    body, at one interface, or on a body without modes. Two interfaces of a flexible body move relative to each other by
+    its modes."""
     if a.body is not b.body:
         return
     if a.body.mode_count == 0:

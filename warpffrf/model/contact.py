@@ -1,9 +1,9 @@
-"""A contact pair of two surfaces: what it may join, and what it asks of them.
+"""A contact between two surfaces: the surfaces it may join and the conditions on them.
 
 The first surface carries the contact grid, so it is a surface of a flexible body. The second may be flexible too, or
 the rigid surface of a rigid body or of the ground. Two rigid surfaces have no compliance and no pressure between them:
-such a pair is refused, a `LumpedContact` holds it. The gap between the true shapes is in `gap`; which contacts may
-stand on the same two surfaces is in `checks.exclusive_unknowns`.
+such a contact is refused; use a `LumpedContact`. The gap between the true shapes is computed in `gap`;
+`checks.exclusive_unknowns` defines which contacts may share two surfaces.
 """
 
 from __future__ import annotations
@@ -25,30 +25,29 @@ UNILATERAL = Unilateral()
 EVALUATIONS = ("semi", "hyper")
 GRIDS = ("auto", "body_fixed", "contact_fixed")
 KINEMATICS = ("auto", "closest_point")
-CELL_ERROR = 0.005  # of force and largest pressure: what half-space and mesh leave is of this size
-CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, fewer of which follow no rule
+CELL_ERROR = 0.005  # of force and largest pressure: the size of the errors of half-space and mesh
+CELL_ERRORS = (5e-4, 0.02)  # 2,400 cells; seven strips, below which the error follows no rule
 
 
 @named_arguments
 class Contact(reprs.Item):
     """Contact between two contact surfaces a and b, `body["rim"]` each; a must be of a flexible body.
 
-    Forces are reported on the first body. law: what lies between the surfaces, see `warpffrf.model.laws`, nothing
-    by default. friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it needs flexible
-    bodies that were reduced with tangential=True. evaluation: where the law is looked at, "semi" at all points of
-    the contact grid, "hyper" at the few points chosen when the first body was reduced.
-    grid: "body_fixed", pressures on the contact grid of the first body, bound to its
-    material, which wants four nodes in a contact half-width; "contact_fixed", on cells that travel with the patch, for
-    meshes of any size (bodies reduced on coarse meshes, or with contact_fixed=True); "auto", the latter where the
-    bodies have what it needs and nothing is asked that it cannot do, which a run's notes say. cell_error: what the
-    cells of a patch may add to the relative error of force and largest pressure; after a run a note says what finer
-    cells change at some saved steps. kinematics: where on the contact grid the surfaces are apart by how much: "auto",
-    along the line of centres of rollers whose axes are parallel at the start, which is fast, else, or with
-    "closest_point", at points of both surfaces, which also holds for axes that lean towards each other later. cells:
-    strips across and rows along, None to have them chosen for that error. capacity: largest number of active hats,
-    None to have it chosen. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None
-    for a small part of their radius. name: default "<first body>-<second body>". Raises `InputError` for surfaces, laws
-    and options that do not go together.
+    Forces are reported on the first body. law: contact law (`warpffrf.model.laws`), default unilateral contact.
+    friction: the coefficient, or a friction law (`warpffrf.model.friction`); above 0 it requires flexible bodies
+    reduced with tangential=True. evaluation: quadrature of the law, "semi" at all points of the contact grid (full),
+    "hyper" at the few points chosen when the first body was reduced (reduced). grid: "body_fixed", pressures on the
+    contact grid of the first body, fixed to its material, which requires four nodes per contact half-width;
+    "contact_fixed", on cells that move with the patch, for meshes of any size (bodies reduced on coarse meshes, or with
+    contact_fixed=True); "auto", the latter where bodies and options allow it, as reported in the notes of a run.
+    cell_error: admissible contribution of the patch cells to the relative error of force and largest pressure; after a
+    run a note reports the change with finer cells at some saved steps. kinematics: computation of the gap: "auto",
+    parallel-axes kinematics for rollers whose axes are parallel at the start, which is fast; otherwise, or with
+    "closest_point", at points of both surfaces, which also holds for axes that tilt later. cells: strips across and
+    rows along, None: chosen for that error. capacity: largest number of active nodes, None: chosen automatically.
+    overlap [m]: admissible overlap of the surfaces at the start of a run, None for a small fraction of their radius.
+    name: default "<first body>-<second body>". Raises `InputError` for surfaces, laws and options that do not go
+    together.
 
     Of `lower` and `upper`, bodies as in `Scene.add_body`:
 
@@ -112,11 +111,11 @@ class Contact(reprs.Item):
         self.capacity = capacity
         self.overlap = overlap
 
-    # what may be changed until a run begins is checked as it is set
+    # attributes that may change before a run are checked when set
 
     @property
     def law(self) -> Law:
-        """What lies between the surfaces."""
+        """The contact law."""
         return self._law
 
     @law.setter
@@ -126,7 +125,7 @@ class Contact(reprs.Item):
 
     @property
     def friction(self) -> FrictionLaw:
-        """The law of friction; a number that is set is the coefficient of `Coulomb`."""
+        """The friction law; a number is the coefficient of `Coulomb`."""
         return self._friction
 
     @friction.setter
@@ -139,7 +138,7 @@ class Contact(reprs.Item):
 
     @property
     def evaluation(self) -> str:
-        """Where the law is looked at, one of EVALUATIONS."""
+        """Quadrature of the law, one of EVALUATIONS."""
         return self._evaluation
 
     @evaluation.setter
@@ -156,7 +155,7 @@ class Contact(reprs.Item):
 
     @property
     def grid(self) -> str:
-        """Where pressures stand, one of GRIDS."""
+        """Grid of the pressures, one of GRIDS."""
         return self._grid
 
     @grid.setter
@@ -168,7 +167,7 @@ class Contact(reprs.Item):
 
     @property
     def kinematics(self) -> str:
-        """Where gaps are taken, one of KINEMATICS."""
+        """Kinematics of the gap, one of KINEMATICS."""
         return self._kinematics
 
     @kinematics.setter
@@ -179,7 +178,7 @@ class Contact(reprs.Item):
 
     @property
     def cell_error(self) -> float:
-        """What the cells of a patch may add to the relative error of force and largest pressure."""
+        """Admissible contribution of the patch cells to the relative error of force and largest pressure."""
         return self._cell_error
 
     @cell_error.setter
@@ -194,7 +193,7 @@ class Contact(reprs.Item):
 
     @property
     def cells(self) -> tuple[int, int] | None:
-        """Strips across and rows along of a patch of cells; None to have them chosen."""
+        """Strips across and rows along of a patch of cells; None: chosen automatically."""
         return self._cells
 
     @cells.setter
@@ -213,7 +212,7 @@ class Contact(reprs.Item):
 
     @property
     def capacity(self) -> int | None:
-        """Largest number of active hats; None to have it chosen."""
+        """Largest number of active nodes; None: chosen automatically."""
         return self._capacity
 
     @capacity.setter
@@ -222,7 +221,7 @@ class Contact(reprs.Item):
 
     @property
     def overlap(self) -> float | None:
-        """How deep [m] the surfaces may lie in one another at the start of a run; None for a part of their radius."""
+        """Admissible overlap [m] of the surfaces at the start of a run; None for a fraction of their radius."""
         return self._overlap
 
     @overlap.setter
@@ -243,7 +242,7 @@ class Contact(reprs.Item):
         surfaces = {"a": [self.a.body.name, self.a.name], "b": [self.b.body.name, self.b.name]}
         laws = {"law": self.law.describe(), "friction": self.friction.describe()}
         options: dict[str, Any] = {"evaluation": self.evaluation, "capacity": self.capacity, "overlap": self.overlap}
-        if self.grid != "auto":  # scenes of before keep their hash
+        if self.grid != "auto":  # existing scenes keep their hash
             options |= {"grid": self.grid, "cells": None if self.cells is None else list(self.cells)}
         if self.kinematics != "auto":
             options["kinematics"] = self.kinematics
@@ -252,7 +251,7 @@ class Contact(reprs.Item):
         return {"name": self.name, **surfaces, **laws, **options}
 
     def without_patch(self) -> str | None:
-        """Why pressures cannot stand on cells that travel with the patch, and the cure; None where they can."""
+        """Why a contact-fixed grid is not possible, and the cure; None where it is."""
         for port in self.ports:
             if port.rigid:
                 continue
@@ -290,7 +289,7 @@ class Contact(reprs.Item):
         return None
 
     def _check_patch(self) -> None:
-        """Raises `InputError` for what a patch of cells is asked for and cannot do."""
+        """Raises `InputError` for options that a contact-fixed grid does not support."""
         if getattr(self, "_grid", "auto") == "contact_fixed" and (reason := self.without_patch()):
             raise InputError(f"{self._label}: {reason}")
 
@@ -319,7 +318,7 @@ def _require_surface(port: Any, place: str) -> None:
 
 
 def _longer_than_wide(surface: Any) -> float:
-    """Longest spacing of a contact grid along the meridian over that across."""
+    """Ratio of the largest spacing of a contact grid along the meridian to that across."""
     z, planar = np.asarray(surface.grid.z), surface.shape.profile().planar
     across = surface.grid.pitch * (1.0 if planar else float(np.max(surface.shape.radius_at(z))))
     return float(np.diff(z).max(initial=0.0)) / across

@@ -1,10 +1,9 @@
-r"""Damping of the global modes: a ratio each, from a number, a list, a function of the frequencies, or one of these
-rules.
+r"""Damping ratios of the global modes, from a number, a list, a function of the frequencies, or one of these rules.
 
-A global mode of unit mass obeys `qddot + 2 zeta omega qdot + omega^2 q = f`; what damping a body has is its ratios
-zeta. Since the modes are M- and K-orthogonal, C = alpha M + beta K (Rayleigh) is diagonal in them too, `2 zeta omega =
-alpha + beta omega^2`. A rule is a function of the frequencies [Hz] that gives ratios;
-those of DAMPINGS are known to scene files.
+A global mode of unit mass obeys `qddot + 2 zeta omega qdot + omega^2 q = f`; the damping of a body is defined by its
+ratios zeta. Since the modes are M- and K-orthogonal, C = alpha M + beta K (Rayleigh) is diagonal in them too, `2 zeta
+omega = alpha + beta omega^2`. A rule is a function of the frequencies [Hz] that returns ratios; scene files know those
+of DAMPINGS.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ def __dir__() -> list[str]:
     return __all__
 
 
-# ratio on the highest modes: they ring against the massless contact compliance after a load step
+# ratio on the highest modes: they oscillate against the massless contact compliance after a load step
 CHATTER_DAMPING = 0.10
 CHATTER_FRACTION = 0.5  # of the highest retained frequency, above which the default damping acts
 
@@ -40,7 +39,8 @@ CHATTER_FRACTION = 0.5  # of the highest retained frequency, above which the def
 @named_arguments
 @dataclass(frozen=True)
 class DampingBands:
-    """Ratios by frequency band: `bands` are pairs (upper limit [Hz], ratio) by rising limits, the last limit infinite.
+    """Ratios by frequency band: `bands` are pairs (upper limit [Hz], ratio) in order of increasing limits, the last
+    limit infinite.
 
     A mode has the ratio of the first band whose limit is above its frequency. Raises InputError for limits that do not
     rise, a last one that is finite, or a negative ratio.
@@ -59,7 +59,7 @@ class DampingBands:
                 f"{self.bands!r}"
             )
         limits, ratios = table[:, 0], table[:, 1]
-        if not np.all(np.diff(limits, prepend=0.0) > 0.0):  # also where one is not a number
+        if not np.all(np.diff(limits, prepend=0.0) > 0.0):  # also catches NaN
             raise InputError(f"DampingBands: the limits must rise from above 0 Hz, got {limits.tolist()}")
         if limits[-1] != np.inf:
             raise InputError(
@@ -82,8 +82,8 @@ class Rayleigh:
     """Damping matrix alpha M + beta K (Lord Rayleigh, The Theory of Sound, 1877): zeta = alpha/(2 omega) + beta
     omega/2.
 
-    alpha [1/s] damps motions against the body's own rigid motion, low frequencies most; beta [s] high ones. Neither may
-    be negative (InputError).
+    alpha [1/s] damps motions relative to the body's rigid motion, mainly low frequencies; beta [s] mainly high ones.
+    Neither may be negative (InputError).
     """
 
     alpha: float = 0.0
@@ -99,7 +99,7 @@ class Rayleigh:
         return self.alpha / (2.0 * omega) + 0.5 * self.beta * omega
 
 
-# what vehicle and engine dynamics commonly assume of assembled steel structures where nothing was measured
+# common assumption of vehicle and engine dynamics for assembled steel structures without measurements
 ONE_TEN_HUNDRED = DampingBands(((100.0, 0.01), (1000.0, 0.1), (np.inf, 1.0)))
 NAMED: dict[str, Callable[[np.ndarray], np.ndarray]] = {"1/10/100": ONE_TEN_HUNDRED}
 DAMPINGS: dict[str, type] = {"damping_bands": DampingBands, "rayleigh": Rayleigh}
@@ -109,8 +109,8 @@ def default_damping(frequencies: np.ndarray) -> np.ndarray:
     """Damping ratios (m,) [-] of modes of these frequencies (m,) [Hz]: 10 % above half the highest retained frequency,
     none below.
 
-    The highest retained modes ring against the massless contact compliance after a step load; the lower ones carry the
-    physics and stay undamped.
+    The highest retained modes oscillate against the massless contact compliance after a step load; the lower ones carry
+    the physics and remain undamped.
     """
     frequencies = np.asarray(frequencies, float)
     if not len(frequencies):

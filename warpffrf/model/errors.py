@@ -1,5 +1,4 @@
-"""The errors that users see: of a description that cannot be used, with small checks that raise it, and of a run that
-did not complete."""
+"""Public errors: for an invalid description, with small checks that raise it, and for a run that did not complete."""
 
 from __future__ import annotations
 
@@ -11,7 +10,7 @@ import numpy as np
 
 from warpffrf.model.renamed import RENAMED
 
-MOST_COUNTED = 2**31 - 1  # what is counted is counted in 32-bit integers
+MOST_COUNTED = 2**31 - 1  # counts are 32-bit integers
 
 
 class InputError(ValueError):
@@ -19,8 +18,8 @@ class InputError(ValueError):
 
 
 class RunError(RuntimeError):
-    """A run that did not complete, of a call with `check=True`. The message has its status, the reason and the cure;
-    `result` has what was computed up to there."""
+    """A run that did not complete, raised with `check=True`. The message has its status, the reason and the cure;
+    `result` has the data computed so far."""
 
     def __init__(self, result: Any) -> None:
         super().__init__(f"{result.status}: {result.message}")
@@ -30,7 +29,7 @@ class RunError(RuntimeError):
 def require_number(value: Any, name: str, *, positive: bool = False, non_negative: bool = False) -> float:
     """`value` as a finite float, else `InputError` naming `name`; optionally > 0 or >= 0.
 
-    Text and truth values are no numbers, though Python would convert them; numpy's scalars and arrays () are.
+    Strings and booleans are not accepted, although Python would convert them; numpy's scalars and arrays () are.
     """
     if isinstance(value, (str, bytes, bool, np.bool_)):
         raise InputError(f"{name} must be a number, got {value!r}")
@@ -84,12 +83,12 @@ def require_direction(value: Any, name: str) -> np.ndarray:
 
 
 def unknown_name(kind: str, name: object, known: Iterable[str]) -> InputError:
-    """The error for a name that does not exist: it says the nearest of those that do, and lists them."""
+    """The error for an unknown name: it suggests the nearest known names and lists all."""
     return InputError(f"{kind} {name!r} does not exist{suggestion(str(name), list(known))}")
 
 
 def suggestion(name: str, known: Sequence[str]) -> str:
-    """ "; did you mean 'x'? known: ..." for a name that does not exist, or what an old one is called since."""
+    """ "; did you mean 'x'? known: ..." for a name that does not exist, or the new name of a renamed one."""
     now = [new for new in RENAMED.get(name, ()) if new in known]
     if now:
         return f"; it is called {now[0]!r} now"

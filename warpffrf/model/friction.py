@@ -1,4 +1,4 @@
-r"""Friction laws of contact pairs, and of joints.
+r"""Friction laws of contacts and joints.
 
     Coulomb               |tau| <= mu p, stick and slip
     RegularisedCoulomb    no stick: tau proportional to the slip velocity below v_slip
@@ -6,50 +6,50 @@ r"""Friction laws of contact pairs, and of joints.
     TabulatedFriction          mu(v) from a table
     TractionCurve         lubricated rolling: a rise in proportion to v, a peak, a fall to a limit; of lumped contacts
 
-A law of one's own is a subclass of `FrictionLaw` with a coefficient and its slope.
+A user-defined law is a subclass of `FrictionLaw` with a coefficient and its slope.
 
 Coulomb. Dry friction: |tau| <= mu p with one coefficient in stick and slip; no parameter but mu.
 
-Law. What all laws of friction have in common: the coefficient of their bound as a function of the slip speed.
+Law. Common to all friction laws: the coefficient of the bound as a function of the slip speed.
 
 With the pressure p, the tangential traction tau (2,) on the first surface, the slip velocity w (2,) of the first
 surface relative to the second, and mu(v) >= 0 the coefficient at the slip speed v = |w|
 
     |tau| <= mu(v) p;      w = 0 where |tau| < mu(0) p (stick),      tau = -mu(|w|) p w/|w| where w != 0 (slip),
 
-set-valued at w = 0, and solved as such, stick and slip cell by cell. mu(0) is the coefficient of static friction. A
-law with a `creep_limit` does not stick: below it the traction is proportional to the velocity.
+set-valued at w = 0, and solved as such, with stick and slip determined per cell. mu(0) is the coefficient of static
+friction. A law with a `creep_limit` does not stick: below it the traction is proportional to the velocity.
 
-A coefficient that falls with the speed does not have one solution for every step. What holds a cell, elastically and
-by inertia, resists a slip of the step with the tangential stiffness k [Pa/m]; a sliding cell loses |mu'| p/h of
-traction for each metre of it, h the step. Slip is the only one where
+A coefficient that falls with the speed does not have one solution for every step. The elasticity and inertia behind a
+cell resist the slip of a step with the tangential stiffness k [Pa/m]; a sliding cell loses |mu'| p/h of traction per
+metre of slip, h the step. The slip is unique where
 
-    |mu'| p/h < k,      k -> M/(beta h^2) (mass M per area, beta of the integrator) where inertia holds,
+    |mu'| p/h < k,      k -> M/(beta h^2) (mass M per area, beta of the integrator) where inertia governs,
 
-so h < M/(beta |mu'| p): a step must resolve how slip grows, within M/(|mu'| p). The elastic stretch of a surface
-without inertia has a k that does not grow as h falls; there h > |mu'| p/k, and a shorter step shows jumps that only
-local inertia would resolve. Where the iteration comes upon a slip beyond either, it goes on to the solution next to the
-state at hand, and the report says so.
+so h < M/(beta |mu'| p): a step must resolve the growth of slip, with time scale M/(|mu'| p). The elastic deformation of
+a surface without inertia has a k that does not grow as h decreases; there h > |mu'| p/k, and a shorter step shows jumps
+that only local inertia would resolve. Where the iteration meets a slip beyond either bound, it proceeds to the solution
+nearest to the current state, and the report states this.
 
-Pieces. A coefficient of friction as cubic pieces over the slip speed, which is what the device reads of any law.
+Pieces. The device reads the friction coefficient of any law as cubic pieces over the slip speed.
 
 Between neighbouring `breaks` of a law intervals are halved until Hermite's cubic, through values and slopes at both
-ends, is within TOLERANCE of the law at three points between. Of a table every piece is its own straight line.
+ends, is within TOLERANCE of the law at three points between. A table's pieces are its own straight lines.
 
 Regularised Coulomb. Dry friction without stick: tau = -mu p w/max(|w|, v_slip), creep up to v_slip below the bound.
 
-The limit that other programs use; as v_slip goes to 0 it becomes `Coulomb`. Over a step h the slip velocity is the
-increment of slip over h, so that the law is a bound with a softness: h v_slip/(mu p) metres per pascal are added to the
-tangential compliance of a cell, and the bound |tau| <= mu p cuts it: the same convex problem.
+The approximation used by other programs; as v_slip goes to 0 it becomes `Coulomb`. Over a step h the slip velocity is
+the increment of slip over h, so that the law is a bound with a softness: h v_slip/(mu p) metres per pascal are added to
+the tangential compliance of a cell, and the bound |tau| <= mu p cuts it: the same convex problem.
 
-Stribeck. Dry friction whose coefficient falls from a static to a kinetic one as slip becomes faster.
+Stribeck. Dry friction whose coefficient falls from a static to a kinetic one as slip speed increases.
 
     mu(v) = mu_k + (mu_s - mu_k) exp(-(v/v_s)^delta),
 
 steepest at rest for delta = 1, |mu'| = (mu_s - mu_k)/v_s, and at v_s/sqrt(2) for delta = 2, sqrt(2/e) times that. It
 is the falling part of Stribeck's curve (Bo and Pavelescu, Wear 82, 1982, with delta from 1/2 to 1; Armstrong-Helouvry,
-Control of Machines with Friction, 1991, with 2). delta below 1 has an infinite slope at rest, with which no step would
-be short enough to slide away in one way (`law`), and is refused. v_s -> 0 is a coefficient that drops at once.
+Control of Machines with Friction, 1991, with 2). delta below 1 has an infinite slope at rest, for which no step is
+short enough for a unique solution (`law`), and is refused. v_s -> 0 is a coefficient that drops instantaneously.
 
 Tabulated friction. Dry friction with a coefficient given by a table of the slip speed, from a measurement: straight
 between the points, and the last value beyond them.
@@ -62,9 +62,9 @@ With the slip velocity w and v = |w| the traction is -mu(v) F w/v,
     mu(v) = mu_l + (mu_p - mu_l) exp(-(v - v_p)/v_d),      v > v_p    (fall to the limiting traction, as Stribeck's)
 
 the shape of measured curves of rolling bearings (Gupta, Advanced Dynamics of Rolling Elements, 1984, who takes mu(v) =
-(A + B v) exp(-C v) + D): a steep rise from zero slip, a peak, and a fall as the film heats. It is no fluid model: film
-thickness, pressure and temperature are in its four numbers. There is no stick. Where the coefficient falls, the slip
-grows by itself unless inertia holds it: |mu'| F h < M (`warpffrf.model.friction`).
+(A + B v) exp(-C v) + D): a steep rise from zero slip, a peak, and a fall as the film heats. It is not a fluid model:
+its four parameters include film thickness, pressure and temperature. There is no stick. Where the coefficient falls,
+the slip is unstable unless inertia stabilises it: |mu'| F h < M (`warpffrf.model.friction`).
 """
 
 from __future__ import annotations
@@ -82,14 +82,14 @@ from warpffrf.model.messages.named_arguments import named_arguments
 
 
 class FrictionLaw(ABC):
-    """A law of friction: a frozen dataclass with a `kind`. Those in `warpffrf.model.friction.FRICTION_LAWS` are known
-    to scene files by their kind."""
+    """A friction law: a frozen dataclass with a `kind`. Scene files refer to those in
+    `warpffrf.model.friction.FRICTION_LAWS` by their kind."""
 
     kind: ClassVar[str]
 
     @property
     def creep_limit(self) -> float:
-        """Slip speed [m/s] at which the bound is reached; 0 of a law that sticks."""
+        """Slip speed [m/s] at which the bound is reached; 0 for a law that sticks."""
         return 0.0
 
     @abstractmethod
@@ -102,8 +102,8 @@ class FrictionLaw(ABC):
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Speeds [m/s] from 0 on between which the coefficient is smooth and only rises, or only falls; beyond the last
-        it keeps its value. None where it is the same at all speeds."""
+        """Speeds [m/s] from 0 on between which the coefficient is smooth and monotonic; beyond the last it is constant.
+        None where it is constant at all speeds."""
         return ()
 
     @property
@@ -113,12 +113,12 @@ class FrictionLaw(ABC):
 
     @property
     def largest_coefficient(self) -> float:
-        """The largest mu [-] of all speeds."""
+        """The largest mu [-] over all speeds."""
         return float(np.max(self.coefficient_at((0.0, *self.breaks))))
 
     @property
     def least_coefficient(self) -> float:
-        """The least mu [-] of all speeds."""
+        """The smallest mu [-] over all speeds."""
         return float(np.min(self.coefficient_at((0.0, *self.breaks))))
 
     @property
@@ -148,7 +148,7 @@ class Coulomb(FrictionLaw):
         return np.full_like(np.asarray(speed, float), self.coefficient)
 
 
-TOLERANCE = 1e-9  # of the coefficient: far below what any is known to
+TOLERANCE = 1e-9  # of the coefficient: far below the accuracy of any measured one
 MOST_PIECES = 4096  # of a law
 SHORTEST = 1e-12  # of its speeds: no piece is shorter
 BETWEEN = np.array([0.25, 0.5, 0.75])  # where a piece is compared with the law
@@ -191,7 +191,7 @@ def _hermite(law: FrictionLaw, low: float, high: float) -> np.ndarray:
     """Coefficients (4,) of the cubic on an interval."""
     h = high - low
     m_0, m_1 = (float(law.coefficient_at(v)) for v in (low, high))
-    s_0, s_1 = (float(law.slope_at(v)) for v in (low, np.nextafter(high, low)))  # of a kink the side of the interval
+    s_0, s_1 = (float(law.slope_at(v)) for v in (low, np.nextafter(high, low)))  # at a kink the side of the interval
     rise = (m_1 - m_0) / h
     return np.array([m_0, s_0, (3.0 * rise - 2.0 * s_0 - s_1) / h, (s_0 + s_1 - 2.0 * rise) / h**2])
 
@@ -203,7 +203,8 @@ def _value(piece: np.ndarray, x: np.ndarray) -> np.ndarray:
 @named_arguments
 @dataclass(frozen=True)
 class RegularisedCoulomb(FrictionLaw):
-    """Dry friction whose stick creeps: below `slip_velocity` [m/s] the traction is proportional to the velocity.
+    """Dry friction with creep in place of stick: below `slip_velocity` [m/s] the traction is proportional to the
+    velocity.
 
     coefficient: mu [-], of the bound. Raises `InputError`.
     """
@@ -327,10 +328,10 @@ FALLEN = 28.0  # decay velocities beyond the peak: e^-28 of the fall are left
 @named_arguments
 @dataclass(frozen=True)
 class TractionCurve(FrictionLaw):
-    """A coefficient that rises in proportion to the slip speed up to `peak` [-] at `peak_velocity` [m/s], and falls
-    from there to `limit` [-], by a factor e of their difference every `decay_velocity` [m/s].
+    """A coefficient that rises linearly with the slip speed up to `peak` [-] at `peak_velocity` [m/s], and falls from
+    there to `limit` [-], by a factor e of their difference every `decay_velocity` [m/s].
 
-    Of lumped contacts, and so of rigid rolling bearings. 0 < limit <= peak. Raises `InputError`.
+    For lumped contacts, and so for rigid rolling bearings. 0 < limit <= peak. Raises `InputError`.
     """
 
     peak: float
@@ -355,7 +356,7 @@ class TractionCurve(FrictionLaw):
 
     @property
     def breaks(self) -> tuple[float, ...]:
-        """Where the bound begins to fall, and where it has fallen [m/s]."""
+        """Speeds [m/s] at which the fall begins and ends."""
         return 0.0, self.peak_velocity, self.peak_velocity + FALLEN * self.decay_velocity
 
     def coefficient_at(self, speed: Any) -> np.ndarray:
@@ -400,8 +401,8 @@ def as_friction(value: Any, label: str) -> FrictionLaw:
 
 
 def as_constant_friction(value: Any, label: str) -> FrictionLaw:
-    """`as_friction` of what joints and laps take; raises `InputError` for a coefficient that depends on the slip speed
-    too."""
+    """`as_friction` for joints and small-sliding contacts; raises `InputError` for a coefficient that depends on the
+    slip speed too."""
     law = as_friction(value, label)
     if law.breaks:
         raise InputError(f"{label}: laws.{type(law).__name__} depends on the slip speed, which {_TAKERS}")
@@ -409,8 +410,8 @@ def as_constant_friction(value: Any, label: str) -> FrictionLaw:
 
 
 def as_lumped_friction(value: Any, label: str) -> FrictionLaw:
-    """`as_friction` of what lumped contacts take: a coefficient that depends on the slip speed only where nothing
-    sticks. Raises `InputError`."""
+    """`as_friction` for lumped contacts: a coefficient may depend on the slip speed only if the law does not stick.
+    Raises `InputError`."""
     law = as_friction(value, label)
     if law.breaks and not law.creep_limit:
         raise InputError(f"{label}: laws.{type(law).__name__} depends on the slip speed, which {_TAKERS}")
@@ -418,8 +419,8 @@ def as_lumped_friction(value: Any, label: str) -> FrictionLaw:
 
 
 def as_pair_friction(value: Any, label: str) -> FrictionLaw:
-    """`as_friction` of what contact pairs of surfaces take: all but a coefficient that depends on the slip speed of a
-    law that does not stick. Raises `InputError`."""
+    """`as_friction` for contacts of surfaces: all laws except those without stick whose coefficient depends on the slip
+    speed. Raises `InputError`."""
     law = as_friction(value, label)
     if law.breaks and law.creep_limit:
         raise InputError(
@@ -436,14 +437,14 @@ _TAKERS = (
 
 
 def rubbing(scene: Any) -> list[str]:
-    """Names of the contacts and the frictions of joints of a scene that rub; rolling resistance is no friction."""
+    """Names of the contacts and joint frictions of a scene with friction; rolling resistance is not friction."""
     contacts = [contact.name for contact in (*scene.contacts, *scene.lumped_contacts) if contact.friction.acts]
     return contacts + [force.name for force in scene.forces if hasattr(force, "slip")]
 
 
 def friction_notes(scene: Any, state: str, cure: str = "") -> list[str]:
-    """Notes of the pairs, and the joints, whose friction a static `state` (words for the reader) leaves out; `cure`:
-    what has friction."""
+    """Notes on the contacts and joints whose friction a static `state` (text for the reader) neglects; `cure`: the
+    alternative that includes friction."""
     names = ", ".join(map(repr, rubbing(scene)))
     if not names:
         return []
@@ -451,6 +452,6 @@ def friction_notes(scene: Any, state: str, cure: str = "") -> list[str]:
 
 
 def rolling_notes(scene: Any, state: str) -> list[str]:
-    """Notes of the lumped contacts whose rolling resistance a static `state` (words for the reader) leaves out."""
+    """Notes on the lumped contacts whose rolling resistance a static `state` (text for the reader) neglects."""
     names = [repr(contact.name) for contact in scene.lumped_contacts if contact.rolling_resistance is not None]
     return [f"rolling resistance of {', '.join(names)} does not act in {state}: nothing turns"] if names else []

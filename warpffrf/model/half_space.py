@@ -1,13 +1,12 @@
-r"""Displacements of half-spaces and quarter spaces under loads on rectangles, and splines of what a body adds to
-them.
+r"""Displacements of half-spaces and quarter spaces under loads on rectangles, and splines of a body's far field.
 
-Pressure. Love's integral: how a pressure that is constant on a rectangle moves the surface of a half-space.
+Pressure. Love's integral: surface displacement of a half-space under constant pressure on a rectangle.
 
 A. E. H. Love (1929), "The stress produced in a semi-infinite solid by pressure on part of the boundary"; K. L. Johnson,
 "Contact Mechanics", 3.4. The displacement is (1 - nu^2)/(pi E) times the pressure times the integral.
 
-Traction. Cerruti's integrals: how a traction that is constant on a rectangle moves the surface of a half-space along
-itself, and how pressures move it along.
+Traction. Cerruti's integrals: tangential surface displacement of a half-space under constant traction on a rectangle,
+and under pressure.
 
 V. Cerruti (1882), J. Boussinesq (1885); K. L. Johnson, "Contact Mechanics", 1985, section 3.6. With x, z from the
 loaded place to the one that sees it, r^2 = x^2 + z^2, the shear modulus G and per unit force
@@ -23,44 +22,45 @@ are sums over its corners of
 
 Box means. Pressures on two grids as means over common boxes of a chart.
 
-A contact has one pressure for each of its boxes: the mean over a cell that travels with the patch, or over the cell
-around a node. Within a box it says nothing of how the pressure runs, and how the grid of one cuts the patch is no error
-of another's. So both are compared as means over the boxes of the coarser grid, across and along for itself, continued
-to wherever either has boxes:
+A contact has one pressure for each of its boxes: the mean over a cell of a contact-fixed grid, or over the cell around
+a node. It does not resolve the pressure within a box, and the subdivision by one grid is not an error of another. So
+both are compared as means over the boxes of the coarser grid, across and along for itself, continued to wherever either
+has boxes:
 
     P_B = sum_j |B and box j| p_j / |B|,        |P|^2 = sum_B A_B P_B^2
 
-Quarter surface. The surface of a quarter space: what a free end face adds to the half-space under a load near it and to
-its mirror image, read from a table that `warpffrf.offline.near_field.quarter_space` makes.
+Quarter surface. The surface of a quarter space: the contribution of a free end face in addition to the half-space under
+a load near it and its mirror image, from a table computed by `warpffrf.offline.near_field.quarter_space`.
 
 With `|x| = hypot(s, zeta)`, zeta the distance of a place and d that of the load from the end face, s along the edge,
 
     w(s, zeta; d) = g(t, theta)/(d + |x|),    t = |x|/(d + |x|),    theta = atan2(zeta, |s|),
 
-g smooth on a box, as coefficients of a cubic spline. By Maxwell and Betti a place and a load may change sides; the
-mean of both readings is exactly symmetric.
+g smooth on a box, as coefficients of a cubic spline. By Maxwell and Betti point and load may be exchanged; the mean of
+both values is exactly symmetric.
 
-Far splines. Displacements that are smooth beside the contact grid, as quadratic splines on its columns and rows.
+Far splines. Displacements that are smooth on the scale of the contact grid, as quadratic splines on its columns and
+rows.
 
-What a body adds to the half-space under a patch of contact varies over the spacing of the grid's hats, and it is wanted
-at any place between their nodes, with a continuous slope: the kinks of hats would be felt as ripple by a patch that
-travels over them. A displacement is known by its means over the hats,
+The far field of a body under a contact patch varies over the spacing of the grid, and is required at any point between
+the nodes, with a continuous slope: the kinks of bilinear functions would excite ripple in a moving patch. A
+displacement is known by its means over the shape functions,
 
     m_j = int psi_j u dA / int psi_j dA,      u(theta, z) = sum_jk B_j(theta) B_k(z) sum Q_jj' Q_kk' m_j'k',
 
-in each direction by itself, psi the hats, or the cells of tangential displacements, whose coefficients are the means.
-Both kinds have the same splines and differ in Q, by the moments of their functions. A row of Q takes the `TAPS` nearest
-means so that every parabola is reproduced, that a field which alternates from function to function gives nothing, and
-is the shortest of those. A mesh's own error near a load shows in the first and second neighbours of the load, that is
-in what alternates: a projection, which would reproduce it, enlarges it five times at each end of a compliance, and had
-ten times the ripple.
+in each direction separately, psi the bilinear shape functions, or the cells of tangential displacements, whose
+coefficients are the means. Both kinds have the same splines and differ in Q, by the moments of their functions. A row
+of Q takes the `TAPS` nearest means so that every parabola is reproduced, that a field which alternates from function to
+function gives nothing, and is the shortest of those. A mesh's own error near a load shows in the first and second
+neighbours of the load, that is in what alternates: a projection, which would reproduce it, enlarges it five times at
+each end of a compliance, and had ten times the ripple.
 
-Around a full turn of c columns B_j stands on column j, its knots half-way between columns. Between two ends there are
-as many splines as hats: the knots are the ends, three times, and the middles between nodes but the outermost two.
+Around a full revolution of c columns B_j is centred on column j, its knots half-way between columns. Between two ends
+there are as many splines as nodes: the knots are the ends, three times, and the middles between nodes but the outermost
+two.
 
-Forces go the other way: a force at (theta, z) is a force B_j(theta) B_k(z) on each spline, and Q^T takes it to the
-loads of the hats. With hat coefficients a of displacements and forces f of hats (`ContactSurface`), and
-m = diag(1/area) M a,
+Forces go the other way: a force at (theta, z) is a force B_j(theta) B_k(z) on each spline, and Q^T maps it to the nodal
+loads. With nodal coefficients a of displacements and nodal forces f (`ContactSurface`), and m = diag(1/area) M a,
 
     splines = Z a,   hat forces = Z^T spline forces,   Z = Q diag(1/area) M,   D among splines = Z D Z^T,
 
@@ -228,8 +228,8 @@ TAPS = 5  # 3 reproduce parabolas, but see what alternates, with five times the 
 
 @dataclass(frozen=True, eq=False)
 class FarSplines:
-    """The splines of a contact `grid` of hats or cells on a resolved `shape`; `turn`: columns of the full
-    turn that the grid is part of, 0 of an arc or a plane that is none."""
+    """The splines of a contact `grid` of bilinear functions or cells on a resolved `shape`; `turn`: columns of the full
+    revolution that the grid is part of, 0 for an arc or a plane that is not."""
 
     grid: ContactGrid
     shape: Any

@@ -1,4 +1,4 @@
-r"""Integrators to choose from: one stepper with a table of coefficients, and two host integrators for checks.
+r"""Available integrators: one stepper with a table of coefficients, and two host integrators for checks.
 
 The stepper (`warpffrf_kernels.bodies.motion`) is the generalized-alpha method on the rotation group in the form of
 Arnold and Bruels (2007, eq. 17 to 19): the equations of motion hold at the end of the step with the true acceleration
@@ -7,10 +7,10 @@ vdot_1, the update uses an algorithmic acceleration a,
     d = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),      v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1),
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0.
 
-A method is its four numbers (alpha_m, alpha_f, beta, gamma); it is of second order for gamma = 1/2 - alpha_m + alpha_f.
-At infinite frequency an oscillator has the root -alpha_f/(1 - alpha_f), of the recursion between the accelerations, and
-those of beta z^2 + (1/2 - 2 beta + gamma) z + 1/2 + beta - gamma, of the update; with beta = (gamma + 1/2)^2/4 they are
-both (gamma - 3/2)/(gamma + 1/2).
+A method is defined by four numbers (alpha_m, alpha_f, beta, gamma); it is of second order for gamma = 1/2 - alpha_m +
+alpha_f. At infinite frequency an oscillator has the root -alpha_f/(1 - alpha_f), of the recursion between the
+accelerations, and those of beta z^2 + (1/2 - 2 beta + gamma) z + 1/2 + beta - gamma, of the update; with beta = (gamma
++ 1/2)^2/4 they are both (gamma - 3/2)/(gamma + 1/2).
 
 * **Generalized-alpha** (Chung and Hulbert 1993): alpha_m = (2 rho - 1)/(rho + 1), alpha_f = rho/(rho + 1),
   beta = (gamma + 1/2)^2/4; all three roots are -rho.
@@ -19,10 +19,10 @@ both (gamma - 3/2)/(gamma + 1/2).
   vdot_0, hence alpha_m = 0, alpha_f = -alpha; beta = (1 - alpha)^2/4, gamma = 1/2 - alpha. Forces of joints are
   averaged with the others. The roots are -(1 + alpha)/(1 - alpha), double, and alpha/(1 + alpha).
 * **Newmark** (1959): a = vdot, alpha_m = alpha_f = 0. With gamma = 1/2, beta = 1/4 it is the trapezoidal rule, which
-  dissipates nothing (double root -1), so that nothing removes what excites the multipliers of joints.
+  dissipates nothing (double root -1), so that oscillations of the joints' multipliers are not damped.
 
 The host integrators (`warpffrf.online.free_flight.check_run`) step scenes of free bodies in NumPy. They share no code
-with the kernels: what they find is a check of them, and `EnergyMomentum` keeps energy and momenta to round-off."""
+with the kernels: they serve as a check of them, and `EnergyMomentum` conserves energy and momenta to round-off."""
 
 from __future__ import annotations
 

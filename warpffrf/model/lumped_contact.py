@@ -1,8 +1,8 @@
-"""A lumped contact: one force between two rigid surfaces, against their approach where they are nearest.
+"""A lumped contact: one force between two rigid surfaces, a function of their approach at the nearest points.
 
-`Contact` has a pressure between its surfaces, and needs a body that yields under it. Where the bodies are rigid, what
-yields is the neighbourhood of the place, and a law says how: Hertz's, of a roller by laminae, or any other
-(`warpffrf.model.laws.lumped`). Friction acts at the same place (`warpffrf_kernels.lumped.forces`).
+`Contact` computes a pressure and requires a compliant body. Between rigid bodies only the neighbourhood of the contact
+point deforms, according to a law: Hertz's, a roller by laminae, or any other (`warpffrf.model.laws.lumped`). Friction
+acts at the same point (`warpffrf_kernels.lumped.forces`).
 """
 
 from __future__ import annotations
@@ -28,20 +28,21 @@ from warpffrf.model.moments import (
 from warpffrf.model.placement.nearest import Nearest, curvatures_on, lamina_gap, nearest
 
 OVERLAP_FRACTION = 1e-2  # of the smallest radius of curvature, as `warpffrf.model.checks.contacts` has it
-STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single place
+STRAIGHT = 1e-6  # of the larger relative curvature: with a smaller one there is no single contact point
 
 
 @named_arguments
 class LumpedContact(reprs.Item):
-    """Contact between the surfaces of two rigid bodies, or of one and the ground, by a law of force against approach.
+    """Contact between the surfaces of two rigid bodies, or a rigid body and the ground, by a law of force over
+    approach.
 
     a, b: `body["tread"]`, named in `add_rigid_body(surfaces=...)` or by `body.surface(shape, name=)`. law: one of
     `laws.LUMPED_LAWS`; by laminae the first surface is the roller. friction: the coefficient, or a friction law
-    (`warpffrf.model.friction`), at the place of the force. rolling_resistance: None, or a law of the moment against
-    rolling (`warpffrf.model.moments`), laws.RollingResistanceArm(lever, rolling_speed). spin: whether friction resists
-    pivoting about the normal as well, of regularised friction on Hertz's ellipse. Forces are reported on the first
-    body. overlap [m]: how deep the surfaces may lie in one another at the start of a run, None for a hundredth of their
-    radius. name: default "<first body>-<second body>". Raises `InputError`.
+    (`warpffrf.model.friction`), at the point of application of the force. rolling_resistance: None, or a law of the
+    moment against rolling (`warpffrf.model.moments`), laws.RollingResistanceArm(lever, rolling_speed). spin: whether
+    friction resists pivoting about the normal as well, of regularised friction on Hertz's ellipse. Forces are reported
+    on the first body. overlap [m]: admissible overlap of the surfaces at the start of a run, None for a hundredth of
+    their radius. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "lumped_contacts"
@@ -86,7 +87,7 @@ class LumpedContact(reprs.Item):
         self.spin = spin
         self.overlap = None if overlap is None else require_number(overlap, f"{label}: overlap", non_negative=True)
         self._require_shapes()
-        self._moments(Meeting(label, (1.0, 1.0), 1.0))  # refuses what no pose would do for
+        self._moments(Meeting(label, (1.0, 1.0), 1.0))  # refuses options that are invalid at any pose
 
     @property
     def label(self) -> str:
@@ -98,21 +99,20 @@ class LumpedContact(reprs.Item):
         return self.a, self.b
 
     def nearest(self) -> Nearest:
-        """Where the surfaces are nearest at the initial pose as it is now; of a law by laminae somewhere on the
+        """The nearest points of the surfaces at the current initial pose; for a law by laminae some point of the
         line."""
         return nearest(self.a, self.b)
 
     def approach(self) -> Approach:
-        """The law's numbers, from the initial pose as it is now. Raises `InputError` for surfaces that it does not hold
-        for."""
+        """The law's parameters at the current initial pose. Raises `InputError` for surfaces to which it does not
+        apply."""
         self._require_one_place()
         radius = 0.0 if self.law.by_laminae is False else float(self.a.surface.shape.radius)
         curvatures = (0.0, 0.0) if self.law.by_laminae else self._curvatures()
         return self.law.approach(Meeting(self.label, curvatures, radius))
 
     def moments(self) -> tuple[Resistance, Resistance] | None:
-        """What each place resists rolling and pivoting with, from the initial pose as it is now; None where it does
-        not."""
+        """Rolling and pivoting resistance of each contact point at the current initial pose; None without any."""
         if self.rolling_resistance is None and not self.spin:
             return None
         line = self.law.by_laminae
@@ -120,7 +120,7 @@ class LumpedContact(reprs.Item):
         return self._moments(Meeting(self.label, curvatures, float(self.a.surface.shape.radius) if line else 0.0))
 
     def gap(self) -> float:
-        """Smallest gap [m] at the initial pose as it is now, negative where the surfaces overlap."""
+        """Smallest gap [m] at the current initial pose, negative where the surfaces overlap."""
         if not self.law.by_laminae:
             return self.nearest().gap
         law = self.approach()
@@ -137,7 +137,8 @@ class LumpedContact(reprs.Item):
         return {"name": self.name, **surfaces, **laws, "overlap": self.overlap}
 
     def _moments(self, meeting: Meeting) -> tuple[Resistance, Resistance]:
-        """Raises `InputError` for what needs a patch that the law of the force does not know, or other friction."""
+        """Raises `InputError` for options that require a patch that the force law does not define, or other
+        friction."""
         patch = self.law.patch(meeting)
         rolling = pivoting = NO_RESISTANCE
         if self.rolling_resistance is not None:
@@ -162,7 +163,7 @@ class LumpedContact(reprs.Item):
         return small, large
 
     def _require_one_place(self) -> None:
-        """Raises `InputError` for waves of a form deviation in which the other surface would bridge a hollow."""
+        """Raises `InputError` for waves of a form deviation whose hollows the other surface would bridge."""
         for one, other in (self.ports, self.ports[::-1]):
             form = one.surface.form
             if form is None:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from warpffrf.model.errors import InputError, require_number, unknown_name
 from warpffrf.model.messages.named_arguments import named_arguments
 
-NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which cells take the mixed formulation by themselves
+NEARLY_INCOMPRESSIBLE = 0.45  # Poisson's ratio above which elements use the mixed formulation by default
 FORMULATIONS = ("displacement", "mixed")
 
 
@@ -15,13 +15,13 @@ FORMULATIONS = ("displacement", "mixed")
 @dataclass(frozen=True)
 class Material:
     """A linear isotropic material: youngs_modulus E [Pa], poisson_ratio nu [-] in (-1, 0.5), density rho [kg/m3]; name:
-    of the material in reports.
+    used in reports.
 
-    `formulation` of the cells made of it: "displacement", "mixed" (displacement and pressure, which does not lock where
-    the volume hardly changes, see `warpffrf.offline.fe`), or None: mixed above `NEARLY_INCOMPRESSIBLE`.
+    `formulation` of its elements: "displacement", "mixed" (displacement and pressure, free of volumetric locking, see
+    `warpffrf.offline.fe`), or None: mixed above `NEARLY_INCOMPRESSIBLE`.
 
     Raises `InputError` for E <= 0, density <= 0, an unknown formulation and nu outside its range: at nu = 0.5 the
-    material is incompressible, and its bulk modulus E / (3 (1 - 2 nu)) infinite; 0.49999 can hardly be told from it.
+    material is incompressible, and its bulk modulus E / (3 (1 - 2 nu)) infinite; 0.49999 differs from it negligibly.
 
     >>> steel = wf.Material(youngs_modulus=210e9, poisson_ratio=0.3, density=7850)
     >>> steel.density  # kg/m3
@@ -55,10 +55,10 @@ class Material:
 
     @property
     def mixed(self) -> bool:
-        """Whether cells take the mixed formulation."""
+        """Whether elements use the mixed formulation."""
         return self.formulation == "mixed" or (self.formulation is None and self.poisson_ratio > NEARLY_INCOMPRESSIBLE)
 
     @property
     def plane_strain_modulus(self) -> float:
-        """E / (1 - nu^2) [Pa], the modulus of a half-plane in plane strain."""
+        """E / (1 - nu^2) [Pa], the plane-strain modulus."""
         return self.youngs_modulus / (1.0 - self.poisson_ratio**2)

@@ -1,32 +1,32 @@
-r"""Moments of lumped contacts, which a force at a place cannot have: against rolling, and against pivoting about the
-normal.
+r"""Moments of lumped contacts, in addition to the contact force: rolling resistance and resistance to pivoting about
+the normal.
 
-    RollingResistanceArm        M = e F, e a lever
-    RollingHysteresis   the share of the work of pressing that is lost as a patch rolls on
-    spin                Coulomb's friction over Hertz's ellipse in pure pivoting, of the contact's law of friction
+    RollingResistanceArm    M = e F, e the arm
+    RollingHysteresis       the fraction of the compression work that is lost in rolling
+    spin                    Coulomb's friction over Hertz's ellipse in pure pivoting, of the contact's friction law
 
-Kernels are `warpffrf_kernels.lumped.moments`. A law of rolling of one's own is a subclass of `RollingResistance`.
+Kernels are `warpffrf_kernels.lumped.moments`. A user-defined rolling law is a subclass of `RollingResistance`.
 
-Patch. Size of the patch of a place of a lumped contact, which moments come from; laws of the force know it.
+Patch. Size of the patch of a lumped contact, which determines the moments; defined by the force law.
 
-Resistance. What moments of lumped contacts have in common: m(w) = min(c F^p, d F^q w) under the force F at the angular
-speed w.
+Resistance. Common base of moments of lumped contacts: m(w) = min(c F^p, d F^q w) under the force F at the angular speed
+w.
 
-The bound c F^p is that of the law, the slope d F^q from rest makes it a function of the speed: nothing sticks, and what
-rests on a slope rolls down slowly, at less than the speed c F^p/(d F^q) where both meet.
+The bound c F^p is that of the law, the slope d F^q from rest regularises it over the speed: there is no sticking, and a
+body on a slope rolls down slowly, at less than the speed c F^p/(d F^q) where both meet.
 
 Rolling resistance by hysteresis (D. Tabor 1955; K. L. Johnson, Contact Mechanics, 1985, section 9.2).
 
-As a patch rolls on, its pressure ahead of the middle does work on the material that comes under it, and the one behind
-gives it back but for the fraction alpha. With the half-axis b of the patch in the direction of rolling, the pressures
-ahead have the moments
+As a patch rolls, the pressure ahead of its centre does work on the incoming material, and the pressure behind recovers
+it except for the fraction alpha. With the half-axis b of the patch in the direction of rolling, the pressures ahead
+have the moments
 
     line    2 F b/(3 pi),      ellipse    3 F b/16
 
 about the middle, and alpha of them is left over: M = alpha times that. b grows as F^(1/2) of a line, F^(1/3) of an
-ellipse. The shorter half-axis is taken, whatever the direction: elements of bearings roll across the long one.
+ellipse. The shorter half-axis is used for any direction: elements of bearings roll across the long one.
 
-Rolling resistance by a lever: M = e F, the force of the ground a distance e ahead of the middle of the patch.
+Rolling resistance by an arm: M = e F, the force of the ground a distance e ahead of the middle of the patch.
 
 A roller of mass m, radius r and moment of inertia J that rolls out on a plane slows down by
 
@@ -49,8 +49,8 @@ regularised friction of the slip velocity v_s, tractions are mu p min(r w_s/v_s,
 F^(1/3).
 
 Slip of the whole patch lessens the moment, and pivoting the friction force, as both have one traction to share
-(Contensou 1963). That is not modelled: force and moment each have their whole bound, and the pivoting of a patch that
-slips faster than it pivots at its edge, |v| > a w_s, is resisted by too much.
+(Contensou 1963). This is not modelled: force and moment each have their full bound, and the pivoting resistance of a
+patch that slips faster than it pivots at its edge, |v| > a w_s, is overestimated.
 """
 
 from __future__ import annotations

@@ -5,9 +5,9 @@ With the pressure p >= 0 [Pa] above that of the cavity
     Newtonian            mu = mu_0
     Barus                mu = mu_0 exp(alpha p)
     Roelands             mu = mu_0 exp((ln mu_0 + 9.67)((1 + p/196.2 MPa)^z - 1))
-    DowsonHigginson      rho/rho_0 = 1 + a p/(1 + b p), beside any of them
+    DowsonHigginson      rho/rho_0 = 1 + a p/(1 + b p), combined with any of them
 
-Temperature is a parameter: `vogel`, `walther` and `iso_vg` give the viscosity at one. An oil of one's own is a subclass
+Temperature is a parameter: `vogel`, `walther` and `iso_vg` give the viscosity at one. A user-defined oil is a subclass
 of one of them: the kernels evaluate mu(p) in these forms.
 
 Barus. Viscosity that grows exponentially with pressure (C. Barus, Am. J. Sci. 45, 1893, 87).
@@ -15,7 +15,7 @@ Barus. Viscosity that grows exponentially with pressure (C. Barus, Am. J. Sci. 4
     mu = mu_0 exp(alpha p),      mu' = alpha mu
 
 Mineral oils have alpha between 1e-8 and 3e-8 per Pa. The law holds up to some 0.1 to 0.2 GPa, and rises too steeply
-beyond: take `Roelands` there.
+beyond: use `Roelands` there.
 
 Dowson-Higginson. Density against pressure (D. Dowson and G. R. Higginson, Elasto-hydrodynamic Lubrication, 1966).
 
@@ -31,14 +31,14 @@ With mu_40 = rho nu_40, Vogel's equation with c = 95 K and all oils meeting in o
     mu = mu_40 exp(b (1/(T + 95) - 1/135)),      b = 159.56 K ln(mu_40/1.8e-4 Pa s),
 
 is how standards for plain bearings describe mineral oils of viscosity index 95 to 100. With a measured viscosity at 100
-degrees, `at_100`, Walther's line through the two points takes its place.
+degrees, `at_100`, Walther's line through the two points is used instead.
 
-Newtonian. An oil whose viscosity does not depend on pressure: right below some 20 MPa, in most bearings with a soft
+Newtonian. An oil whose viscosity does not depend on pressure: valid below about 20 MPa, as in most bearings with a soft
 lining.
 
-Oil. What all oils have in common: viscosity and density against pressure, at one temperature.
+Oil. Common to all oils: viscosity and density over pressure, at one temperature.
 
-A film is solved for pressures, by Newton's method; so an oil tells both and their derivatives,
+A film is solved for pressures by Newton's method, which requires both and their derivatives,
 
     mu(p) [Pa s],    mu'(p) [s],    r(p) = rho(p)/rho_0 [-],    r'(p) [1/Pa],
 
@@ -51,8 +51,8 @@ Pressure Relationship of Lubricating Oils, Delft 1966).
 
     mu = mu_0 exp(b ((1 + p/p_r)^z - 1)),      b = ln(mu_0/mu_r),      p_r = 196.2 MPa,   mu_r = 6.315e-5 Pa s
 
-All oils meet at mu_r at the pressure -p_r. What oils are known by is the coefficient of Barus' law, the slope at zero
-pressure: alpha = b z/p_r, z = alpha p_r/b. Mineral oils have z between 0.5 and 0.7.
+All oils have mu_r at the pressure -p_r. Oils are usually characterised by the coefficient of Barus' law, the slope at
+zero pressure: alpha = b z/p_r, z = alpha p_r/b. Mineral oils have z between 0.5 and 0.7.
 
 Temperature. Viscosity against temperature, in degrees Celsius T.
 
@@ -139,9 +139,9 @@ FORMS = ("newtonian", "barus", "roelands")  # that `warpffrf_kernels.films.oil` 
 @dataclass(frozen=True)
 class Oil(ABC):
     """An oil of `viscosity` [Pa s] at zero pressure, and compressible where it has a law of `density`. Raises
-    `InputError` for a viscosity that no oil has and a density that is no law.
+    `InputError` for an implausible viscosity and a density that is not a law.
 
-    An oil of one's own is a subclass of `Newtonian`, `Barus` or `Roelands`, whose form the kernels evaluate.
+    A user-defined oil is a subclass of `Newtonian`, `Barus` or `Roelands`, whose form the kernels evaluate.
     """
 
     viscosity: float
@@ -171,7 +171,7 @@ class Oil(ABC):
 
     @property
     def numbers(self) -> tuple[float, float, float]:
-        """What the form reads on the device: coefficient [1/Pa], rise and exponent [-], 0 where it has none."""
+        """Parameters of the form on the device: coefficient [1/Pa], rise and exponent [-], 0 where it has none."""
         return 0.0, 0.0, 0.0
 
     @abstractmethod
@@ -240,7 +240,7 @@ class Newtonian(Oil):
 
 
 POLE_PRESSURE, POLE_VISCOSITY = 196.2e6, 6.315e-5  # Pa, Pa s
-LARGEST = 1.5  # of z: no oil is known with more than 1
+LARGEST = 1.5  # of z: no known oil exceeds 1
 
 
 @named_arguments

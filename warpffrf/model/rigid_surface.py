@@ -12,10 +12,9 @@ from warpffrf.model.surfaces.form_deviations import RoundForm
 
 @dataclass(frozen=True, eq=False)
 class RigidSurface:
-    """A true shape that does not yield, in the user frame of its body; it has no grid and no end.
-
-    form: its deviation around the axis, which lumped contacts see, None for none.
-    The other names are those of `ContactSurface`, all empty, so that a pair asks both of its surfaces the same.
+    """A true rigid shape, in the user frame of its body; it has no grid and no end. form: its deviation around the
+    axis, used by lumped contacts, None without. The other names are those of `ContactSurface`, all empty, so that a
+    pair asks both of its surfaces the same.
     """
 
     name: str

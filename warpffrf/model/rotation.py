@@ -1,14 +1,14 @@
-"""Unit quaternions (x, y, z, w) and rotation matrices, as the description of a scene needs them.
+"""Unit quaternions (x, y, z, w) and rotation matrices for the description of a scene.
 
 The matrix of a quaternion q = (v, w) maps body axes to world axes: A x = x + 2 w (v x x) + 2 v x (v x x).
 
-A pose may be given as `orientation` reads it, everywhere where a `rotation` is asked for:
+Every `rotation` argument accepts the forms read by `orientation`:
 
     (x, y, z, w)                          unit quaternion, the real part last
     a matrix (3, 3)                       body axes in its columns
     {"axis": (0, 1, 0), "angle": 0.3}     turned about an axis, right-handed [rad]
     {"xyz": (0.1, 0.2, 0.3)}              Euler angles [rad]: about the fixed axes x, y, z, one after the other;
-                                          {"ZYX": ...} in capitals about the axes that turn with the body
+                                          {"ZYX": ...} in capitals about body-fixed axes
     scipy.spatial.transform.Rotation
 """
 
@@ -22,7 +22,7 @@ import numpy as np
 from warpffrf.model.checks.plausibility import angle_doubts, quaternion_doubts, warn
 from warpffrf.model.errors import InputError, require_array, require_direction, require_number
 
-UNIT_TOLERANCE = 1e-6  # |q| - 1 of a quaternion typed with six digits; larger is a mistake, not rounding
+UNIT_TOLERANCE = 1e-6  # |q| - 1 of a quaternion given with six digits; larger is a mistake, not rounding
 
 
 FORMS = (
@@ -35,7 +35,7 @@ def orientation(value: Any, name: str) -> np.ndarray:
     """`value`, a pose in one of the forms of the module, as a unit quaternion (x, y, z, w).
 
     Raises `InputError` naming `name` for anything else, a matrix that is no rotation, a quaternion that is not of
-    length 1. Warns of angles that look like degrees, and of (1, 0, 0, 0), which is half a turn here.
+    length 1. Warns of angles that look like degrees, and of (1, 0, 0, 0), which is a rotation by pi here.
     """
     if hasattr(value, "as_quat"):
         return unit_quaternion(value.as_quat(), name)

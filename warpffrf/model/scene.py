@@ -1,4 +1,5 @@
-"""`Scene`: bodies, joints, drives, forces, contact pairs and oil films, described and checked, not yet computed."""
+"""`Scene`: bodies, joints, drives, forces, contacts and oil films; it describes and checks a model, computes
+nothing."""
 
 from __future__ import annotations
 
@@ -33,19 +34,19 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.body import ReducedBody
     from warpffrf.model.surfaces import Shape
 
-SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that is rounding of its numbers
+SYMMETRY_TOLERANCE = 1e-9  # relative asymmetry of an inertia tensor that counts as rounding
 _LISTS = ("joints", "drives", "forces", "contacts")
-_LATER_LISTS = ("lumped_contacts", "films", "laps")  # described where there are any: scenes without keep their hash
-_ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors change nothing in a run, so they are no part of what a scene is
+_LATER_LISTS = ("lumped_contacts", "films", "laps")  # described only if present: scenes without them keep their hash
+_ADDED = (*_LISTS, *_LATER_LISTS, "sensors")  # sensors do not affect a run, so they are not hashed
 Item = TypeVar("Item")
 
 
 @named_arguments
 class Scene(reprs.Shown):
-    """A machine: bodies with poses, and what connects and loads them.
+    """A multibody model: bodies with poses, and the elements that connect and load them.
 
     gravity: (3,) [m/s2], world. `bodies`, `joints`, `drives`, `forces`, `contacts`, `lumped_contacts`, `films`,
-    `sensors` are lists in the order of adding; `bearings` are whole ones, whose parts are in the other lists too;
+    `sensors` are lists in the order of adding; `bearings` are assemblies, whose parts are in the other lists too;
     `ground` is the world as a body. SI units, world axes, quaternions (x, y, z, w).
 
     >>> scene = wf.Scene(gravity=(0, 0, -9.81))  # m/s2
@@ -70,7 +71,7 @@ class Scene(reprs.Shown):
         self.laps: list[Lap] = []
         self.sensors: list[Sensor] = []
         self.bearings: list[Bearing] = []
-        self._numbers: dict[str, int] = {}  # kind -> the last number that was given to one without a name
+        self._numbers: dict[str, int] = {}  # kind -> last number given to an unnamed item
 
     add_ball_bearing = add_ball_bearing
     add_roller_bearing = add_roller_bearing
@@ -99,18 +100,17 @@ class Scene(reprs.Shown):
         Rotation (`warpffrf.model.rotation`); velocity [m/s] of its origin and angular_velocity [rad/s]. damping: ratios
         of the global modes, a number, an array (m,), a function of the frequencies [Hz] such as DampingBands or
         Rayleigh (`warpffrf.model.damping`), "1/10/100" for 1 % below 100 Hz, 10 % below 1 kHz and 100 % above, or None
-        for 10 % above half the highest retained frequency and none below: the highest modes ring against the massless
-        contact compliance after a load step. The energy it takes is counted. It is internal damping, which turns with
-        the body: above a critical speed it drives whirl, and dampers to the ground (`forces.BearingSpring`) are to stop
-        it.
+        for 10 % above half the highest retained frequency and none below: the highest modes oscillate against the
+        massless contact compliance after a load step. The energy ledger includes its dissipation. It is internal
+        (rotating) damping: above a critical speed it drives whirl, which dampers to the ground (`forces.BearingSpring`)
+        suppress.
 
-        inertia: what turning and deforming do to each other, "constant" (nothing), "deformed" (inertia of the deformed
-        body, centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the
-        least of them by an estimate that the result's report states, from the speeds that the scene states; a run in
-        which the body turns faster than that holds for begins anew with "full". stiffening: first-order geometric
-        stiffening by centrifugal load and by the forces at interfaces, of a body that was reduced with
-        `stiffening=True`.
-        Raises `InputError` for a name that there is and arguments that do not fit the body.
+        inertia: coupling of rotation and deformation, "constant" (none), "deformed" (inertia of the deformed body,
+        centrifugal forces), "gyroscopic" (centrifugal load, Coriolis and Euler forces), "full", or "auto", the simplest
+        admissible level by an estimate from the speeds of the scene, stated in the result's report; a run in which the
+        body rotates faster than this level allows restarts with "full". stiffening: first-order geometric stiffening by
+        centrifugal load and interface forces; the body must be reduced with `stiffening=True`. Raises `InputError` for
+        a name in use and arguments that do not fit the body.
 
         With `roller` as in `reduce`:
 
@@ -158,7 +158,7 @@ class Scene(reprs.Shown):
 
         mass [kg]; inertia_tensor (3, 3), or its diagonal (3,) [kg m2], about the centre of mass, user axes;
         center_of_mass (3,) [m, user frame]; position, rotation, velocity and angular_velocity as in `add_body`.
-        surfaces: contact surfaces by name, shapes of `warpffrf.surfaces` in the user frame with everything given,
+        surfaces: contact surfaces by name, shapes of `warpffrf.surfaces` in the user frame with all parameters given,
         `{"tread": Cylinder(...)}`.
 
         >>> scene = wf.Scene()
@@ -188,8 +188,8 @@ class Scene(reprs.Shown):
         return handle
 
     def add(self, item: Item) -> Item:
-        """Add an `item`, a joint, drive, force, contact pair, film, lap or sensor, and return it; one without a name
-        gets one (`revolute_1`). Raises `InputError` for anything else, a name that there is, and a body of another
+        """Add an `item` (joint, drive, force, contact, film, joint interface or sensor) and return it; an unnamed item
+        gets a name (`revolute_1`). Raises `InputError` for anything else, a name in use, and a body of another
         scene."""
         where = getattr(item, "scene_list", None)
         if where not in _ADDED or isinstance(item, type):
@@ -230,7 +230,7 @@ class Scene(reprs.Shown):
         return _named(self.joints, name, "joint")
 
     def contact(self, name: str) -> Contact:
-        """The contact pair called `name`; `InputError` lists those that exist."""
+        """The contact called `name`; `InputError` lists those that exist."""
         return _named(self.contacts, name, "contact")
 
     def lumped_contact(self, name: str) -> LumpedContact:
@@ -242,7 +242,7 @@ class Scene(reprs.Shown):
         return _named(self.films, name, "film")
 
     def lap(self, name: str) -> Lap:
-        """The lap called `name`; `InputError` lists those that exist."""
+        """The small-sliding contact called `name`; `InputError` lists those that exist."""
         return _named(self.laps, name, "lap")
 
     def bearing(self, name: str) -> Bearing:
@@ -250,7 +250,7 @@ class Scene(reprs.Shown):
         return _named(self.bearings, name, "bearing")
 
     def place(self, port: Port, *, onto: Port) -> None:
-        """Shift the body of `port` so that the port's point falls onto the point of `onto` (orientation unchanged).
+        """Translate the body of `port` so that the port's point coincides with that of `onto` (orientation unchanged).
         Raises `InputError` for the ground, and for two ports of one body."""
         for p, label in ((port, "place: port"), (onto, "place: onto")):
             if not isinstance(p, Port):
@@ -269,16 +269,17 @@ class Scene(reprs.Shown):
         gap: float = 0.0,
         with_bodies: Sequence[Body] | None = None,
     ) -> float:
-        """Shift the second body of `contact` along `along` (world) until the smallest undeformed gap is `gap` [m].
+        """Translate the second body of `contact` along `along` (world) until the smallest undeformed gap is `gap` [m].
 
-        A negative gap is an interference, to be taken up by deformation. Returns the distance moved [m]. The true
-        surfaces are used; several touches: the first one coming from far out on the side of `along`, of a pin in a bore
-        the first one from where it is. The ground stays: opposite it the first body is moved, the other way.
+        A negative gap is an interference, accommodated by deformation. Returns the distance moved [m]. The true
+        surfaces are used; of several solutions the first one from far out on the side of `along` is taken, for a pin in
+        a bore the first one from its position. If the second body is the ground, the first body is moved in the
+        opposite direction.
 
-        with_bodies: what moves with that body. None: whatever joints take along, so that an assembly stays together: a
-        follower with its roller, but not the guide along which it slides (`assembly.joined_bodies`); where joints lead
-        to the other body of the contact as well, and with `()`, it moves alone. Raises `InputError` where surfaces do
-        not meet in that direction, and for two that cannot be moved.
+        with_bodies: bodies that move with it. None: those that joints carry along, so that an assembly stays together:
+        a follower with its roller, but not the guide along which it slides (`assembly.joined_bodies`). If joints also
+        lead to the other body of the contact, and with `()`, it moves alone. Raises `InputError` where surfaces do not
+        meet in that direction, and for two that cannot be moved.
         """
         if not isinstance(contact, Contact):
             raise InputError(f"close_gap: a contact pair is needed, got {contact!r}")
@@ -294,7 +295,7 @@ class Scene(reprs.Shown):
         return distance
 
     def _along(self, contact: Contact, body: Body, stays: Body | Ground, others: Any) -> list[Body]:
-        """The bodies that `close_gap` is told to move too."""
+        """The other bodies that `close_gap` moves."""
         given = list(others) if isinstance(others, (list, tuple, set)) else [others]
         for other in given:
             if not any(other is known for known in self.bodies):
@@ -311,7 +312,7 @@ class Scene(reprs.Shown):
         return [other for other in given if other is not body]
 
     def check(self) -> SceneCheck:
-        """Masses, degrees of freedom, redundant constraints and initial gaps; print it for a table.
+        """Masses, degrees of freedom, redundant constraints and initial gaps; printed as a table.
 
         Raises `InputError` for a scene without bodies and for joints whose ports do not meet.
         """
@@ -320,7 +321,7 @@ class Scene(reprs.Shown):
         return check_scene(self)
 
     def describe(self) -> dict[str, Any]:
-        """Everything that a run depends on as plain data, but for the arrays of reduced bodies."""
+        """All inputs of a run as plain data, except the arrays of reduced bodies."""
         description = {
             "gravity": self.gravity.tolist(),
             "bodies": [body.describe() for body in self.bodies],
@@ -334,7 +335,7 @@ class Scene(reprs.Shown):
         return description
 
     def content_hash(self) -> str:
-        """sha256 of everything that a run depends on: another scene has another hash."""
+        """sha256 of all inputs of a run: different scenes have different hashes."""
         digest = hashlib.sha256()
         digest.update(json.dumps(self.describe(), sort_keys=True).encode())
         for body in self.bodies:
@@ -343,7 +344,7 @@ class Scene(reprs.Shown):
         return digest.hexdigest()
 
     def _stranger(self, thing: Any, port: Any) -> str:
-        """What is wrong with a port of a body that is not in this scene, and the cure."""
+        """Error message for a port of a body that is not in this scene, with the cure."""
         label = f"{thing.kind} {thing.name!r}" if thing.name else f"{thing.kind}, without a name yet,"
         where, name = port.label, port.body.name
         if any(name == body.name for body in self.bodies):
@@ -398,7 +399,7 @@ def _surfaces(surfaces: Any, name: str) -> list[tuple[Any, Any]]:
 
 
 def _inertia(value: Any, name: str) -> np.ndarray:
-    """Checked inertia tensor (3, 3): symmetric, positive, and no principal moment above the sum of the other two."""
+    """Checked inertia tensor (3, 3): symmetric, positive, and no principal moment exceeds the sum of the other two."""
     label = f"body {name!r}: inertia_tensor"
     J = np.diag(require_array(value, label, (3,))) if np.ndim(value) == 1 else require_array(value, label, (3, 3))
     scale = float(np.max(np.abs(J)))
@@ -431,7 +432,7 @@ def _add_reduced(digest: Any, body: ReducedBody) -> None:
     for name, interface in sorted(body.interfaces.items()):
         add(f"interface|{name}|{interface.kind}", interface.point)
         add("modes", interface.modes)
-        if interface.nodes is not None and interface.node_modes is not None:  # what a nodal load works on
+        if interface.nodes is not None and interface.node_modes is not None:  # used by nodal loads
             add("nodes", interface.nodes)
             add("node_modes", interface.node_modes)
     for name, surface in sorted(body.contact_surfaces.items()):

@@ -1,7 +1,7 @@
-"""Sensors: quantities of a run that have a name and one row per saved step, `result.sensor(name).values`.
+"""Sensors: named quantities of a run with one row per saved step, `result.sensor(name).values`.
 
-They are evaluated from what is saved, so they cost the simulation nothing and change nothing in it; a scene with other
-sensors is the same scene. A sensor of one's own is a subclass of `Sensor` with `evaluate`.
+They are evaluated from saved data, so they neither cost simulation time nor affect it, and are not part of the scene's
+hash. A user-defined sensor is a subclass of `Sensor` with `evaluate`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ WRENCH = ("force_x", "force_y", "force_z", "torque_x", "torque_y", "torque_z")
 class Sensor(reprs.Item, ABC):
     """Base of the sensors.
 
-    A subclass gives its `kind`, the `unit` of its values, the names of their `components`, the `frame` of their axes
+    A subclass defines its `kind`, the `unit` of its values, the names of their `components`, the `frame` of their axes
     ("world" or "body"), `ports` and `evaluate`. Its constructor sets `name`.
     """
 
@@ -51,16 +51,17 @@ class Sensor(reprs.Item, ABC):
     unit = ""
     components: tuple[str, ...] = AXES
     frame = "world"
-    of_result = False  # True: evaluated from the `Result`, when it is asked for
+    of_result = False  # True: evaluated from the `Result` on request
     name: str | None = None
 
     @abstractmethod
     def evaluate(self, run: Any) -> np.ndarray:
         """Values (T, components) of the saved steps.
 
-        run: what was saved, with `time` (T,) [s], `scene` and dictionaries by name: `bodies`, `joints`, `forces`,
-        `contacts`, `lumped_contacts`, `films`, with what `result.body(name)` etc. give; `run.motion(port)` is the
-        position, velocity and acceleration (T, 3) of a port. A class with `of_result` has the `Result` itself.
+        run: the saved data, with `time` (T,) [s], `scene` and dictionaries by name: `bodies`, `joints`, `forces`,
+        `contacts`, `lumped_contacts`, `films`, with the objects that `result.body(name)` etc. return;
+        `run.motion(port)` is the position, velocity and acceleration (T, 3) of a port. A class with `of_result`
+        receives the `Result` itself.
         """
 
     def _label(self, name: str | None) -> str:
@@ -69,7 +70,7 @@ class Sensor(reprs.Item, ABC):
 
 @named_arguments
 class _PortSensor(Sensor):
-    """Motion of a port: on an interface, of the interface as it deforms."""
+    """Motion of a port; on an interface, of the deforming interface."""
 
     def __init__(self, port: PortLike, *, frame: Literal["world", "body"] = "world", name: str | None = None) -> None:
         label = self._label(name)
@@ -88,7 +89,7 @@ class _PortSensor(Sensor):
 
 @named_arguments
 class Position(_PortSensor):
-    """Place of a port in the world (T, 3) [m].
+    """Position of a port in the world (T, 3) [m].
 
     >>> place = scene.add(wf.sensors.Position(upper["bore"], name="place"))
     """
@@ -104,7 +105,7 @@ class Position(_PortSensor):
 
 
 class Velocity(_PortSensor):
-    """Velocity of a port (T, 3) [m/s] against the world. frame: axes of its components, "world" or "body"."""
+    """Velocity of a port (T, 3) [m/s] relative to the world. frame: axes of its components, "world" or "body"."""
 
     kind = "velocity"
     unit = "m/s"
@@ -114,8 +115,8 @@ class Velocity(_PortSensor):
 
 
 class Acceleration(_PortSensor):
-    """Acceleration of a port (T, 3) [m/s2] against the world, without gravity. frame: axes of its components, "world"
-    or "body"."""
+    """Acceleration of a port (T, 3) [m/s2] relative to the world, without gravity. frame: axes of its components,
+    "world" or "body"."""
 
     kind = "acceleration"
     unit = "m/s2"
@@ -150,9 +151,9 @@ class JointReaction(Sensor):
 
 @named_arguments
 class InterfaceForce(Sensor):
-    """What joints, springs, bushings and concentrated loads at a port together exert on its body (T, 6): force [N],
-    torque [N m] about the port as it moves, world axes. An item acts at the port if it was given the same interface, or
-    the same point of a rigid body. Raises `InputError`."""
+    """Total load of joints, springs, bushings and concentrated loads at a port on its body (T, 6): force [N], torque [N
+    m] about the moving port, world axes. An item acts at the port if it is attached to the same interface, or to the
+    same point of a rigid body. Raises `InputError`."""
 
     kind = "interface_force"
     unit = "N, N m"
@@ -206,8 +207,8 @@ class InterfaceForce(Sensor):
 class Stress(Sensor):
     """Stress of a flexible body at one of the points named when it was reduced (`reduce(..., stress={name: points})`).
 
-    points: their name; index: which of them. Values (T, 7) [Pa]: the tensor xx, yy, zz, xy, yz, zx in the axes of the
-    body's user frame, and the equivalent stress. Raises `InputError` for a point that there is not.
+    points: name of the set; index: point within it. Values (T, 7) [Pa]: the tensor xx, yy, zz, xy, yz, zx in the axes
+    of the body's user frame, and the equivalent stress. Raises `InputError` for a point that does not exist.
     """
 
     kind = "stress"
@@ -240,8 +241,8 @@ class Stress(Sensor):
 
 
 def _same_place(port: Port, point: np.ndarray | None, other: Port) -> bool:
-    """True for two ports of the same interface, or of the same point of a body without; `point` stands for that of a
-    port on the bare ground."""
+    """True for two ports of the same interface, or of the same point of a body without interfaces; `point` replaces
+    that of a port on the bare ground."""
     if port.body is not other.body:
         return False
     name, other_name = getattr(port, "interface_name", ""), other.interface_name

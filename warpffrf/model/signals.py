@@ -1,16 +1,16 @@
-"""Functions of time for drives and forces, all of them piecewise polynomials.
+"""Functions of time for drives and forces, all represented by piecewise polynomials.
 
 Every signal is reduced to breaks t_0 < ... < t_n and coefficients c (n, 8): on piece i
 
     s(t) = sum_k c[i, k] (t - t_i)^k,     t_i <= t < t_(i+1);
 
-the last piece extends to infinity, before t_0 the value at t_0 holds. Drives need the antiderivative of a velocity,
+the last piece extends to infinity; before t_0 the value at t_0 applies. Drives need the antiderivative of a velocity,
 which is exact in this form: S = sum_k c_k (t - t_i)^(k+1) / (k+1) + S(t_i). Degree 7 leaves room for two integrations
 of the quintic smooth step 6 x^5 - 15 x^4 + 10 x^3, whose first and second derivatives vanish at both ends.
 
-Sines of an angle are no polynomials. They are represented by quintic pieces that have their value, slope and curvature
-at both ends, so that the signal is twice differentiable; the error of a piece of length h is max |s^(6)| h^6/46080.
-Pieces are halved until the error is below TOLERANCE of the amplitude: 32 pieces per period of a sine.
+Sines of an angle are not polynomials. They are represented by quintic pieces that match value, slope and curvature at
+both ends, so that the signal is twice differentiable; the error of a piece of length h is max |s^(6)| h^6/46080. Pieces
+are halved until the error is below TOLERANCE of the amplitude: 32 pieces per period of a sine.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def __dir__() -> list[str]:
 
 
 TERMS = 8  # coefficients of a piece: degree up to 7
-SAMPLES = 9  # points of a piece where it is looked at
+SAMPLES = 9  # evaluation points per piece
 TOLERANCE = 2e-9  # of the sum of the amplitudes: error of the pieces of a sine
 FIRST = 0.25 * np.pi  # rad of the highest order, of pieces that are then halved
 MOST_PIECES = 1 << 18  # of a signal: 16 MiB of coefficients
@@ -59,8 +59,8 @@ MOST_PIECES = 1 << 18  # of a signal: 16 MiB of coefficients
 class Signal:
     """A function of time [s]; call it with a time or an array of times.
 
-    A signal of one's own is a subclass with `polynomial`. `covers`: the first and the last time [s] at which it is
-    known; a run beyond them is refused.
+    A user-defined signal is a subclass with `polynomial`. `covers`: first and last time [s] of its range; a run beyond
+    it is refused.
     """
 
     covers: tuple[float, float] = (-np.inf, np.inf)
@@ -70,7 +70,7 @@ class Signal:
         raise TypeError(f"{type(self).__name__} does not say what its pieces are")
 
     def samples(self, begin: float = -np.inf, end: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
-        """Values and slopes [1/s], both (pieces, SAMPLES), at even times of each piece that reaches into `begin` to
+        """Values and slopes [1/s], both (pieces, SAMPLES), at equidistant times of each piece that overlaps `begin` to
         `end` [s]."""
         breaks, c = self._pieces
         inside = (breaks[1:] > begin) & (breaks[:-1] < end)
@@ -132,7 +132,7 @@ class Signal:
 
 
 def _shifted(c: np.ndarray, d: float) -> np.ndarray:
-    """Coefficients about an origin moved by `d`: sum_k c_k (x + d)^k by the binomial theorem."""
+    """Coefficients about an origin shifted by `d`: sum_k c_k (x + d)^k by the binomial theorem."""
     out = np.zeros_like(c)
     for k in range(TERMS):
         for j in range(k + 1):
@@ -143,8 +143,7 @@ def _shifted(c: np.ndarray, d: float) -> np.ndarray:
 @named_arguments
 class Polynomial(Signal):
     """A signal given by its pieces: `breaks` (n+1,) [s] increasing, `coefficients` (n, up to 8) of powers of t - break,
-    in units of the quantity over s^k. Raises `InputError` for breaks that do not increase and shapes that do not
-    fit."""
+    in units of the quantity over s^k. Raises `InputError` for breaks that do not increase and inconsistent shapes."""
 
     def __init__(self, breaks: Vector, coefficients: Matrix) -> None:
         self.breaks = require_array(breaks, "signal: breaks", (None,))
@@ -221,9 +220,9 @@ class SmoothStep(_Transition):
 class Table(Signal):
     """Values at increasing times [s], joined linearly or by a cubic spline; the end values hold outside.
 
-    A run that goes beyond the times is refused unless `hold` says that the end values are meant to hold there.
-    The spline has zero slope at both ends, so that it meets the held values without a kink. Raises `InputError` for NaN
-    or infinite entries, naming the first.
+    A run beyond these times is refused unless `hold` is set, with which the end values apply there. The spline has zero
+    slope at both ends and so continues into the held values without a kink. Raises `InputError` for NaN or infinite
+    entries, naming the first.
 
     >>> load = wf.signals.Table([0.0, 0.1, 0.3], [0.0, 500.0, 500.0])  # s, N
     >>> float(load(0.05))
@@ -281,9 +280,9 @@ class Step(_Transition):
 class Harmonics(Signal):
     """A Fourier series over an angle: mean + sum over n of cosines[n-1] cos(n angle) + sines[n-1] sin(n angle).
 
-    angle: [rad], a signal of time, as `Ramp(0, 200, duration=1)` or the `position()` of a drive; duration [s]: how long
-    the series is represented, to TOLERANCE (2e-9) of the sum of its amplitudes; a longer run is refused. Raises
-    `InputError` where this takes more than 262144 pieces.
+    angle: [rad], a signal of time, as `Ramp(0, 200, duration=1)` or the `position()` of a drive; duration [s]: time
+    span of the representation, accurate to TOLERANCE (2e-9) of the sum of its amplitudes; a longer run is refused.
+    Raises `InputError` where more than 262144 pieces are required.
 
     >>> mesh = wf.signals.Harmonics((0.0, 3.0), angle=wf.signals.Ramp(0, 6.0, duration=0.1), duration=0.1)
     >>> round(float(mesh(0.05)), 6)  # 3 cos(2 * 3 rad)
@@ -385,7 +384,7 @@ class Sine(Harmonics):
 
 @named_arguments
 class Chirp(Harmonics):
-    """mean + amplitude sin(angle + phase) with a frequency that changes in proportion to time from `start_frequency` to
+    """mean + amplitude sin(angle + phase) with a frequency that changes linearly in time from `start_frequency` to
     `end_frequency` [Hz] within `duration` [s]; phase [rad]. A longer run is refused. Represented as `Harmonics`."""
 
     def __init__(
@@ -421,8 +420,8 @@ def from_csv(
     """The `Table` of two columns of the text file `path`: times [s] and values.
 
     time, value: the columns, numbers from 0, or names in the first line. Columns are separated by semicolons, commas or
-    blanks; lines that begin with # do not count. cubic, hold: as of `Table`. Raises `InputError` for a file that cannot
-    be read, a column that there is not, and what is no number, with its line.
+    blanks; lines that begin with # are ignored. cubic, hold: as in `Table`. Raises `InputError` for a file that cannot
+    be read, a missing column, and entries that are not numbers, with their line.
     """
     file = Path(path).expanduser()
     text = read_named(file, "from_csv: table").decode("utf-8-sig", errors="replace")
@@ -454,7 +453,7 @@ def _is_number(word: str) -> bool:
     return True
 
 
-SignalLike: TypeAlias = Signal | float  # a number stands for itself at all times
+SignalLike: TypeAlias = Signal | float  # a number is a constant signal
 
 
 def as_signal(value: Any, name: str) -> Signal:
@@ -469,7 +468,7 @@ def as_signal(value: Any, name: str) -> Signal:
 
 
 def _cure(value: Any) -> str:
-    """How to say a function of time that came as `value`."""
+    """Advice how to specify a function of time that was given as `value`."""
     if callable(value):
         return (
             "a function of time is sampled into a table, signals.Table(times, [f(t) for t in times], cubic=True), or "

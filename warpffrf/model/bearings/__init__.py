@@ -1,4 +1,4 @@
-"""Whole rolling bearings: builders of rings, elements, contacts and cage, and what such a bearing is.
+"""Rolling bearings: builders of rings, elements, contacts and cage, and the `Bearing` object.
 
     geometry.py   pitch circle, grooves, clearance, contact angle; what does not fit
     parts.py      place, masses, rings, contacts            cage.py              PrescribedCage, PocketCage
@@ -7,8 +7,8 @@
     rolling.py    orbit and spin of elements that roll
     build.py      what both builders do                     ball.py, roller.py   the builders
 
-A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` takes the contact that its
-surfaces ask for: a new kind of bearing is a geometry and a builder.
+A ring or an element is a body of the scene, rigid or flexible, and `parts.contact_of` chooses the contact that its
+surfaces require: a new kind of bearing is a geometry and a builder.
 """
 
 from __future__ import annotations

@@ -1,39 +1,39 @@
-r"""A whole bearing in a scene: what the builders return, and what results need to know of it.
+r"""A bearing in a scene: the return value of the builders, and its data for results.
 
 Rating. Lives of rolling bearings, in 10^6 revolutions at 90 % reliability.
 
 **Basic rating life** (ISO 281): L_10 = (C/P)^p, p = 3 of balls and 10/3 of rollers, P = X F_r + Y F_a.
 
-**Basic reference life of radial ball bearings** (ISO/TS 16281:2008, section 4.2), which takes the load of every ball.
-With gamma = D cos(alpha)/d_pw and i rows the loads of a raceway that give it a life of one million revolutions are
+**Basic reference life of radial ball bearings** (ISO/TS 16281:2008, section 4.2), from the load of every ball. With
+gamma = D cos(alpha)/d_pw and i rows the loads of a raceway that give it a life of one million revolutions are
 
     h = 1.044 ((1 - gamma)/(1 + gamma))^1.72 ((r_i/r_e) (2 r_e - D)/(2 r_i - D))^0.41,
     Q_ci = C_r/(0.407 Z cos(alpha)^0.7 i^0.7) (1 + h^(10/3))^(3/10),
     Q_ce = C_r/(0.389 Z cos(alpha)^0.7 i^0.7) (1 + h^(-10/3))^(3/10),
 
-the equivalent loads of a raceway that turns against the load, and of one that stands still under it,
+the equivalent loads of a raceway that rotates relative to the load, and of one that is stationary,
 
     Q_e = (mean of Q_j^3)^(1/3),      Q_e = (mean of Q_j^(10/3))^(3/10),
 
 and L_10r = ((Q_ci/Q_ei)^(-10/3) + (Q_ce/Q_ee)^(-10/3))^(-9/10). alpha is the nominal contact angle, 0 of a deep-groove
 bearing whatever its clearance.
 
-**Basic reference life of radial roller bearings** (ISO/TS 16281:2008, section 5.3), which takes the load q_jk of every
-lamina k, of n, on every roller j. With h = 1.038 ((1 - gamma)/(1 + gamma))^(143/108)
+**Basic reference life of radial roller bearings** (ISO/TS 16281:2008, section 5.3), from the load q_jk of every lamina
+k, of n, on every roller j. With h = 1.038 ((1 - gamma)/(1 + gamma))^(143/108)
 
     Q_ci = C_r/(lambda nu 0.378 Z) (1 + h^(9/2))^(2/9),      Q_ce = C_r/(lambda nu 0.364 Z) (1 + h^(-9/2))^(2/9),
 
-lambda nu = 0.83 (ISO 281 has it in C_r for stresses that are not uniform, which are counted one by one here), laminae
-have the ratings q_c = Q_c n^(-7/9), and with the factor of the stress at the edges
+lambda nu = 0.83 (ISO 281 has it in C_r for stresses that are not uniform, which enter individually here), laminae have
+the ratings q_c = Q_c n^(-7/9), and with the factor of the stress at the edges
 
     f_k = 1 - 0.01/ln(1.985 |2 k - n - 1|/(2 n - 2)),      q_ek = (mean over j of (f_k q_jk)^w)^(1/w),
 
-w = 4 of a raceway that turns against the load and 9/2 of one that stands,
+w = 4 for a raceway that rotates relative to the load and 9/2 for a stationary one,
 
     L_10r = (sum over k of (q_ci/q_eik)^(-9/2) + (q_ce/q_eek)^(-9/2))^(-8/9).
 
-f is 1 in the middle and 2.3 at the ends: that of rollers with a usual profile. Without it, and with laminae that carry
-alike, Lundberg and Palmgren's distribution under F_r = C_r/(lambda nu) has a life of one, as ISO 281's has under C_r.
+f is 1 in the middle and 2.3 at the ends: that of rollers with a usual profile. Without it, and with equally loaded
+laminae, Lundberg and Palmgren's distribution under F_r = C_r/(lambda nu) has a life of one, as ISO 281's has under C_r.
 """
 
 from __future__ import annotations
@@ -62,15 +62,15 @@ ELEMENT_SURFACE = "skin"  # of rigid elements
 
 @dataclass(eq=False, repr=False)
 class Bearing(reprs.Shown):
-    """A bearing as `scene.add_ball_bearing` and `scene.add_roller_bearing` make it, of parts that are the scene's own
+    """A bearing as created by `scene.add_ball_bearing` and `scene.add_roller_bearing`; its parts belong to the scene
     and may be changed.
 
     kind: "ball" or "roller". elements: bodies, "<name> ball 1" onwards, counter-clockwise about the axis.
     inner, outer: bodies of the rings, or the ground. contacts: by "inner_1", "outer_1", ... and of pockets; joints: by
-    "pocket_1", "cage_axle"; forces: "preload_inner", "preload_outer". name: as given; element_surface: what the surface
-    of each element is called. cage: its body, drive: of its speed, None without. raceways: the geometry; place: where
-    it stands; materials: of the elements and of the rings; shoulders: heights [m] of the inner and the outer ring's
-    shoulders over the bottom of the raceway, None where they are not known.
+    "pocket_1", "cage_axle"; forces: "preload_inner", "preload_outer". name: as given; element_surface: name of the
+    surface of each element. cage: its body, drive: of its speed, None without. raceways: the geometry; place: its
+    position and axes; materials: of the elements and of the rings; shoulders: heights [m] of the inner and the outer
+    ring's shoulders over the bottom of the raceway, None if unknown.
     """
 
     name: str
@@ -96,9 +96,9 @@ class Bearing(reprs.Shown):
         }  # fmt: skip
 
     def orbit_speed(self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None) -> float:
-        """Speed [rad/s] of elements and cage about the axis where they roll without slip on rings that turn with the
-        speeds `inner` and `outer` [rad/s]; angle [rad]: contact angle, None for the free one, which thrust makes. Under
-        a radial load alone it is 0, and a result has it as `inner_angle` and `outer_angle`.
+        """Speed [rad/s] of elements and cage about the axis where they roll without slip on rings that rotate with the
+        speeds `inner` and `outer` [rad/s]; angle [rad]: contact angle, None for the free one, which holds under thrust.
+        Under a purely radial load it is 0; results contain it as `inner_angle` and `outer_angle`.
 
         With gamma = D cos(alpha)/d_pw: (inner (1 - gamma) + outer (1 + gamma))/2. Raises `InputError` for an angle that
         is no number.
@@ -107,14 +107,14 @@ class Bearing(reprs.Shown):
 
     @property
     def angle(self) -> float:
-        """Free contact angle [rad], 0 of rollers."""
+        """Free contact angle [rad], 0 for rollers."""
         return self.raceways.free_angle if isinstance(self.raceways, BallRaceways) else 0.0
 
     def roll(
         self, inner: float = 0.0, outer: float = 0.0, *, angle: float | None = None, control: str = "outer"
     ) -> Rolling:
-        """Let a run begin with rings that turn at `inner` and `outer` [rad/s] about the axis, elements that roll on
-        them without slip, and the cage that goes with them; returns the speeds of an element.
+        """Initial state with rings that rotate at `inner` and `outer` [rad/s] about the axis, elements that roll on
+        them without slip, and the cage moving with them; returns the speeds of an element.
 
         Sets `velocity` and `angular_velocity` of the bodies, and the drive of a cage `PrescribedCage`. angle [rad]:
         contact angle, None for the free one; control: the raceway that balls do not pivot on, "outer" or "inner"
@@ -155,12 +155,12 @@ class Bearing(reprs.Shown):
         return rolling(D, pitch, inner, outer, (angle, angle), control)
 
     def _turn(self, body: Body, speed: float) -> None:
-        """Let a run begin with `body` turning about the bearing's axis."""
+        """Set the initial rotation of `body` about the bearing's axis."""
         body.angular_velocity = speed * self.place.axis
         body.velocity = np.cross(body.angular_velocity, body.position - self.place.center)
 
     def describe(self) -> dict[str, Any]:
-        """Plain data that results files keep, and results are told by."""
+        """Plain data that results files store and results are evaluated from."""
         return {
             "name": self.name, "kind": self.kind, "raceways": self.raceways.describe(),
             "center": self.place.center.tolist(), "axes": self.place.axes.tolist(),
@@ -175,7 +175,7 @@ class Bearing(reprs.Shown):
         }  # fmt: skip
 
     def _across(self, element: Body) -> float:
-        """Moment of inertia [kg m2] of an element about the direction outwards."""
+        """Moment of inertia [kg m2] of an element about the radial direction."""
         direction = rot.matrix(element.rotation).T @ self.place.axes[0]
         return float(direction @ element.inertia @ direction)
 
@@ -191,7 +191,7 @@ def _pose(body: Body | Ground) -> dict[str, Any]:
 
 
 def without_cage(bearings: list[Bearing]) -> str:
-    """What to do about bearings whose elements nothing keeps apart, "" where there are none."""
+    """Cure for bearings whose elements are not separated by a cage, "" where there are none."""
     loose = [repr(bearing.name) for bearing in bearings if bearing.cage is None]
     if not loose:
         return ""
@@ -235,8 +235,8 @@ class BasicLife:
 
 @dataclass(frozen=True)
 class ReferenceLife:
-    """L_10r in 10^6 revolutions, with loads of the raceways [N]: those for a life of one, and the equivalent ones, of
-    rollers those of the lamina that fares worst, times the number of laminae."""
+    """L_10r in 10^6 revolutions, with loads of the raceways [N]: those for a life of one, and the equivalent ones, for
+    rollers those of the most critical lamina, times the number of laminae."""
 
     revolutions: float
     capacity: float
@@ -250,7 +250,7 @@ def basic_life(
     kind: str, capacity: float, radial: float, axial: float = 0.0, *, X: float = 1.0, Y: float = 0.0
 ) -> BasicLife:
     """ISO 281's L_10 of a "ball" or "roller" bearing of dynamic capacity [N] under forces [N]; X, Y: factors of the
-    catalogue. Raises `InputError` for loads that make none."""
+    catalogue. Raises `InputError` for loads without a positive equivalent."""
     C = require_number(capacity, "basic life: capacity [N]", positive=True)
     load = X * abs(radial) + Y * abs(axial)
     if load <= 0.0:
@@ -265,8 +265,8 @@ def reference_life(
     raceways: Any, capacity: float, inner: np.ndarray, outer: np.ndarray, *, turning: str = "inner"
 ) -> ReferenceLife:
     """ISO/TS 16281's L_10r from the loads [N] of elements on either raceway, of balls (Z,), of rollers (Z, n) of their
-    laminae; capacity [N]; turning: the ring that turns against the load, the other one stands still. raceways: the
-    geometry. Raises `InputError`."""
+    laminae; capacity [N]; turning: the ring that rotates relative to the load, the other one is stationary. raceways:
+    the geometry. Raises `InputError`."""
     if turning not in ("inner", "outer"):
         raise InputError(f"reference life: turning must be 'inner' or 'outer', got {turning!r}")
     C = require_number(capacity, "reference life: capacity [N]", positive=True)

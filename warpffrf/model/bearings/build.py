@@ -1,4 +1,4 @@
-"""What the builders of ball and roller bearings have in common: rings, elements, contacts, cage, in this order.
+"""Common part of the builders of ball and roller bearings: rings, elements, contacts, cage, in this order.
 
 Ball bearings: deep-groove and angular-contact ones.
 
@@ -94,7 +94,7 @@ def checked_deviations(label: str, raceways: Raceways, deviations: Any) -> np.nd
 
 
 def refuse_name(scene: Scene, name: Any) -> None:
-    """Raises `InputError` for a name that is no text, or that another bearing has."""
+    """Raises `InputError` for a name that is not a text, or is used by another bearing."""
     if not isinstance(name, str) or not name or "/" in name:
         raise InputError(f"scene: the name of a bearing must be a non-empty text without '/', got {name!r}")
     if name in [bearing.name for bearing in scene.bearings]:
@@ -201,21 +201,21 @@ def add_ball_bearing(
     initial pose; first None: +x made perpendicular to the axis. inner, outer: a rigid body or `scene.ground`, which get
     a raceway; a contact surface `body["rim"]` of a flexible body, whose contact is then distributed; None: a rigid
     ring, free, "<name> inner ring", of `material`, with bore, outside_diameter and width [m]
-    (`warpffrf.model.bearings.parts`). cage: `bearings.PrescribedCage()`, balls at equal angles that stand still,
+    (`warpffrf.model.bearings.parts`). cage: `bearings.PrescribedCage()`, stationary balls at equal angles,
     `bearings.PocketCage(...)` or None.
 
     law: of the contacts, or (inner, outer), None for laws.HertzPoint of the materials; friction: as of `LumpedContact`,
     laws.RegularisedCoulomb for a traction that grows with the slip speed up to its bound. rolling_resistance, spin: of
     lumped contacts with the raceways, moments against rolling and pivoting, as of `LumpedContact`; distributed contact
     has the friction of pivoting in its tractions.
-    inner_form, outer_form: how a raceway deviates around its axis, of `warpffrf.films`, positive where material is
+    inner_form, outer_form: form deviation of a raceway around its axis, of `warpffrf.films`, positive where material is
     missing, angles from the first ball: films.LobedForm(5e-6, 2) is oval; of rigid rings. diameter_deviations
-    (elements,) [m]: what each ball is thicker by. material: of rings and balls, element_material: of other balls.
+    (elements,) [m]: excess diameter of each ball. material: of rings and balls, element_material: of other balls.
     element_body: the reduced body of every ball, None for rigid ones (`warpffrf.model.bearings.elements`); its contact
-    is distributed. shoulders [m]: height over the bottom of the groove, one or (inner, outer), with which results say
-    how much of a patch is cut off.
+    is distributed. shoulders [m]: height over the bottom of the groove, one or (inner, outer), from which results
+    compute the truncated fraction of a patch.
 
-    Raises `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
+    Raises `InputError` for inconsistent dimensions (`warpffrf.model.bearings.geometry`).
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)
@@ -300,12 +300,12 @@ def add_roller_bearing(
     negative for an interference. profile: of the rollers beside what the law says: the crown radius [m], a table (z,
     drop), two arrays (n,) [m] from the middle, as of `surfaces.ProfiledCylinder`, or None for straight ones. law: of
     the contacts, or (inner, outer), None for laws.IsoLamina(roller_length), which has the profile of ISO/TS 16281
-    unless one is given here. flanges: `bearings.Flanges(...)`, ribs that stop the rollers
-    along their axes, None for rollers that are free along them.
-    As of `add_ball_bearing`: scene, name, position [m], axis and first (3,), directions in the world, inner, outer,
-    cage, friction, rolling_resistance, inner_form, outer_form, diameter_deviations (elements,) [m], material,
-    element_material, element_body, which has a profile of its own, and width, bore and outside_diameter [m]. Raises
-    `InputError` for what does not fit together (`warpffrf.model.bearings.geometry`).
+    unless one is given here. flanges: `bearings.Flanges(...)`, ribs that stop the rollers along their axes, None for
+    rollers that are free along them. As of `add_ball_bearing`: scene, name, position [m], axis and first (3,),
+    directions in the world, inner, outer, cage, friction, rolling_resistance, inner_form, outer_form,
+    diameter_deviations (elements,) [m], material, element_material, element_body, which has a profile of its own, and
+    width, bore and outside_diameter [m]. Raises `InputError` for what does not fit together
+    (`warpffrf.model.bearings.geometry`).
     """
     label = f"bearing {name!r}"
     refuse_name(scene, name)

@@ -1,18 +1,18 @@
-"""Rolling elements of a bearing: rigid ones, or a reduced body that stands at every place.
+"""Rolling elements of a bearing: rigid ones, or one reduced body at all positions.
 
 A flexible element is a body of revolution about its contact surface's axis with its centre of mass in the origin of its
 mesh, as `mesh.roller(radius, 0.0, length, ...)` makes them, with `crown_radius=radius` and a `tread` a ball. It is
 added with that axis along the bearing's, the surface's reference direction e_0 outwards; a ball of an angular-contact
 bearing is tilted by the contact angle, so that both raceways press on its tread, where it rolls, too. Both press on the
-one surface: two patches that feel each other through the element (`warpffrf.online.compile.patches.several`).
+one surface: two patches coupled through the element (`warpffrf.online.compile.patches.several`).
 
 A cage holds an element by its centre. A flexible body has no points: there it takes the interface whose reference point
 is the centre, the mean motion of both ends of a roller, `interfaces={"ends": "average"}`.
 
-Cages: what keeps the rolling elements apart.
+Cages: separation of the rolling elements.
 
-Without one, raceways squeeze every loaded element that does not stand on the line of the load out of the load zone, and
-there is no equilibrium. A kind of cage is a class with `hold`, which adds its parts to the bearing.
+Without a cage, raceways squeeze every loaded element off the line of the load out of the load zone, and there is no
+equilibrium. A kind of cage is a class with `hold`, which adds its parts to the bearing.
 
     PrescribedCage     elements at equal angles in a frame whose rotation is prescribed: standing still, or with a given
     speed PocketCage    a body that turns as elements push it: each has play in a pocket, and friction there
@@ -46,13 +46,13 @@ if TYPE_CHECKING:
     from warpffrf.model.bearings.bearing import Bearing
     from warpffrf.model.scene import Scene
 
-CENTRED = 1e-4  # of the diameter: what a mesh makes of a centre that is the origin
+CENTRED = 1e-4  # of the diameter: tolerance of a mesh's centre of mass from the origin
 SAME = 1e-3  # of the diameter
 
 
 @dataclass(frozen=True)
 class Elements(ABC):
-    """What the elements of a bearing are; `surface` is what the contact surface of each is called."""
+    """Definition of the elements of a bearing; `surface` is the name of the contact surface of each."""
 
     surface: str
 
@@ -77,8 +77,8 @@ class RigidElements(Elements):
 
 @dataclass(frozen=True)
 class FlexibleElements(Elements):
-    """One reduced body at all places; tilt [rad]: of its axis from the bearing's, that of the line of contact from the
-    radius."""
+    """One reduced body at all positions; tilt [rad]: of its axis from the bearing's, that of the line of contact from
+    the radius."""
 
     body: ReducedBody
     tilt: float = 0.0
@@ -133,7 +133,7 @@ def checked_elements(
 
 
 def centre_of(element: Body, label: str) -> Port:
-    """The place by which a cage holds an element. Raises `InputError` for a flexible one without."""
+    """The port by which a cage guides an element. Raises `InputError` for a flexible one without."""
     if element.reduced is None:
         return element.at((0.0, 0.0, 0.0))
     surface = next(iter(element.reduced.contact_surfaces.values()))
@@ -148,13 +148,13 @@ def centre_of(element: Body, label: str) -> Port:
 
 LIGHT = 0.2  # of the mass of all elements: a cage of sheet steel
 POCKET_STIFFNESS = 1e9  # N/m^1.5: 10 N press 5 um into it
-POCKET_LAMINAE = 5  # of a roller on the wall of its pocket, so that one that skews is turned back
+POCKET_LAMINAE = 5  # of a roller on the wall of its pocket, so that a skewed one is realigned
 
 
 @dataclass(frozen=True)
 class Cage(ABC):
     """What all cages have: mass [kg], None for a fifth of that of the elements, spread along the pitch circle; guide:
-    the port that the cage turns about (`body.at(point)`, `body["interface"]`), None for the outer ring, or the ground
+    the port that the cage rotates about (`body.at(point)`, `body["interface"]`), None for the outer ring, or the ground
     where that is flexible."""
 
     _: KW_ONLY
@@ -198,11 +198,11 @@ class Cage(ABC):
 @named_arguments
 @dataclass(frozen=True)
 class PrescribedCage(Cage):
-    """Elements at equal angles in a frame that turns with `speed` [rad/s], a number or a signal; 0 stands still.
+    """Elements at equal angles in a frame that rotates with `speed` [rad/s], a number or a signal; 0 is stationary.
 
     The centre of an element stays in a plane through the axis, in which it is free; a roller's axis stays in it, too.
-    What the element pushes with is the reaction of the joint `bearing.joints["pocket_3"]`. `bearing.drive.signal` may
-    be changed afterwards. `bearing.orbit_speed(...)` is the speed of elements that roll.
+    The force of the element is the reaction of the joint `bearing.joints["pocket_3"]`. `bearing.drive.signal` may be
+    changed afterwards. `bearing.orbit_speed(...)` is the speed of elements that roll.
     """
 
     speed: SignalLike = 0.0
@@ -294,7 +294,7 @@ class PocketCage(Cage):
 
     @staticmethod
     def _walls(bearing: Bearing, body: Body, i: int, half: float) -> dict[str, surfaces.Shape]:
-        """What element i may touch, user axes of the cage: name -> shape."""
+        """Cage surfaces that element i may contact, user axes of the cage: name -> shape."""
         place, angle = bearing.place, bearing.raceways.angles[i - 1]
         out, around = place.outward(angle), place.around(angle)
         middle = 0.5 * bearing.raceways.pitch_diameter * out
@@ -308,4 +308,4 @@ class PocketCage(Cage):
         }
 
 
-STANDING = PrescribedCage()  # where no cage is named
+STANDING = PrescribedCage()  # where no cage is given

@@ -2,15 +2,15 @@ r"""Flanges of cylindrical roller bearings: ribs of the rings that stop rollers 
 
 **The model.** The end of a roller is a sphere of the radius R_s = `end_radius` about a point of the roller's axis, so
 that its middle stands at half the length l: rollers are ground so, or nearly flat with a large radius. A rib's face
-leans back by the opening angle beta, a cone about the axis of its ring; between both is a lumped contact. Where the
-roller stands straight they touch along the common normal, at R_s sin(beta) from the roller's axis towards the ring that
-has the rib: of a roller of the diameter D
+leans back by the opening angle beta, a cone about the axis of its ring; between both is a lumped contact. For an
+aligned roller they touch along the common normal, at R_s sin(beta) from the roller's axis towards the ring that has the
+rib: of a roller of the diameter D
 
     h = D/2 - R_s sin(beta),      beta = arcsin((D/2 - h)/R_s)
 
-over the raceway, the `height`. Forces of ends go through the middles of their spheres, R_s - l/2 beyond the middle of
-the roller: thrust F of a roller that an inner rib pushes against an outer one is a couple about the direction around,
-2 (R_s - l/2) F sin(beta - theta)/cos(beta) of a roller tilted by theta, which its laminae carry (T. A. Harris, Rolling
+over the raceway, the `height`. Forces on ends pass through the centres of their spheres, R_s - l/2 beyond the middle of
+the roller: thrust F of a roller that an inner rib pushes against an outer one is a couple about the direction around, 2
+(R_s - l/2) F sin(beta - theta)/cos(beta) of a roller tilted by theta, which its laminae carry (T. A. Harris, Rolling
 Bearing Analysis, on roller bearings under thrust). The play c is that along the axis, c cos(beta) along the normals.
 Without a height the ribs are planes, touched at the roller's axis, and rollers do not tilt under thrust.
 
@@ -23,8 +23,8 @@ sides stop the skew at
 
     psi_max = sqrt(c/(R_s - l/2)),
 
-where the forces of the two ends make a moment about 2 e F that turns the roller back. A rib has no end (the place of
-the contact is not held to what a real one has); an undercut, and the edge of a flat end, are left out.
+where the forces of the two ends form a moment about 2 e F that realigns the roller. A rib has no end (the place of the
+contact is not held to what a real one has); an undercut, and the edge of a flat end, are left out.
 """
 
 from __future__ import annotations
@@ -119,7 +119,7 @@ class Flanges:
                 bearing.contacts[f"flange_{side}_{end}_{i}"] = scene.add(contact)
 
     def _lever(self, label: str, half_diameter: float, radius: float) -> float:
-        """How far [m] from the roller's axis ends of the radius [m] meet the ribs."""
+        """Distance [m] from the roller's axis at which ends of the radius [m] touch the ribs."""
         if self.height is None:
             return 0.0
         height = require_number(self.height, f"{label}: height [m]", non_negative=True)

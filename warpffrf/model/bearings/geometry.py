@@ -1,8 +1,8 @@
-r"""The geometry of rolling bearings: where raceways and elements lie, and what does not fit together.
+r"""The geometry of rolling bearings: positions of raceways and elements, and checks of the dimensions.
 
-**Ball bearing.** Balls of diameter D stand on the pitch circle of diameter d_pw; the grooves of the rings have the
-radii r_i and r_e across, f_i = r_i/D and f_e = r_e/D are their osculations. A ball touches both rings where their
-groove centres lie
+**Ball bearing.** Balls of diameter D lie on the pitch circle of diameter d_pw; the grooves of the rings have the radii
+r_i and r_e across, f_i = r_i/D and f_e = r_e/D are their osculations. A ball touches both rings where their groove
+centres lie
 
     A = r_i + r_e - D
 
@@ -21,15 +21,15 @@ together where alpha_0 is positive.
 
 Rolling. Kinematics of elements that roll without slip on two raceways: orbit and spin from the speeds of the rings.
 
-With e_r outward, e_t around and e_a along the axis of the bearing, an element goes around with w_c and turns with
-omega = w_r e_r + w_a e_a. Its surface at the contact with the outer raceway, D/2 n_o from its centre with
-n_o = cos(alpha_o) e_r + sin(alpha_o) e_a, and with the inner one, -D/2 n_i, moves around as these do:
+With e_r outward, e_t around and e_a along the axis of the bearing, an element orbits with w_c and rotates with omega =
+w_r e_r + w_a e_a. Its surface at the contact with the outer raceway, D/2 n_o from its centre with n_o = cos(alpha_o)
+e_r + sin(alpha_o) e_a, and with the inner one, -D/2 n_i, has their circumferential velocity:
 
     w_c d/2 + D/2 (w_a cos alpha_o - w_r sin alpha_o) = w_o (d/2 + D/2 cos alpha_o),
     w_c d/2 - D/2 (w_a cos alpha_i - w_r sin alpha_i) = w_i (d/2 - D/2 cos alpha_i),
 
-d the pitch diameter, w_i and w_o the speeds of the rings. What is left open is the pivoting, a rotation about the line
-of contact, which no point of contact resists. Raceway control (Jones 1959) has none at one of the rings, of the speed w
+d the pitch diameter, w_i and w_o the speeds of the rings. The pivoting remains undetermined, a rotation about the line
+of contact, which no point contact resists. Raceway control (Jones 1959) has none at one of the rings, of the speed w
 and the angle alpha:
 
     (omega - w e_a) . n = w_r cos alpha + (w_a - w) sin alpha = 0,
@@ -39,7 +39,7 @@ the outer one at high speed, where the centrifugal force presses there. At equal
     w_c = (w_i (1 - gamma) + w_o (1 + gamma))/2,
 
 and the rolling against the cage is d/(2 D) (1 - gamma^2)(w_o - w_i). Rollers have alpha = 0 and w_r = 0. Turning
-w_r e_r around with w_c takes the gyroscopic moment I w_c w_r about e_t, which friction has to give.
+w_r e_r around with w_c requires the gyroscopic moment I w_c w_r about e_t, which friction must provide.
 """
 
 from __future__ import annotations
@@ -57,8 +57,8 @@ LARGEST_OSCULATION = 5.0  # groove radius over ball diameter: a wider one is a l
 
 @dataclass(frozen=True)
 class Raceways:
-    """What ball and roller bearings share: `count` elements of `diameter` D [m] on a circle of `pitch_diameter` [m],
-    diametral `clearance` s [m].
+    """Common base of ball and roller bearings: `count` elements of `diameter` D [m] on a circle of `pitch_diameter`
+    [m], diametral `clearance` s [m].
 
     Raises `InputError`, naming `label`, for elements that overlap, or that reach to the axis.
     """
@@ -158,7 +158,7 @@ class BallRaceways(Raceways):
 
     @property
     def free_angle(self) -> float:
-        """Free contact angle [rad]: what the balls take under thrust, before anything yields."""
+        """Free contact angle [rad]: that of the balls under thrust, before any deformation."""
         if self.contact_angle or self.clearance <= 0.0:
             return self.contact_angle
         return float(np.arccos(1.0 - self.clearance / (2.0 * self.reach)))
@@ -220,7 +220,7 @@ class RollerRaceways(Raceways):
 
 
 def from_description(description: dict[str, Any]) -> BallRaceways | RollerRaceways:
-    """The geometry that `describe` told of."""
+    """The geometry from the output of `describe`."""
     kinds = {kind.__name__: kind for kind in (BallRaceways, RollerRaceways)}
     numbers = dict(description)
     return kinds[numbers.pop("type")](**numbers)

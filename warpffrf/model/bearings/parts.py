@@ -1,4 +1,4 @@
-r"""Parts of a rigid bearing: where it stands, masses of its rings and elements, and a contact between two of them.
+r"""Parts of a rigid bearing: its position, masses of its rings and elements, and a contact between two of them.
 
 Masses are those of solid balls and rollers, and of rings that are hollow cylinders of steel: with the pitch diameter
 d_pw, the diameter D of an element and the width b, what is not given is
@@ -11,12 +11,12 @@ Preload. Axial preload of ball bearings, which presses the rings against each ot
 
     PreloadForce     a force of given size: a spring between the rings
     PreloadOffset    raceways that stand off on their rings, as those of paired bearings are ground: rings whose faces
-                     are flush, or that a nut pulls together, then press with what the balls answer
+                     are flush, or that a nut pulls together, then press with the reaction of the balls
 
-A kind of preload is a class with `offset`, how far the inner raceway stands along the axis beyond its free place, and
-`press`, which adds forces. The sense is that in which thrust on the inner ring presses the bearing together: along the
-axis, or against it where the contact angle is negative. With the distance A of groove centres that touch and the free
-angle alpha_0, rings that are pressed by u along the axis have
+A kind of preload is a class with `offset`, the axial offset of the inner raceway from its free position, and `press`,
+which adds forces. The sense is that in which thrust on the inner ring presses the bearing together: along the axis, or
+against it where the contact angle is negative. With the distance A of groove centres that touch and the free angle
+alpha_0, rings that are pressed by u along the axis have
 
     tan alpha = (A sin alpha_0 + u)/(A cos alpha_0),      Q = K ((A cos alpha_0)/cos alpha - A)^(3/2),      F = Z Q sin
     alpha.
@@ -55,8 +55,8 @@ PERPENDICULAR = 1e-6  # cosine of `first` and the axis: six digits typed
 
 @dataclass(frozen=True)
 class Place:
-    """Where a bearing stands in the world at the initial pose: `center` (3,) [m] and the rows of `axes` (3, 3): the
-    direction of the first element, the one a quarter turn on, and the axis."""
+    """Position of a bearing in the world at the initial pose: `center` (3,) [m] and the rows of `axes` (3, 3): the
+    direction of the first element, the one a quarter revolution further, and the axis."""
 
     center: np.ndarray
     axes: np.ndarray
@@ -187,7 +187,7 @@ def ring_surface(
 
 @dataclass(frozen=True)
 class Losses:
-    """What takes power where elements meet raceways: friction, rolling resistance and friction of pivoting, as of
+    """Losses in the contacts of elements and raceways: friction, rolling resistance and friction of pivoting, as of
     `LumpedContact`."""
 
     friction: FrictionLike
@@ -215,7 +215,7 @@ def contact_of(
 
 
 def _refuse_other_raceway(label: str, port: SurfacePort, wanted: Shape) -> None:
-    """Raises `InputError` where a contact surface that is given is no raceway of this bearing."""
+    """Raises `InputError` where a given contact surface is not a raceway of this bearing."""
     shape: Any = port.surface.shape
     kinds = (wanted.kind, "profiled_cylinder", "crowned_cylinder") if wanted.side > 0.0 else (wanted.kind,)
     radius = float(getattr(wanted, "radius", 0.0))
@@ -229,7 +229,7 @@ def _refuse_other_raceway(label: str, port: SurfacePort, wanted: Shape) -> None:
 
 @dataclass(frozen=True)
 class Preload:
-    """What preloads have in common; see the module."""
+    """Common base of preloads; see the module."""
 
     kind: ClassVar[str] = ""
 
@@ -248,7 +248,7 @@ class Preload:
 class PreloadForce(Preload):
     """The rings are pressed against each other along the axis by `force` [N], on each ring along its own axis.
 
-    A ring that does not move takes it from what holds it. The forces are `bearing.forces["preload_inner"]` and
+    A fixed ring is loaded through its constraint. The forces are `bearing.forces["preload_inner"]` and
     ["preload_outer"], the latter where the outer ring is no ground. Rings are rigid. Raises `InputError`.
     """
 
@@ -291,7 +291,7 @@ class PreloadOffset(Preload):
 
 
 def checked_preload(label: str, preload: Preload | None) -> Preload:
-    """Raises `InputError` for what is no preload."""
+    """Raises `InputError` for an object that is not a preload."""
     if preload is None:
         return Preload()
     if not isinstance(preload, Preload):

@@ -1,22 +1,24 @@
-"""Which interactions may stand on the same two surfaces together: those that claim no unknown twice.
+"""Interactions that may share two surfaces: those that do not define the same unknown twice.
 
-Interactions add their loads to the surfaces and read their displacements, so that several may stand on the same two: a
-coating beside asperities, each with its own pressure p_i(depth). Where a gap is closed without any law between, its
-pressure is what keeps it closed; two such pressures have a sum, but no shares. So have two tractions that both hold a
-cell where it is. A film claims the whole gap: asperities beside it are a law of its own, and another film has no place
-on its grid.
+Interactions add their loads to the surfaces and read their displacements, so that several may share two surfaces: a
+coating and asperities, each with its own pressure p_i(depth). Where a gap is closed without a law, its pressure is the
+constraint force; of two such pressures only the sum is determined. The same holds for two tractions that both make a
+cell stick. A film occupies the whole gap: asperities in addition are one of its laws, and a second film cannot use its
+grid.
 
-Overlap. Do the surfaces of a pair lie in one another at the start by more than elastic bodies ever would?
+Overlap. Initial overlap of the surfaces of a contact beyond that of elastic bodies.
 
-A pair may start with an interference: that is how an approach is given, and deformation takes it up. Its depth is that
+A contact may start with an interference: it prescribes an approach, which deformation accommodates. Its depth is that
 of a Hertz contact, (a/R)^2 R = (pi p0 / 2 E*)^2 R with the relative radius R: 3e-3 R at p0 = 4 GPa between steel balls,
-where raceways are dented for good. Much more is a body in the wrong place, and the run would begin with an explosion.
+where raceways are permanently indented. Much more indicates a misplaced body, and the run would start with an
+explosion.
 
-Unreachable contacts. Pairs that will hardly touch: too far apart, looking past each other, or held apart by the joints.
+Unreachable contacts. Contacts that will hardly close: too far apart, not facing each other, or kept apart by the
+joints.
 
-Joints hold a pair apart where every motion that they leave to its two bodies moves each surface in itself: a turn about
-the own axis of a surface of revolution, a slide along a plane. That is told by the rigid motions z that the joints
-leave, C z = 0, less those motions of the surfaces in themselves: nothing must remain.
+Joints keep a contact apart where every free motion of its two bodies moves each surface in itself: a rotation about the
+axis of a surface of revolution, a translation along a plane. The check uses the rigid motions z that the joints leave,
+C z = 0, less those motions of the surfaces in themselves: nothing must remain.
 
 Wedge. Overlaps at the start that no small motion opens: a body wedged between its partners, or all round in a bore.
 
@@ -107,7 +109,7 @@ def _refuse_beside_film(one: Any, other: Any) -> None:
 
 
 def refuse_double_laps(lap: Lap, others: Iterable[Lap]) -> None:
-    """Raises `InputError` where another lap stands on the same faces."""
+    """Raises `InputError` where another small-sliding contact has the same faces."""
     for other in others:
         if other is not lap and len(other.ports) == len(lap.ports) and on_same_surfaces(lap, other):
             raise InputError(
@@ -117,7 +119,7 @@ def refuse_double_laps(lap: Lap, others: Iterable[Lap]) -> None:
 
 
 def on_same_surfaces(a: Any, b: Any) -> bool:
-    """Whether two contacts stand on the same two surfaces, in whichever order they are named."""
+    """Whether two contacts have the same two surfaces, in either order."""
     return all(any(_same_surface(port, used) for used in b.ports) for port in a.ports)
 
 
@@ -162,7 +164,7 @@ def refuse_overlap(scene: Scene) -> None:
 
 
 def excessive_wedge(wedge: Wedge) -> str:
-    """What is to be said of a wedge that is deeper than the overlap that its pairs allow; else ""."""
+    """Message on a wedge deeper than the allowed overlap of its contacts; else ""."""
     allowed = min(allowed_overlap(c, *near[1:]) for c in wedge.contacts if (near := facing_gap(c)) is not None)
     if wedge.depth <= allowed:
         return ""
@@ -227,7 +229,7 @@ def _free_motions(scene: Scene) -> np.ndarray:
 
 
 def _held_apart(contact: Contact, free: np.ndarray, length: float) -> bool:
-    """Do all `free` motions of the two bodies move each surface in itself?"""
+    """Whether all `free` motions of the two bodies move each surface in itself."""
     for port in contact.ports:
         if port.on_ground:
             continue

@@ -1,16 +1,15 @@
 """The constraints of a scene on the host: values, Jacobian, and which of them are redundant.
 
-**Jacobian.** A row pulls with the wrench (f, t) at x_b on the second body and its opposite on the first
-(`joints.rows`), so a body with origin r has the entries f (translation), (x_b - r) x f + t (rotation vector) and, where
-its marker X sits on a flexible interface that moves by (u, theta) = Phi^T q about its point X_if,
-Phi (A^T f, A^T ((x_b - x_marker) x f + t) + (X - X_if) x A^T f), which leaves out what is linear in theta. Columns and
-rows are made comparable by a length L of the scene: translations and modal coordinates are counted in L, rows that are
-lengths divided by it.
+**Jacobian.** A row exerts the wrench (f, t) at x_b on the second body and its opposite on the first (`joints.rows`), so
+a body with origin r has the entries f (translation), (x_b - r) x f + t (rotation vector) and, where its marker X sits
+on a flexible interface that moves by (u, theta) = Phi^T q about its point X_if, Phi (A^T f, A^T ((x_b - x_marker) x f +
+t) + (X - X_if) x A^T f), which leaves out what is linear in theta. Columns and rows are made comparable by a length L
+of the scene: translations and modal coordinates are counted in L, rows that are lengths divided by it.
 
 **Redundancy.** The rows of all joints are taken block by block, undriven joints in the order of adding, then what is
 driven: first driven distances, then drives. From each block the part in the span of the rows kept so far is projected
-out; a column-pivoted QR factorisation of what remains shows its rank, and names the rows that carry it. The others are
-redundant: the motion satisfies them anyway. They are left out of the equations, so their multipliers are zero; another
+out; a column-pivoted QR factorisation of the remainder gives its rank and the rows that define it. The others are
+redundant: the motion satisfies them anyway. They are omitted from the equations, so their multipliers are zero; another
 choice would share the same total load differently. Which joint of a loop is named depends on the order of adding. A
 *driven* row that turns out redundant is a contradiction, or superfluous: the joints already fix what it prescribes.
 
@@ -19,13 +18,14 @@ stay. The rank is therefore also taken at two poses nearby: a step along a rando
 seed), corrected by Gauss-Newton until the joints close. The largest rank decides. Redundancy is a property of the pose
 all the same; a run measures at its saved steps how well the rows left out were kept (`online.joint_motion`).
 
-Consistency. Can a scene begin to move: do initial velocities and prescribed motions agree with the joints, have all
-bodies mass?
+Consistency. Initial conditions of a scene: initial velocities and prescribed motions agree with the joints, all bodies
+have mass.
 
 A joint asks for C V = 0 of the velocities V that the bodies are given, a drive for C V = s'(0), with C the Jacobian of
-`redundancy`. What is left is judged against how fast the joint's points could move apart at most, the largest speed of
-a body's origin plus its turning times the scene's length. Of the joint coordinates only those with a prescribed
-*position* can disagree at the initial pose: joints are built from it, and a prescribed velocity counts from it.
+`redundancy`. The residual is compared with the largest possible relative speed of the joint's points, the largest speed
+of a body's origin plus its angular speed times the scene's length. Of the joint coordinates only those with a
+prescribed *position* can disagree at the initial pose: joints are built from it, and a prescribed velocity counts from
+it.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class ConstraintRow:
 
     @property
     def label(self) -> str:
-        """What is held, for messages."""
+        """The constrained motion, for messages."""
         return f"{self.owner!r}: {self.row.held}"
 
 
@@ -220,7 +220,7 @@ def held_motions(scene: Scene) -> np.ndarray:
 
 
 def find_redundancy(scene: Scene) -> Redundancy:
-    """Which rows of the scene's joints and drives are redundant; see the module."""
+    """Redundant rows of the scene's joints and drives; see the module."""
     rows = constraint_rows(scene)
     if not rows:
         return Redundancy((), (), 0, 0)

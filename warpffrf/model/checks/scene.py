@@ -1,15 +1,14 @@
-"""What a scene amounts to before it is run: masses, degrees of freedom, redundant constraints, initial gaps.
+"""Summary of a scene before a run: masses, degrees of freedom, redundant constraints, initial gaps.
 
-Grübler's count takes every constraint for independent: freedoms = 6 bodies + modes - constraints. The actual count uses
-the rank of the constraint Jacobian C_q, freedoms = unknowns - rank(C_q); the difference is the number of redundant
+Grübler's count assumes independent constraints: freedoms = 6 bodies + modes - constraints. The actual count uses the
+rank of the constraint Jacobian C_q, freedoms = unknowns - rank(C_q); the difference is the number of redundant
 constraints (`redundancy`). A flexible interface moves with its modes, so a constraint that is redundant between rigid
 bodies need not be between flexible ones.
 
-Signal cover. The signals of a scene: do they cover the time that is simulated, and how soon do they change?
+Signal cover. The signals of a scene: coverage of the simulated time, and shortest time of change.
 
-A `Table` holds its end values outside its times, which is right for what is evaluated in passing but wrong for a run: a
-measured load that ends early would go on unnoticed as a constant one. `Table(hold=True)` says that it should. A `Sine`
-covers its duration.
+A `Table` holds its end values outside its times, which suits single evaluations but not a run: a measured load that
+ends early would silently continue as a constant one. `Table(hold=True)` requests this. A `Sine` covers its duration.
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class SceneCheck:
-    """Findings of `Scene.check()`; `str()` gives a table. Masses kg, gaps m, infinite where surfaces do not face each
+    """Findings of `Scene.check()`; `str()` returns a table. Masses kg, gaps m, infinite where surfaces do not face each
     other."""
 
     masses: dict[str, float]

@@ -1,4 +1,4 @@
-"""Reading parts of an HDF5 file: only what is in the file itself, only numbers and text, and no more than it can hold.
+"""Reading parts of an HDF5 file: only data in the file itself, only numbers and text, and no more than it can contain.
 
 A dataset may declare any size, also one of which nothing was ever written: reading it takes that memory. Compression
 makes at most `RATIO` bytes of one, so a dataset that declares more than its stored bytes can give is wrong, and one

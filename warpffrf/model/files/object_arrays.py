@@ -1,7 +1,7 @@
-"""A scene, or another object of warpffrf, as a JSON document and arrays, and back, with all that hangs on it.
+"""A scene, or another object of warpffrf, as a JSON document and arrays, and back, with all objects it refers to.
 
-An object is its class and its attributes; what is met twice is one again afterwards. Only classes of warpffrf are made,
-without their constructors, and no code comes with the document, so that one from elsewhere can do no more than be wrong
+An object is stored as its class and attributes; shared objects remain shared. Only classes of warpffrf are created,
+without their constructors, and no code comes with the document, so that a foreign document can at most be wrong
 (whoever reads a scene compares its `content_hash`). A document is read by the version that wrote it.
 
     [value, ...]                      the first is the object itself; others refer to each by its number

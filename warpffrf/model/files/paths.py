@@ -4,12 +4,11 @@ All readers of files go through `read_regular`; those whose files include others
 Numbers in text have at most `MOST_DIGITS` digits where they are whole: Python's own conversion ends, with another
 error, at some thousand.
 
-Output paths are checked before a run, not after it, and files are written whole or not at all.
+Output paths are checked before a run, and files are written completely or not at all.
 
 Nothing that exists is replaced unless that is asked for, and then only what warpffrf has written, which its files say
-at their beginning or end. A file is written beside its target, under a name of the process and the machine that write
-it, and renamed: so nobody touches the file of another, and what a killed process has left is removed when its target is
-written the next time.
+at their beginning or end. A file is written next to its target, under a name of the writing process and machine, and
+renamed: so processes do not interfere, and files left by a killed process are removed when the target is next written.
 
 Processes of this machine, of which files tell.
 """

@@ -1,8 +1,8 @@
-"""Files with a checksum behind their last byte, looked at before anything else of them: HDF5 files, and files of named
-arrays without HDF5, which are quick to write, and beside other work, as that holds no lock of Python.
+"""Files with a checksum after their last byte, checked before anything else: HDF5 files, and files of named arrays
+without HDF5, which are fast to write, also in parallel, as writing does not hold Python's lock.
 
-The HDF5 library may loop for ever, or allocate what a damaged header asks for, so damage has to be seen in the raw
-bytes. The seal is 96 bytes behind the file,
+The HDF5 library may loop for ever, or allocate what a damaged header asks for, so damage must be detected in the raw
+bytes. The seal is 96 bytes after the file,
 
     mark (16), length of what stands before (8), version (4), zeros (4), sha256 of what stands before (32), zeros (16),
     mark (16),
@@ -10,8 +10,8 @@ bytes. The seal is 96 bytes behind the file,
 which HDF5 ignores: a file says in its first bytes where it ends. h5py, h5dump, netCDF and xarray open a sealed file as
 any other. A user block in front of the file would be as legal, but a file with one no longer begins with the signature
 of HDF5, by which xarray, `file` and we ourselves know it. A program that changes the file overwrites the seal; the
-result counts as damaged until `seal` is called again. A seal tells damage, not malice: whoever makes a file can seal
-it.
+result counts as damaged until `seal` is called again. A seal detects damage, not manipulation: anyone who writes a file
+can seal it.
 
 A file of arrays is
 

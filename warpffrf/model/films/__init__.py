@@ -1,4 +1,4 @@
-"""Oil films between two surfaces, what they are fed by, and how the surfaces deviate from their true shapes.
+"""Oil films between two surfaces, their feeds, and the form deviations of the surfaces.
 
     Film            the film of a pair of surfaces, `film`
     feeds           AxialGroove, CircumferentialGroove, SupplyHole, `feeds`

@@ -1,6 +1,6 @@
-"""Where oil is fed to a film: places of its first surface at which the pressure is given.
+"""Oil feeds of a film: regions of its first surface with prescribed pressure.
 
-Places are those of the chart of the first surface (`warpffrf.model.surfaces`): theta [rad, of a plane m] from the
+Positions are in the chart of the first surface (`warpffrf.model.surfaces`): theta [rad, of a plane m] from the
 direction e_0 of its shape, z [m] along its axis; widths and diameters [m] are lengths on the surface. A feed that
 covers no node of the grid takes the nearest one, a groove the nearest column, a ring the nearest row.
 """
@@ -26,25 +26,25 @@ class Feed(ABC):
     @property
     @abstractmethod
     def label(self) -> str:
-        """Readable place, for messages."""
+        """Readable position, for messages."""
 
     @property
     @abstractmethod
     def place(self) -> tuple[float | None, tuple[float, float] | None]:
-        """Its middle theta [rad, of a plane m] and its extent along z [m]; None where it has all of them."""
+        """Its centre theta [rad, of a plane m] and its extent along z [m]; None where it is unbounded."""
 
     @abstractmethod
     def covers(self, shape: Any, theta: Any, z: Any) -> np.ndarray:
-        """Which places theta [rad, of a plane m], z [m] of the surface `shape`, shapes that broadcast, lie in it."""
+        """Whether points theta [rad, of a plane m], z [m] of the surface `shape` lie in it; arguments broadcast."""
 
     @property
     def reaches_ends(self) -> bool:
-        """Whether it may hold nodes of the first and the last row too."""
+        """Whether it may prescribe nodes of the first and last row."""
         return True
 
     def nodes(self, shape: Any, theta: np.ndarray, z: np.ndarray) -> tuple[np.ndarray, bool]:
         """Nodes (columns, rows) bool of the grid of a surface `shape`, at theta (columns,) [rad, of a plane m] and z
-        (rows,) [m], that hold its pressure, and whether it covers them: False of the nearest ones."""
+        (rows,) [m], with its pressure, and whether it covers them: False if they are only the nearest ones."""
         found = self.covers(shape, theta[:, None], z[None, :])
         if not self.reaches_ends:
             found[:, [0, -1]] = False
@@ -63,7 +63,7 @@ class Feed(ABC):
         return {"kind": self.kind} | {n: list(v) if isinstance(v, tuple) else v for n, v in values.items()}
 
     def _keep_numbers(self, *names: str) -> None:
-        """Checked numbers: places of any sign, widths and diameters positive, the pressure not negative."""
+        """Checked numbers: coordinates of any sign, positive widths and diameters, non-negative pressure."""
         for name in names:
             positive = name in ("width", "diameter")
             label = f"films.{type(self).__name__}: {name}"
@@ -76,7 +76,7 @@ class Feed(ABC):
 class AxialGroove(Feed):
     """A groove along the axis at the angle theta [rad, of a plane m], of the `width` [m]; pressure [Pa].
 
-    z: its ends (low, high) [m]; None: the whole length but the end rows, which stay at the ambient pressure. Raises
+    z: its ends (low, high) [m]; None: the whole length except the end rows, which keep the ambient pressure. Raises
     `InputError`.
     """
 
@@ -183,7 +183,7 @@ class SupplyHole(Feed):
         return _within(distance.ravel(), 0.5 * self.diameter).reshape(distance.shape)
 
     def _distance(self, shape: Any, theta: Any, z: Any) -> np.ndarray:
-        """Distances [m] of places from its middle, on the surface; right near by, where the surface is nearly flat."""
+        """Distances [m] of points from its centre on the surface; accurate nearby, where the surface is nearly flat."""
         off, z = np.broadcast_arrays(np.abs(_turn(shape, theta, self.theta)), np.asarray(z, float))
         return np.hypot(off * shape.radius_at(z), _along(shape, z, self.z))
 
@@ -192,24 +192,24 @@ FEEDS: dict[str, type[Any]] = {feed.kind: feed for feed in (AxialGroove, Circumf
 
 
 def _turn(shape: Any, theta: Any, middle: float) -> np.ndarray:
-    """theta - middle [rad, of a plane m], the shorter way around."""
+    """theta - middle [rad, of a plane m], in the shorter direction."""
     off = np.asarray(theta, float) - middle
     return off if shape.profile().planar else np.remainder(off + np.pi, 2.0 * np.pi) - np.pi
 
 
 def _along(shape: Any, z: np.ndarray, middle: float) -> np.ndarray:
-    """Lengths [m] on the meridian from `middle` to places near by."""
+    """Lengths [m] on the meridian from `middle` to nearby points."""
     steep = 0.0 if shape.profile().planar else shape.slope_at(z)
     return np.abs(z - middle) * np.sqrt(1.0 + steep**2)
 
 
 def _between_ends(distance: np.ndarray) -> np.ndarray:
-    """Distances (rows,) with the first and the last row out of reach."""
+    """Distances (rows,) with the first and the last row excluded."""
     return np.concatenate([[np.inf], distance[1:-1], [np.inf]])
 
 
 def _within(distance: np.ndarray, reach: float) -> np.ndarray:
-    """Where distances (n,) are at most `reach`; of none the smallest."""
+    """Where distances (n,) are at most `reach`; if there are none, the smallest."""
     found = distance <= reach
     if not found.any():
         found[np.argmin(distance)] = True

@@ -1,12 +1,12 @@
-"""An oil film between two surfaces: what it may stand between, and what is given of it.
+"""An oil film between two surfaces: the surfaces it may join, and its parameters.
 
-The film stands on the contact grid of the first surface, so that is a surface of a flexible body; the second is of
-another one, whose grid yields under what stands opposite it, or the rigid surface of a rigid body or of the ground.
-Pressures are above the pressure of cavitation, which is zero. They are given at the ends of the film, the first and the
-last row of the grid and of an arc or a plane the first and the last column too, and in its feeds; what lies between is
-solved for.
+The film is discretised on the contact grid of the first surface, which belongs to a flexible body; the second surface
+belongs to another flexible body, whose grid deforms under the film, or is the rigid surface of a rigid body or the
+ground. Pressures are above the pressure of cavitation, which is zero. They are prescribed at the ends of the film (the
+first and last row of the grid, for an arc or a plane also the first and last column) and in its feeds; the pressures
+between are solved for.
 
-Cavitation. What becomes of a film where its pressure would fall below that of cavitation, which is zero here.
+Cavitation: treatment of the film where its pressure would fall below that of cavitation, zero here.
 """
 
 from __future__ import annotations
@@ -29,10 +29,10 @@ from warpffrf.model.reduced.contact_surface import ContactSurface
 from warpffrf.model.surfaces.form_deviations import Form, as_form, refuse_form
 
 EVALUATIONS = ("semi", "hyper")
-PROFILES = (0, 1, 2)  # axial degrees: a shaft that tilts needs odd ones
+PROFILES = (0, 1, 2)  # axial degrees: a tilting shaft requires odd ones
 MOST_POWER = 8
-LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: with fewer there is no shape of a pressure
-SAME = 0.01  # of the deviation of the summed heights, which walls and the law of asperities both tell
+LEAST_ROWS, LEAST_COLUMNS = 3, 8  # rows between the ends, and columns: fewer resolve no pressure
+SAME = 0.01  # of the deviation of the summed heights, which walls and asperity law both define
 LOOSEST = (
     0.1  # clearance over radius, far beyond any bearing: the gap is taken along normals, which then are not shared
 )
@@ -40,18 +40,17 @@ LOOSEST = (
 
 @named_arguments
 class Film(reprs.Item):
-    """An oil film between two surfaces a and b, `body["bore"]` each; a must be of a flexible body, b is of one too or
-    rigid.
+    """An oil film between two surfaces a and b, `body["bore"]` each; a must be flexible, b may be flexible or rigid.
 
     Forces are reported on the first body. oil: one of `warpffrf.oils`. feeds: grooves and holes that supply oil
-    (`warpffrf.films`). cavitation: a word of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film,
-    above the cavitation pressure. asperities: a contact law whose pressure begins before the surfaces touch, such as
+    (`warpffrf.films`). cavitation: one of `films.CAVITATIONS`. ambient_pressure [Pa]: at the ends of the film, above
+    the cavitation pressure. asperities: a contact law whose pressure begins before the surfaces touch, such as
     `laws.ExponentialAsperities` or `laws.GreenwoodTripp`; its pressure adds to that of the film; None for smooth walls.
     boundary_friction: the friction coefficient of the asperities, in addition to the drag of the oil. form_a, form_b:
     form deviations of the two surfaces (`warpffrf.films`). roughness_a, roughness_b: `films.Roughness` of the two
-    walls, with the flow factors of Patir and Cheng; None for smooth walls. evaluation: "semi", all hats of the contact
-    grid at all points, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m of `axial_degrees`,
-    0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
+    walls, with the flow factors of Patir and Cheng; None for smooth walls. evaluation: "semi", all nodes of the contact
+    grid with full quadrature, or "hyper", in each column a few axial profiles (1 - zeta^2) zeta^m with m of
+    `axial_degrees`, 0 first, at few points. name: default "<first body>-<second body>". Raises `InputError`.
     """
 
     scene_list = "films"
@@ -126,33 +125,33 @@ class Film(reprs.Item):
 
     @property
     def grid(self) -> ContactGrid:
-        """The contact grid of the first surface, on whose nodes the film stands."""
+        """The contact grid of the first surface, whose nodes carry the film."""
         return self.a.surface.grid
 
     @property
     def theta(self) -> np.ndarray:
-        """Places of the columns (columns,) [rad, of a plane m] in the chart of the first shape: those of the grid count
-        from its own direction e_0."""
+        """Coordinates of the columns (columns,) [rad, of a plane m] in the chart of the first shape: those of the grid
+        are measured from its own direction e_0."""
         return places_around(self.a.surface)
 
     @property
     def deviation(self) -> float:
-        """Standard deviation [m] of the summed heights of both rough walls; 0 of smooth ones."""
+        """Standard deviation [m] of the summed heights of both rough walls; 0 for smooth walls."""
         return summed_deviation(self.roughness_a, self.roughness_b)
 
     @property
     def notes(self) -> list[str]:
-        """What a user should know of how the film was put on its grid, and of its rough walls."""
+        """Notes for the user on the discretisation of the film and its rough walls."""
         return self._held()[2] + self._rough_notes()
 
     def held(self) -> tuple[np.ndarray, np.ndarray]:
         """Which nodes (columns, rows) have a given pressure, and that pressure (columns, rows) [Pa], 0 elsewhere. Where
-        a feed reaches an end it is the feed's."""
+        a feed reaches an end, the feed's pressure applies."""
         return self._held()[:2]
 
     def clearance(self) -> float | None:
-        """Radius of the bore less that of the shaft [m], both in the middles of their shapes (z = 0); None of planes
-        and cones, which have a gap only where they are placed."""
+        """Radius of the bore minus that of the shaft [m], both at the middle of their shapes (z = 0); None for planes
+        and cones, whose gap depends on their position."""
         shapes = [port.surface.shape for port in self.ports]
         if any(shape.profile().planar or shape.profile().tangent for shape in shapes):
             return None
@@ -160,22 +159,22 @@ class Film(reprs.Item):
         return first - second if shapes[0].side < 0.0 else second - first
 
     def gap_form(self, theta: Any, z: Any) -> np.ndarray:
-        """What the form of the first surface adds to the gap [m] at places theta [rad, of a plane m], z [m] of its
-        chart, shapes that broadcast; positive where material is missing."""
+        """Contribution of the form of the first surface to the gap [m] at theta [rad, of a plane m], z [m] of its chart
+        (arguments broadcast); positive where material is missing."""
         return _deviation(self.form_a, theta, z)
 
     def second_form(self, theta: Any, z: Any) -> np.ndarray:
-        """What the form of the second surface adds to the gap [m] at places theta [rad, of a plane m], z [m] of its own
-        chart, shapes that broadcast."""
+        """Contribution of the form of the second surface to the gap [m] at theta [rad, of a plane m], z [m] of its own
+        chart; arguments broadcast."""
         return _deviation(self.form_b, theta, z)
 
     def initial_gap(self) -> np.ndarray:
-        """Gap [m] at the nodes (columns, rows), at the initial pose as it is now, undeformed, with the forms of both
+        """Gap [m] at the nodes (columns, rows), at the current initial pose, undeformed, with the forms of both
         surfaces; negative where they overlap."""
         return self.gap_at(self.theta[:, None], self.grid.z[None, :])
 
     def gap_at(self, theta: Any, z: Any) -> np.ndarray:
-        """The same at places theta [rad, of a plane m], z [m] of the first surface's chart, shapes that broadcast."""
+        """The same at theta [rad, of a plane m], z [m] of the first surface's chart; arguments broadcast."""
         first, second = (port.surface.shape for port in self.ports)
         world = self.a.body.to_world(first.point(theta, z))
         theta_b, z_b, distance = second.chart(self.b.body.to_user(world))
@@ -212,7 +211,7 @@ class Film(reprs.Item):
         ]
 
     def _as_degrees(self, degrees: Any) -> tuple[int, ...]:
-        """Powers of the profiles. Raises `InputError` for others, and for what profiles cannot be."""
+        """Powers of the profiles. Raises `InputError` for unsupported and invalid ones."""
         try:
             found = tuple(int(m) for m in degrees)
         except (TypeError, ValueError):
@@ -245,8 +244,8 @@ class Film(reprs.Item):
         return found
 
     def _held(self) -> tuple[np.ndarray, np.ndarray, list[str]]:
-        """Held nodes, their pressures, and notes. Raises `InputError` for feeds that lie beside the film, or share
-        nodes without sharing a pressure."""
+        """Nodes with prescribed pressure, their pressures, and notes. Raises `InputError` for feeds outside the film,
+        or feeds that share nodes but not the pressure."""
         grid = self.grid
         held = np.zeros((grid.columns, grid.rows), dtype=bool)
         held[:, [0, -1]] = True
@@ -276,7 +275,7 @@ class Film(reprs.Item):
         return held, pressure, notes
 
     def _require_inside(self, feed: Feed, number: int) -> None:
-        """Raises `InputError` for a feed that covers no node because it lies beside the film."""
+        """Raises `InputError` for a feed that covers no node because it lies outside the film."""
         grid, (theta, along) = self.grid, feed.place
         off = None
         if theta is not None and not grid.periodic:
@@ -327,7 +326,7 @@ class Film(reprs.Item):
                 )
 
     def _require_gap(self) -> None:
-        """Raises `InputError` for surfaces between which no thin film fits."""
+        """Raises `InputError` for surfaces that cannot enclose a thin film."""
         a, b, label = self.a, self.b, self.label
         sides = [port.surface.shape.side for port in self.ports]
         planar = [port.surface.shape.profile().planar for port in self.ports]
@@ -370,14 +369,14 @@ class Film(reprs.Item):
 
 
 def places_around(surface: ContactSurface) -> np.ndarray:
-    """Places of the columns (columns,) [rad, of a plane m] of a surface's grid in the chart of its shape: those of the
-    grid count from its own direction e_0."""
+    """Coordinates of the columns (columns,) [rad, of a plane m] of a surface's grid in the chart of its shape: those of
+    the grid are measured from its own direction e_0."""
     shape, grid = surface.shape, surface.grid
     return grid.theta + float(np.arctan2(grid.e_0 @ shape.e_1, grid.e_0 @ shape.e_0))
 
 
 def refuse_touching(films: Sequence[Film]) -> None:
-    """Raises `InputError` for surfaces that touch at the initial pose: a film lies between them from the start."""
+    """Raises `InputError` for surfaces that touch at the initial pose: the film must separate them from the start."""
     for film in films:
         gap = film.initial_gap()
         if gap.min() <= 0.0:
@@ -400,7 +399,7 @@ def _require_surface(port: Any, place: str) -> None:
 
 
 def _asperities(value: Any, label: str) -> Law:
-    """A law whose pressure begins before the surfaces touch, where there still is a film beside it."""
+    """An asperity law whose pressure begins before the surfaces touch, while a film still exists."""
     law = as_law(value, label, "asperities")
     cure = (
         "take laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TabulatedLayer with gaps above 0, or leave "

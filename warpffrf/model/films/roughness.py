@@ -9,32 +9,32 @@ With the gap h between the mean planes, H = h/s, and the sliding v = u_B - u_A, 
     Phi_s = A_1 H^a_1 exp(-a_2 H + a_3 H^2) up to H = 5,  A_2 exp(-H/4) beyond,
 
 and along the same with 1/gamma. The flow by pressure of two patterns is phi_p = sum_i (s_i/s)^2 phi_p(H, gamma_i), as
-roughness of small slope and height has it to second order. The *lag* l is what valleys keep from being carried: those
-of the wall A, which rests here, hold oil back, those of B take more along.
+roughness of small slope and height has it to second order. The *lag* l is the reduction of transport by valleys: those
+of the wall A, at rest here, retain oil, those of B carry more.
 
-**Shear.** That what both walls are done is what becomes heat (`warpffrf_kernels.films.sampling`) fixes how the shear
-must be. The power of the pressure, int p h' dA = int (v/2)(h - l) p_x dA - int phi_p k p_x^2 dA + (feeds), leaves
-losses none of which is negative with the force on A
+**Shear.** The shear follows from the condition that the work done on both walls equals the heat
+(`warpffrf_kernels.films.sampling`). The power of the pressure, int p h' dA = int (v/2)(h - l) p_x dA - int phi_p k
+p_x^2 dA + (feeds), leaves losses none of which is negative with the force on A
 
     tau = Phi mu v/h + ((h - l)/2) p_x,      Phi >= 0.
 
-So the shear by the pressure is not free once the flow is known (Onsager's reciprocity). It is the whole tangential
-force, that of pressures on the flanks of ridges included, the same on both walls. Of a smooth wall B it is the shear
-alone, that of the paper's phi_fp = 1 - l/h, whose own fit, 1 - 1.4 exp(-0.66 H) for gamma = 1, is within 0.02 of this
-from H = 2 on (0.07 at 1). The sliding itself takes
+So the pressure-driven shear is determined by the flow (Onsager's reciprocity). It is the total tangential force,
+including pressures on the flanks of ridges, equal on both walls. For a smooth wall B it is the shear alone, that of the
+paper's phi_fp = 1 - l/h, whose own fit, 1 - 1.4 exp(-0.66 H) for gamma = 1, is within 0.02 of this from H = 2 on (0.07
+at 1). The sliding contributes
 
     Phi = phi_f + sum_i (s_i/s)^2 Phi_fs(H, gamma_i),      phi_f = h E[1/h_local],
     Phi_fs = A_3 H^a_4 exp(-a_5 H + a_6 H^2) up to H = 7, and as H^-2 beyond,
 
-where the paper has the difference of both walls' Phi_fs for the shear of one wall alone; with pressures on the flanks
-it is the sum, their loss int k |grad p_local|^2 dA. phi_f is that of the paper: heights with the density
-(35/96)(1 - (x/3)^2)^3, x = height/s, and no oil where less than s/100 is left.
+where the paper uses the difference of both walls' Phi_fs for the shear of one wall; including flank pressures it is the
+sum, their loss int k |grad p_local|^2 dA. phi_f is that of the paper: heights with the density (35/96)(1 - (x/3)^2)^3,
+x = height/s, and no oil where less than s/100 is left.
 
-**Where it ends.** The fits hold from `LEAST` on, H = 0.5 for most gamma: below, phi_p keeps its value, and from H = 1
-on down l is the same part of h. The oil in the film is taken as h, though walls that touch hold more, 0.4 % at H = 2,
-8 % at H = 1: the pressure then acts on the whole of the area, as that of asperities does, and power and oil are kept.
-Between the gammas of the paper factors are interpolated in ln gamma. Of the coefficients of Phi_fs only those of
-gamma = 1 were held against a second source; phi_p and Phi_s were, and against the theory of small heights.
+**Range.** The fits hold for H >= `LEAST`, 0.5 for most gamma: below, phi_p keeps its value, and below H = 1 l is a
+constant fraction of h. The oil in the film is taken as h, although walls in contact hold more, 0.4 % at H = 2, 8 % at H
+= 1: the pressure then acts on the whole area, as that of asperities does, and power and oil are conserved. Between the
+gammas of the paper, factors are interpolated in ln gamma. Of the coefficients of Phi_fs only those of gamma = 1 were
+checked against a second source; phi_p and Phi_s were also checked against the theory of small heights.
 """
 
 from __future__ import annotations
@@ -103,7 +103,8 @@ ROUGHNESSES = {Roughness.kind: Roughness}
 
 @dataclass(frozen=True)
 class FlowFactors:
-    """Of two walls at gaps h (n,), each (n, 2), around and along: `flow` phi_p, `lag` l [m], `drag` Phi."""
+    """Flow factors of two walls at gaps h (n,), each (n, 2), around and along: `flow` phi_p, `lag` l [m], `drag`
+    Phi."""
 
     flow: Array
     lag: Array
@@ -118,19 +119,19 @@ def as_roughness(value: Any, label: str) -> Roughness | None:
 
 
 def summed_deviation(first: Roughness | None, second: Roughness | None) -> float:
-    """s [m] of both walls; 0 of smooth ones."""
+    """s [m] of both walls; 0 for smooth walls."""
     return math.hypot(*(0.0 if wall is None else wall.deviation for wall in (first, second)))
 
 
 def least_gap(first: Roughness | None, second: Roughness | None) -> float:
-    """The gap [m] from which on the fits hold, in both directions and of both walls."""
+    """The gap [m] above which the fits hold, in both directions and for both walls."""
     gammas = [g for wall in (first, second) if wall is not None for g in (wall.pattern, 1.0 / wall.pattern)]
     least = [np.interp(np.log(gamma), np.log(PATTERNS), LEAST) for gamma in gammas]
     return summed_deviation(first, second) * max(least, default=0.0)
 
 
 def flow_factors(first: Roughness | None, second: Roughness | None, gap: Any) -> FlowFactors:
-    """Of the walls A and B, one of which is rough, at gaps (n,) [m]."""
+    """Factors of the walls A and B, at least one rough, at gaps (n,) [m]."""
     s, gap = summed_deviation(first, second), np.asarray(gap, dtype=float)
     H, sides = gap / s, []
     for turn in (1.0, -1.0):

@@ -1,9 +1,8 @@
 """Applied forces and compliant elements, one file each; `FORCES` has them by kind.
 
-An element says what it is in the terms of `laws`: springs give a `SpringLaw`, friction in joints a `SlipLaw`, a
-pretension a `TensionLaw`, loads a `PointLoad` or a `BodyLoad`. The simulation knows no more of it: an element of one's
-own is a subclass of `Force`. What a spring or damper does that is not in proportion to deformation or rate is a
-`characteristics`.
+An element describes itself in the terms of `laws`: springs return a `SpringLaw`, joint friction a `SlipLaw`, a
+pretension a `TensionLaw`, loads a `PointLoad` or a `BodyLoad`. The simulation uses nothing else: a user-defined element
+is a subclass of `Force`. Nonlinear springs and dampers have `characteristics`.
 """
 
 from __future__ import annotations

@@ -1,13 +1,12 @@
-r"""Characteristics: forces of springs and dampers that are not in proportion to deformation or rate.
+r"""Characteristics: forces of springs and dampers that are nonlinear in deformation or rate.
 
     ForcePolynomial   F = k_1 x + k_2 x^2 + k_3 x^3 + ...
     PowerLaw          F = c sgn(x) |x|^n
-    ForceTable        points, joined straight or smoothly; play, stops, kinks
+    ForceTable        points, joined linearly or smoothly; play, stops, kinks
 
-They stand where a stiffness or a damping would: `SpringDamper(a, b, stiffness=PowerLaw(1e9, 1.5))`.
+They replace a stiffness or a damping: `SpringDamper(a, b, stiffness=PowerLaw(1e9, 1.5))`.
 
-Characteristic. What all characteristics have in common: a force over one coordinate x, piece by piece, with its exact
-potential.
+Characteristic. Common to all characteristics: a piecewise force over one coordinate x, with its exact potential.
 
 x is a deformation [m or rad] or a rate [m/s or rad/s], F a force [N] or torque [N m]. On piece i, b_i <= x < b_(i+1),
 with xi = x - o_i from an origin o_i of its own,
@@ -18,7 +17,7 @@ with xi = x - o_i from an origin o_i of its own,
 
 the first piece from minus infinity on, the last without end, and the V_i such that V is continuous and V(0) = 0: V is
 the energy that a spring stores from x = 0 on. F should be continuous; its slope may jump. A linear law is one piece
-with c_1 alone. Anything that such pieces say exactly is a new kind in one file, for the device too
+with c_1 alone. Any law that such pieces represent exactly is a new kind in one file, also for the device
 (`warpffrf_kernels.constraints.characteristics` evaluates the pieces of all kinds).
 
 Polynomial. A force that is a polynomial of deformation or rate without a constant term, F = k_1 x + k_2 x^2 + k_3 x^3 +
@@ -27,16 +26,16 @@ Polynomial. A force that is a polynomial of deformation or rate without a consta
 k_1 and k_3 > 0 make the hardening spring of Duffing's oscillator, k_3 < 0 a softening one; even powers act differently
 in tension and compression.
 
-Power law. A force that is a power of deformation or rate and acts both ways alike, F = c sgn(x) |x|^n.
+Power law. A force that is an odd power of deformation or rate, F = c sgn(x) |x|^n.
 
 n = 2 over the rate is drag, c v |v|; n = 3/2 over the deformation is the closing of two balls. For n > 1 the slope is
 zero at x = 0: there is no stiffness there, and vibrations about it have no frequency of their own.
 
 Table. A force given by a table over deformation or rate, from a measurement or another program.
 
-Between the points it is straight, or cubic with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 1984):
+Between the points it is linear, or cubic with the slopes of Fritsch and Butland (SIAM J. Sci. Stat. Comput. 5, 1984):
 without kinks, and without overshooting, so that forces that rise from point to point rise everywhere. Beyond the ends
-it goes on straight with the slope that it has there; a run that has gone there says so. Play and stops are tables:
+it is extrapolated linearly with the end slope; a run that has left the table reports it. Play and stops are tables:
 [(-2e-3, -1e4), (-1e-3, 0), (1e-3, 0), (2e-3, 1e4)] leaves 1 mm of play to either side, before stops of 10 N/um.
 """
 
@@ -55,7 +54,7 @@ from warpffrf.model.messages.named_arguments import named_arguments
 TERMS = 8  # coefficients of a piece: degree up to 7
 ORDERS = np.arange(TERMS)
 JUMP = 1e-9  # of the largest slope where pieces meet: less is round-off
-ROUND_OFF = 1e-12  # of the largest force: what sums of the numbers of a table leave where it should be zero
+ROUND_OFF = 1e-12  # of the largest force: remainder of sums of table entries that should be zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,21 +101,20 @@ class Pieces:
 
 
 class Characteristic:
-    """A force over one coordinate, other than in proportion to it. A subclass gives `kind`, `pieces` and `describe`.
-
-    `ends`: between these arguments it is given, beyond them it goes on straight; infinite where a formula gives it.
+    """A nonlinear force over one coordinate. A subclass defines `kind`, `pieces` and `describe`. `ends`: range of the
+    arguments, beyond which it is extrapolated linearly; infinite for a formula.
     """
 
     kind: ClassVar[str] = ""
 
     @property
     def ends(self) -> tuple[float, float]:
-        """The least and the largest argument [m, rad, m/s or rad/s] at which it is given."""
+        """The smallest and largest argument [m, rad, m/s or rad/s] of its definition."""
         return (-np.inf, np.inf)
 
     @cached_property
     def pieces(self) -> Pieces:
-        """The pieces that say all of it."""
+        """The pieces that define it."""
         raise TypeError(f"{type(self).__name__} does not say what its pieces are")
 
     @property
@@ -154,8 +152,8 @@ class Characteristic:
         return bool(np.any(jumps & (np.abs(breaks - x) <= within)))
 
     def sign_changes(self) -> np.ndarray:
-        """Arguments (n,) [m, rad; of a rate m/s, rad/s], rising, between which the signs of F and of x do not change,
-        nor beyond the outermost."""
+        """Arguments (n,) [m, rad; of a rate m/s, rad/s], increasing, between and beyond which the signs of F and x do
+        not change."""
         p = self.pieces
         marks = [0.0, *p.breaks, *p.origin]
         for coefficient, origin, power in zip(p.coefficient, p.origin, p.power, strict=True):
@@ -227,8 +225,8 @@ class PowerLaw(Characteristic):
 @named_arguments
 @dataclass(frozen=True)
 class ForceTable(Characteristic):
-    """Forces over deformation or rate: `points` (n, 2), n >= 2, of x [m, rad, m/s or rad/s], which rises, and F [N or
-    N m]; straight between them, or `smooth`. A force at x = 0 is a preload, which no damper may have. Raises
+    """Forces over deformation or rate: `points` (n, 2), n >= 2, of x [m, rad, m/s or rad/s], increasing, and F
+    [N or N m]; linear between them, or `smooth`. A force at x = 0 is a preload, which no damper may have. Raises
     `InputError`, of a table that folds over itself with the two points."""
 
     points: Any

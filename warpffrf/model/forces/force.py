@@ -1,4 +1,4 @@
-"""What all force elements have in common."""
+"""Base class of all force elements."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from warpffrf.model.messages import reprs
 class Force(reprs.Item, ABC):
     """Base of the force elements.
 
-    A subclass gives its `kind`, `ports` and `describe`, and what it is in terms of `warpffrf.model.forces.laws`:
+    A subclass defines its `kind`, `ports` and `describe`, and its law in terms of `warpffrf.model.forces.laws`:
     `law()`, a `SpringLaw` between two ports (`scalar_law` makes one of a single coordinate); `load()`, a `PointLoad` or
     a `BodyLoad`; `slip()`, a `SlipLaw`; `tension()`, a `TensionLaw`. Its constructor sets `name`.
     """
@@ -22,4 +22,4 @@ class Force(reprs.Item, ABC):
 
     @abstractmethod
     def describe(self) -> dict[str, Any]:
-        """Plain data for hashing: everything that the element depends on."""
+        """Plain data for hashing: all parameters of the element."""

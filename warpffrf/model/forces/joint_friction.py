@@ -1,18 +1,17 @@
-"""What friction in joints has in common: the joint that rubs, the law, and what presses.
+"""Common base of joint friction: the joint, the friction law, and the normal loads.
 
-A pin in its bush, a slide in its guide are pressed together by the reactions of the joint, so that the bound of
-friction is known only with them (`laws.SlipLaw` says how it is made of them). Rows of a joint that are left out as
-redundant press nothing.
+A pin in its bush, a slide in its guide are pressed together by the reactions of the joint, so that the friction bound
+depends on them (formula in `laws.SlipLaw`). Rows of a joint that are omitted as redundant contribute no normal load.
 
 The terms are those of the joint friction of other multibody programs (radial, axial and bending reactions with an arm
-each, and a preload), but for the bending: the pin is carried at two places, whose loads are taken one by one, not
-as |R| + 2 |M|/L, which they never exceed.
+each, and a preload), but for the bending: the pin is supported at two points, whose loads enter separately, not as |R|
++ 2 |M|/L, which they never exceed.
 
-Cylindrical friction. Friction of a cylindrical joint: a pin that turns and slides in its bush.
+Cylindrical friction. Friction of a cylindrical joint: a pin that rotates and slides in its bush.
 
 The surface of the pin, of radius r, slides along helices, with the velocity (v, r omega). Friction points against it:
 of the force F along the axis and the torque T about it, the vector (F, T/r) is at most mu (|N_1| + |N_2|) long, and
-turning eases sliding.
+rotation reduces the resistance to sliding.
 
 Prismatic friction. Friction of a prismatic joint: a slide in its guide.
 
@@ -20,10 +19,10 @@ A reaction R across the axis allows the force mu (|N_1| + |N_2|), N the loads of
 bending mu |R|); a moment M_z about the axis is carried by forces M_z/(2 r) on both flanks at the distance r, which
 allow mu |M_z|/r.
 
-Revolute friction. Friction of a revolute joint: a pin that turns in its bush, and on its collar.
+Revolute friction. Friction of a revolute joint: a pin that rotates in its bush, and on its collar.
 
-A reaction R across the axis, on a pin of radius r, allows the torque mu r (|N_1| + |N_2|), N the loads of the places
-that carry the pin (without bending mu r |R|); a thrust R_z on a collar of mean radius r_t the torque mu r_t |R_z|.
+A reaction R across the axis, on a pin of radius r, allows the torque mu r (|N_1| + |N_2|), N the loads of the supports
+of the pin (without bending mu r |R|); a thrust R_z on a collar of mean radius r_t the torque mu r_t |R_z|.
 """
 
 from __future__ import annotations
@@ -45,7 +44,7 @@ class JointFriction(Force):
 
     kind: ClassVar[str] = "joint_friction"
     joint_kind: ClassVar[str] = ""
-    numbers: ClassVar[tuple[str, ...]] = ()  # attributes that describe it beside joint and law
+    numbers: ClassVar[tuple[str, ...]] = ()  # attributes that describe it in addition to joint and law
 
     def __init__(self, joint: Joint, friction: FrictionLike, name: str | None) -> None:
         self.name = name
@@ -92,12 +91,12 @@ class JointFriction(Force):
 
 @named_arguments
 class CylindricalFriction(JointFriction):
-    """Dry friction that brakes, or holds, the turning and sliding of a cylindrical joint, both as one.
+    """Dry friction (sliding or sticking) on the combined rotation and translation of a cylindrical joint.
 
-    friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). pin_radius [m]: of the surface that rubs.
-    bearing_length [m]: distance of the two places that carry the pin, on either side of the second body's port, with
-    which they move; a bending moment M presses with M/bearing_length on each; None: bending moments do not rub. preload
-    [N]: friction force on the pin's surface that is there without any reaction, it does not depend on the coefficient.
+    friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). pin_radius [m]: of the sliding surface.
+    bearing_length [m]: distance of the two supports of the pin, on either side of the second body's port, with which
+    they move; a bending moment M presses with M/bearing_length on each; None: bending moments do not rub. preload [N]:
+    friction force on the pin's surface that is there without any reaction, it does not depend on the coefficient.
     Raises `InputError`.
     """
 
@@ -121,7 +120,7 @@ class CylindricalFriction(JointFriction):
         self.preload = self._number(preload, "preload", non_negative=True)
 
     def slip(self) -> SlipLaw:
-        """What slides, and what presses."""
+        """The sliding coordinates and the normal loads."""
         return self._law(
             {"translation": 1.0, "rotation": self.pin_radius}, radial=1.0, preload=self.preload,
             bearing_length=self.bearing_length,
@@ -130,7 +129,7 @@ class CylindricalFriction(JointFriction):
 
 @named_arguments
 class PrismaticFriction(JointFriction):
-    """Dry friction that brakes, or holds, the sliding of a prismatic joint.
+    """Dry friction (sliding or sticking) on the translation of a prismatic joint.
 
     friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`). bearing_length [m]: distance of the two places
     at which the guide carries, on either side of the second body's port, with which they move; a bending moment M
@@ -168,7 +167,7 @@ class PrismaticFriction(JointFriction):
 
 @named_arguments
 class RevoluteFriction(JointFriction):
-    """Dry friction that brakes, or holds, the turning of a revolute joint.
+    """Dry friction (sliding or sticking) on the rotation of a revolute joint.
 
     friction: a coefficient, or a law (`Coulomb`, `RegularisedCoulomb`: of the velocity at the pin's surface).
     pin_radius [m]: arm of the friction by forces across the axis. thrust_radius [m]: arm of that by the force along it.

@@ -10,19 +10,19 @@ Kinds of coordinates:
     "translation"  u_i . (x_b - x_a)                                     [m]
     "distance"     |x_b - x_a|                                           [m]
     "direction"    u_i . w_j                                             [-]
-    "angle", "second_angle", "twist"   see `warpffrf.model.joints.base`, but with turns counted   [rad]
+    "angle", "second_angle", "twist"   see `warpffrf.model.joints.base`, but not limited to one revolution   [rad]
     "bushing"      v[:3] . d + v[3:] . phi                               d = A_a^T (x_b - x_a), exp(phi^) = A_a^T A_b
 
 Forces follow the exact gradients of these, so with K symmetric the
 work of the law on any path is the change of `1/2 (e - reference)^T K (e - reference) + preload . (e - reference)` plus
-what the dampers take, `de/dt^T D de/dt`. The skew part of K stores nothing: its work depends on the path, and the
-energy ledger books it as work of forces.
+the dissipation of the dampers, `de/dt^T D de/dt`. The skew part of K stores nothing: its work depends on the path, and
+the energy ledger counts it as work of forces.
 
-A law that is not linear has *characteristics* F_i of deformation and G_i of rate (`characteristics`) in addition,
+A nonlinear law has *characteristics* F_i of deformation and G_i of rate (`characteristics`) in addition,
 
     lambda_i = K_ii (e_i - reference_i) + F_i(e_i - reference_i) + D_ii de_i/dt + G_i(de_i/dt) + preload_i,
 
-each coordinate for itself. It stores `V_i(e_i - reference_i)` more, V_i the potential of F_i, and takes
+each coordinate separately. It additionally stores `V_i(e_i - reference_i)`, V_i the potential of F_i, and dissipates
 `G_i(de_i/dt) de_i/dt`. Its tangents are `K_ii + F_i'` and `D_ii + G_i'`.
 """
 
@@ -37,7 +37,7 @@ import numpy as np
 from warpffrf.model.errors import InputError, require_array, require_number
 from warpffrf.model.forces.characteristics import CHARACTERISTICS, ROUND_OFF, Characteristic
 
-ZERO_STIFFNESS = 1e-10  # of an equilibrated matrix with unit diagonal: rounding of typed numbers, not a stiffness
+ZERO_STIFFNESS = 1e-10  # of an equilibrated matrix with unit diagonal: rounding of input, not a stiffness
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Coordinate:
 
 @dataclass(frozen=True, eq=False)
 class SpringLaw:
-    """Coordinates of two markers and the law on them, see the module.
+    """Coordinates of two markers and their law, see the module.
 
     `ports` carry the markers at `points` (2, 3) [m, user frames] with `axes` (2, 3, 3, columns, user frames); with a
     `joint` its own markers serve. stiffness [N/m, N m/rad] and damping [N s/m, N m s/rad] (n, n); reference [m, rad]
@@ -97,7 +97,7 @@ class SpringLaw:
         return found[0], found[1]
 
     def potential(self, e: np.ndarray) -> np.ndarray:
-        """Energy (...) [J] that is stored at the coordinates e (..., n), the part of the preload included."""
+        """Energy (...) [J] stored at the coordinates e (..., n), including that of the preload."""
         off = e - self.reference
         total = 0.5 * np.einsum("...i,ij,...j->...", off, self.stiffness, off) + off @ self.preload
         for i, curve in enumerate(self.elastic):
@@ -108,7 +108,7 @@ class SpringLaw:
 
 @dataclass(frozen=True, eq=False)
 class SlipLaw:
-    """Friction between the two sides of a `joint`: what presses them together, and what slides.
+    """Friction between the two sides of a `joint`: normal loads and sliding coordinates.
 
     With s the one or two `coordinates` and W = diag(`weights`) the sides slide with the velocity v = W ds/dt [m/s], and
     the force -W f on the coordinates brakes them, |f| at most
@@ -116,9 +116,9 @@ class SlipLaw:
         bound = mu (radial (|N_1| + |N_2|) + axial |R_z| + spin |M_z|) + preload,     mu and the law of v: `friction`.
 
     R and M, about the joint's point, are what its rows exert on the second body, drives left out. With `bearing_length`
-    L the part of them across the axis e_z is carried at two places at +-L/2 along it, N = R/2 +- e_z x M/L; with None
-    at one, N = R/2, and M across the axis rubs nowhere. radial [-], axial [-] and spin [1/m] multiply, preload [N]
-    adds.
+    L the part of them across the axis e_z is carried at two points at +-L/2 along it, N = R/2 +- e_z x M/L; with None
+    at one, N = R/2, and M across the axis causes no friction. radial [-], axial [-] and spin [1/m] multiply, preload
+    [N] adds.
     """
 
     joint: Any
@@ -148,7 +148,7 @@ class SlipLaw:
 @dataclass(frozen=True, eq=False)
 class TensionLaw:
     """A pull `force`(t) [N] on one coordinate of a `joint`, lambda in the words of the module, until the time `lock_at`
-    [s], infinite for ever; from then on the coordinate stays what it is (`pretension`)."""
+    [s] (infinite: always); from then on the coordinate is constant (`pretension`)."""
 
     joint: Any
     coordinate: Coordinate
@@ -207,7 +207,7 @@ def require_damping(value: Any, name: str) -> float | Characteristic:
 
 
 def vanishes(law: float | Characteristic) -> bool:
-    """Whether a stiffness or damping is none."""
+    """Whether a stiffness or damping is zero."""
     return law.vanishes if isinstance(law, Characteristic) else law == 0.0
 
 

@@ -3,29 +3,30 @@ r"""Concentrated force and torque at a port.
 Nodal load. Forces spread over the nodes of a free interface.
 
 An interface of kind "free" keeps its nodes X_k and the displacement of the global modes there, `node_modes`. Forces F_k
-at the nodes, times a signal, turn with the body:
+at the nodes, times a signal, rotate with the body:
 
     force = sum F_k,      torque = sum X_k cross F_k,      f_m = sum_k node_modes_mk . F_k.
 
-Local modes move none of these nodes, so this is all the body feels. Rigid and averaging interfaces keep only their
+Local modes do not move these nodes, so this is the complete load. Rigid and averaging interfaces store only their
 resultant motion; a `PointForce` and a `PointTorque` are all that can be applied to them.
 
 Surface load. Pressure on a contact surface of a flexible body.
 
-The pressure `s(t) p(theta, z)`, `p = sum_i p_i psi_i` on the hats of the surface's contact grid, pushes inwards along
-the undeformed normal n and turns with the body. What it does to the body is kept as constants in body axes,
+The pressure `s(t) p(theta, z)`, `p = sum_i p_i psi_i` with the shape functions psi_i of the surface's contact grid,
+acts inwards along the undeformed normal n and rotates with the body. Its load on the body is stored as constants in
+body axes,
 
     force = -int p n dA,      torque = -int p x cross n dA,      f_m = -sum_ij p_i M_ij (mode_normal)_jm,
 
 force and torque by Gauss points in every cell of the grid, the modal forces exactly: `mode_normal` of `ContactSurface`
-holds the outward normal displacement of the global modes as coefficients of the hats and M is their Gram matrix. The
-body's global modes and interfaces answer as they do to the true pressure; the local dent under the pressure, which
-moves no interface, is left out.
+holds the outward normal displacement of the global modes as coefficients of the shape functions and M is their Gram
+matrix. The body's global modes and interfaces respond as to the true pressure; the local indentation under the
+pressure, which moves no interface, is neglected.
 
-Pretension of a bolt: a force that pulls two ports together, and from some time on the length that it has led to.
+Pretension of a bolt: a force that pulls two ports together, and from a given time on the resulting length.
 
-A bolt is tightened with a known force F, and what it does later, under loads, follows from its stiffness. So the
-coordinate s of a joint, the distance of its two sides along the axis, obeys
+A bolt is tightened with a known force F; its later response to loads follows from its stiffness. So the coordinate s of
+a joint, the distance of its two sides along the axis, obeys
 
     lambda = F(t)    until `lock_at`,        s = s_lock    from then on,
 
@@ -35,10 +36,10 @@ relative motions are the joint's.
 
 With the joint between the two faces of a cut through the shank of a bolt (`Mesh.cut`) this is the *pretension section*
 of finite-element programs: a Prismatic joint holds five relative coordinates of the faces, tension moves the faces
-into one another by the shortening -s, as a nut that is turned shortens the shank. Between head and nut of a bolt that
-is no mesh, `JointSpringDamper` with a preload is the bolt with its stiffness.
+into one another by the shortening -s, as tightening the nut shortens the shank. Between head and nut of a bolt that is
+no mesh, `JointSpringDamper` with a preload is the bolt with its stiffness.
 
-Work of the tension is work of forces, `-(lambda_0 + lambda_1)/2 (s_1 - s_0)` a step, none once the length is held.
+Work of the tension is work of forces, `-(lambda_0 + lambda_1)/2 (s_1 - s_0)` per step, none once the length is locked.
 """
 
 from __future__ import annotations
@@ -87,7 +88,7 @@ class _Concentrated(Force):
         return (self.port,)
 
     def load(self) -> PointLoad:
-        """What the simulation applies."""
+        """The law that the simulation applies."""
         return PointLoad(self.what, self.port, self.frame, self.components)
 
     def describe(self) -> dict[str, Any]:
@@ -102,7 +103,7 @@ class PointForce(_Concentrated):
     """A force at a port.
 
     force: three numbers or signals [N], or (signal, direction (3,)). frame: the axes of its components, "world" or
-    "body" (turning with the body's frame). `components` are its three signals.
+    "body" (rotating with the body's frame). `components` are its three signals.
 
     >>> push = scene.add(wf.forces.PointForce(upper["bore"], (0, 0, -50.0), name="push"))  # N, world axes
     """
@@ -123,11 +124,12 @@ class PointForce(_Concentrated):
 
 @named_arguments
 class PointTorque(_Concentrated):
-    """A torque at a port: on a flexible interface it turns the interface, on a rigid body its place does not matter.
+    """A torque at a port: on a flexible interface it rotates the interface; on a rigid body its point of application
+    does not matter.
 
     torque: three numbers or signals [N m], or (signal, direction (3,)). frame: the axes of its components, "world" or
-    "body" (turning with the body's frame). A constant torque about fixed axes has no potential in space; its work is
-    counted from the turns that the body makes.
+    "body" (rotating with the body's frame). A constant torque about fixed axes has no potential in space; its work is
+    computed from the rotation of the body.
     """
 
     kind = "point_torque"
@@ -171,9 +173,9 @@ def _components(value: Any, label: str) -> tuple[Signal, Signal, Signal]:
 class NodalLoad(Force):
     """Forces on the nodes of a free interface of a flexible body, in body axes.
 
-    port: `body['name of the interface']`. forces: (k, 3) [N], one a node in the order of the interface's `nodes`, or
-    (3,), a total that is shared equally. signal: a number or signal [-] that multiplies them. Raises
-    `InputError` for another kind of interface.
+    port: `body['name of the interface']`. forces: (k, 3) [N], one per node in the order of the interface's `nodes`, or
+    (3,), a total that is distributed equally. signal: a number or signal [-] that multiplies them. Raises `InputError`
+    for another kind of interface.
     """
 
     kind = "nodal_load"
@@ -224,16 +226,16 @@ class NodalLoad(Force):
         return {**fields, "forces": self.forces.tolist(), "signal": self.signal.describe()}
 
 
-GAUSS = 4  # points a direction in a cell: hats times the normal, of which a crown's is not polynomial; 1e-12 left
+GAUSS = 4  # points per direction in a cell: shape functions times the normal, not polynomial for a crown; error 1e-12
 
 
 @named_arguments
 class SurfaceLoad(Force):
     """A pressure on a contact surface of a flexible body, in body axes.
 
-    surface: `body['name of the surface']`. pressure: a number or signal [Pa], positive pushing inwards. distribution:
-    None for the same everywhere, else what multiplies it: coefficients (columns, rows) of the hats of the surface's
-    grid, or a function of points (..., 3) [m, user frame] that is taken at the grid's nodes. Raises `InputError`.
+    surface: `body['name of the surface']`. pressure: a number or signal [Pa], positive inwards. distribution: None:
+    uniform; else the factor: coefficients (columns, rows) of the nodes of the surface's grid, or a function of points
+    (..., 3) [m, user frame] that is taken at the grid's nodes. Raises `InputError`.
     """
 
     kind = "surface_load"
@@ -287,11 +289,11 @@ class SurfaceLoad(Force):
 
 
 def _resultant(surface: Any, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """-int p n dA [m2] and -int p x cross n dA [m3] of the hat coefficients p (columns, rows)."""
+    """-int p n dA [m2] and -int p x cross n dA [m3] of the nodal coefficients p (columns, rows)."""
     grid, shape = surface.grid, surface.shape
     padded = p if not grid.periodic else np.vstack([p, p[:1]])
     theta0 = grid.theta_start + grid.pitch * np.arange(len(padded))
-    if not grid.periodic:  # the outermost hats end a pitch beyond the outermost nodes
+    if not grid.periodic:  # the outermost shape functions end one pitch beyond the outermost nodes
         padded = np.vstack([0.0 * p[:1], p, 0.0 * p[:1]])
         theta0 = grid.theta_start + grid.pitch * np.arange(-1, grid.columns + 1)
     x, w = np.polynomial.legendre.leggauss(GAUSS)
@@ -314,14 +316,14 @@ def _resultant(surface: Any, p: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 @named_arguments
 class Pretension(Force):
-    """Pulls the two sides of a joint together with a force, and holds the length between them later.
+    """Pulls the two sides of a joint together with a force, and later locks the length between them.
 
     joint: leaves a translation or a distance free, such as a `Prismatic` joint between the faces of `Mesh.cut`. force:
     a number or a signal [N], positive: tension, b is drawn towards a. lock_at [s]: from the end of the first step at or
-    after this time on the coordinate stays what it is then; 0 locks what a run starts from, "equilibrium" for one;
-    None: the force acts throughout. coordinate: the joint's, or None where it has one only. A static state has the
-    force unless its time is beyond lock_at, or it goes on from a run that has locked. Once locked it stays so, in later
-    stages and in runs that go on from a checkpoint.
+    after this time on the coordinate is constant; 0 locks the start state of a run, "equilibrium" for one; None: the
+    force acts throughout. coordinate: the joint's, or None where it has one only. A static state has the force unless
+    its time is beyond lock_at, or it goes on from a run that has locked. Once locked it stays so, in later stages and
+    in runs that go on from a checkpoint.
 
     The force in the results is that on the second body, the deformation the coordinate [m]. Raises `InputError` for a
     coordinate that is no length, or that the joint holds.

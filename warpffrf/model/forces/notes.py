@@ -1,4 +1,4 @@
-"""What a reader of results should know of springs and dampers with characteristics."""
+"""Notes in the results on springs and dampers with characteristics."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ LENGTHS = ("translation", "distance")
 def characteristic_notes(
     laws: Mapping[str, SpringLaw], values: Mapping[str, np.ndarray], time: np.ndarray
 ) -> list[str]:
-    """Notes of dampers whose force and rate have opposite signs somewhere, and of tables that a run has left.
+    """Notes on dampers whose force and rate have opposite signs somewhere, and on tables whose range a run has left.
 
     laws by name; values (T, n): their coordinates at the saved times (T,) [s]. Rates are those from one saved step to
     the next.

@@ -1,14 +1,14 @@
 """Spring and damper along a line.
 
-Bearing: stiffness across, along and against tilting of an axis that spins freely.
+Bearing: radial, axial and tilt stiffness of an axis that spins freely.
 
 Coordinates of the second port's marker (axes w) against the first's (axes u), z along the bearing's axis:
 
     d = A_a^T (x_b - x_a),      theta_x = -u_y . w_z,      theta_y = u_x . w_z.
 
-theta is the sine of the tilt of b's axis about a's x and y axes; unlike a rotation vector it does not feel the spin, so
-any number of turns leaves the law as it was. A bushing would not do: its rotation is that of the whole frame. The spin
-is the twist (`warpffrf.model.joints.base`), which no choice of x axes enters.
+theta is the sine of the tilt of b's axis about a's x and y axes; unlike a rotation vector it is independent of the
+spin, so the law holds for any number of revolutions. A bushing is unsuitable: its rotation is that of the whole frame.
+The spin is the twist (`warpffrf.model.joints.base`), which does not depend on the choice of x axes.
 
 Bushing: full 6 x 6 stiffness and damping between two ports.
 
@@ -17,11 +17,11 @@ With markers a and b that coincide at the initial pose, x, A their world positio
     e = (d, phi),      d = A_a^T (x_b - x_a),      exp(phi^) = A_a^T A_b,       |phi| < pi,
 
 the law is `lambda = K e + D de/dt + preload` in the axes of a. Its generalised force is the gradient of the energy, not
-K e read as force and torque: with T the tangent of the exponential map, the torque that turns phi is `A_a T(phi)^-1`
+K e taken as force and torque: with T the tangent of the exponential map, the torque conjugate to phi is `A_a T(phi)^-1`
 times the last three entries of lambda, acting at x_b, which differs from K e in second order of phi and makes the work
 of a closed path zero for symmetric K at any displacement of the frames. A skew part of K (an oil film) is allowed; its
-work is booked as work of forces. Directions of a rubber mount with characteristics of their own have
-`lambda_i = F_i(e_i) + G_i(de_i/dt) + preload_i`, uncoupled. (Rotation vector as bushing coordinate: e.g. EXUDYN's
+work is counted as work of forces. Directions of a rubber mount with characteristics of their own have `lambda_i =
+F_i(e_i) + G_i(de_i/dt) + preload_i`, uncoupled. (Rotation vector as bushing coordinate: e.g. EXUDYN's
 RigidBodySpringDamper uses Tait-Bryan angles instead; the rotation vector has no preferred order of axes.)
 
 Joint spring. Springs and dampers on the coordinate of a joint.
@@ -65,8 +65,8 @@ class SpringDamper(Force):
 
     The force that pulls the ports together is stiffness (l - free_length) + damping dl/dt [N], l their distance [m];
     stiffness [N/m], damping [N s/m], free_length [m] or None for the distance at the initial pose. A characteristic
-    (`characteristics`) in the place of either number is the force over l - free_length [m], or over dl/dt [m/s].
-    Raises `InputError`.
+    (`characteristics`) instead of either number is the force over l - free_length [m], or over dl/dt [m/s]. Raises
+    `InputError`.
     """
 
     kind = "spring_damper"
@@ -101,7 +101,7 @@ class SpringDamper(Force):
 
     @property
     def free_length(self) -> float:
-        """Free length [m]: the given one, else the distance of the ports at the initial pose as it is now.
+        """Free length [m]: the given one, else the distance of the ports at the current initial pose.
 
         Raises `InputError` where the ports coincide: the line between them then has no direction.
         """
@@ -114,8 +114,8 @@ class SpringDamper(Force):
         return distance if self.given_free_length is None else self.given_free_length
 
     def law(self) -> SpringLaw:
-        """Coordinate and law, from the initial pose as it is now. Raises `InputError` for ports that coincide,
-        and where stiffness and damping are both zero."""
+        """Coordinate and law, from the current initial pose. Raises `InputError` for ports that coincide, and where
+        stiffness and damping are both zero."""
         if vanishes(self.stiffness) and vanishes(self.damping):
             raise InputError(f"spring {self.name!r}: stiffness and damping are both zero; remove it")
         points = (np.asarray(self.a.point), np.asarray(self.b.point))
@@ -130,10 +130,10 @@ class SpringDamper(Force):
         return {**{f: described(getattr(self, f)) for f in fields}, "a": self.a.describe(), "b": self.b.describe()}
 
 
-ORTHONORMAL = 1e-6  # entries of axes typed with six digits; further off is a mistake
+ORTHONORMAL = 1e-6  # entries of axes given with six digits; a larger error is a mistake
 
 
-Directions: TypeAlias = Matrix | Sequence[float | Characteristic]  # (6, 6), or one a direction
+Directions: TypeAlias = Matrix | Sequence[float | Characteristic]  # (6, 6), or one per direction
 
 
 class TwoPorts(Force):
@@ -155,9 +155,8 @@ class TwoPorts(Force):
         return self.a, self.b
 
     def world_point(self) -> np.ndarray:
-        """Place (3,) [m] in the world at the initial pose: `point` if given, else where the ports meet.
-
-        Raises `InputError` where they do not.
+        """Position (3,) [m] in the world at the initial pose: `point` if given, else that of the ports. Raises
+        `InputError` where they do not coincide.
         """
         if self.point is not None:
             return self.point
@@ -193,10 +192,10 @@ class Bushing(TwoPorts):
 
     stiffness, damping: (6, 6), or (6,) for a diagonal, on (d_x, d_y, d_z [m], phi_x, phi_y, phi_z [rad]): N/m, N/rad,
     N m/rad and the same times s. axes: (3, 3), columns are the axes of the law in the world at the initial pose, from
-    where they move with the first port. point: (3,) [m], world, at the initial pose; None takes the place of the ports,
-    which must then coincide. preload (6,) [N, N m]: what the law gives at the initial pose; the force on the second
-    body is minus the law. The relative rotation must stay below half a turn. Raises `InputError` for a matrix whose
-    symmetric part is negative in some direction.
+    where they move with the first port. point: (3,) [m], world, at the initial pose; None takes the position of the
+    ports, which must then coincide. preload (6,) [N, N m]: value of the law at the initial pose; the force on the
+    second body is minus the law. The relative rotation must stay below half a revolution. Raises `InputError` for a
+    matrix whose symmetric part is negative in some direction.
     """
 
     kind = "bushing"
@@ -285,7 +284,7 @@ def _directions(
     return np.diag(numbers), curves
 
 
-# theta_x carries a sign that the coordinate u_y . w_z has not; the law's matrices are turned accordingly
+# theta_x carries a sign that the coordinate u_y . w_z has not; the law's matrices are rotated accordingly
 _COORDINATES = (
     Coordinate("translation", 0),
     Coordinate("translation", 1),
@@ -305,9 +304,8 @@ class BearingSpring(TwoPorts):
     [N/m], tilt [N m/rad], radial_tilt [N/rad] (force per tilt, moment per displacement, in the planes x-z and y-z:
     d_x with theta_y, -d_y with theta_x), cross [N/m] (skew, as of an oil film:
     displacement along x pushes along +y, one along y pushes along -x, which drives forward whirl about the axis; its
-    work is booked as work of forces). radial_damping, axial_damping [N s/m], tilt_damping, spin_damping
-    [N m s/rad]; the last brakes the spin. point as in `Bushing`. Moments follow the sine of the tilt. Raises
-    `InputError`.
+    work is counted as work of forces). radial_damping, axial_damping [N s/m], tilt_damping, spin_damping [N m s/rad];
+    the last brakes the spin. point as in `Bushing`. Moments follow the sine of the tilt. Raises `InputError`.
     """
 
     kind = "bearing_spring"
@@ -382,16 +380,16 @@ ROTATION = "rotation"
 
 @named_arguments
 class JointSpringDamper(Force):
-    """A spring and damper on a coordinate s of a joint: a displacement or an angle that it leaves free.
+    """A spring and damper on a coordinate s of a joint: a free displacement or angle.
 
     The force [N] along (torque [N m] about) the axis on the second body is preload - stiffness (s - reference) -
     damping ds/dt, its opposite acts on the first. stiffness [N/m or N m/rad], damping [N s/m or N m s/rad], reference
     [m or rad], preload [N or N m], a number or a signal of time, which loads softly. coordinate: the name of the
-    joint's coordinate ("translation", "rotation", ...), or None where it has one only. Turns of an angle are counted,
-    so a spiral spring winds up over any number of them.
-    A characteristic (`characteristics`) in the place of stiffness or damping is the force over s - reference, or over
-    ds/dt. Between interfaces under head and nut, a joint that leaves their axis free and a negative preload make a bolt
-    of it, whose tension is -preload where nothing has yielded yet. Raises `InputError`.
+    joint's coordinate ("translation", "rotation", ...), or None where it has only one. Angles are not limited to one
+    revolution, so a spiral spring winds up over any number of them. A characteristic (`characteristics`) instead of
+    stiffness or damping is the force over s - reference, or over ds/dt. Between interfaces under head and nut, a joint
+    that leaves their axis free and a negative preload make a bolt of it, whose tension is -preload before any
+    deformation. Raises `InputError`.
 
     Softly pressed, with `guide` as in `joints.Prismatic`:
 

@@ -1,7 +1,7 @@
 """Joints between two ports, and prescribed motion of their coordinates.
 
 With x_a, A_a and x_b, A_b the world positions and axes of a joint's markers on its two sides, d = A_a^T (x_b - x_a) and
-A = A_a^T A_b, the kinds of joints ask for
+A = A_a^T A_b, the kinds of joints require
 
     Fixed          d = 0,            A = 1                    no coordinate
     Revolute       d = 0,            A e_z = e_z              rotation [rad]
@@ -15,8 +15,8 @@ A = A_a^T A_b, the kinds of joints ask for
     LineInPlane    d_z = 0,          e_z . A e_y = 0          no coordinate
     Distance       |d| = its initial value                    distance [m]
 
-A joint of one's own is a subclass of `Joint` that names its rows and coordinates; the compiler of scenes, the
-redundancy check, the record and the conformance tests read these tables. `JOINT_KINDS` has those of the package.
+A user-defined joint is a subclass of `Joint` that defines its rows and coordinates; the scene compiler, the redundancy
+check, the recording and the conformance tests read these tables. `JOINT_KINDS` lists those of the package.
 """
 
 from __future__ import annotations

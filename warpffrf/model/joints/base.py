@@ -1,11 +1,11 @@
-"""What all joints share: two ports, the markers on them, and the tables of rows that a kind of joint is.
+"""Base of all joints: two ports, their markers, and the tables of rows that define a kind of joint.
 
 A joint has a *marker* on each side: a point and axes fixed to the body (to the interface, if it is flexible), with z
-along the joint axis, coincident at the initial pose unless the joint says otherwise. A kind of joint is two tables of
-`Row`: `rows`, the functions that it holds at their initial values, and `coordinates`, the named ones it leaves free,
+along the joint axis, coincident at the initial pose unless the joint specifies otherwise. A kind of joint consists of
+two tables of `Row`: `rows`, the functions constrained to their initial values, and `coordinates`, the named free ones,
 which can be driven and are recorded. All of them are zero at the initial pose, except a distance.
 
-Rows. The scalar functions that joints are made of, and how they pull.
+Rows. The scalar constraint functions of joints, and their forces.
 
 A row is a function c of two markers a and b: positions x_a, x_b and axes u_i (of a), w_j (of b), all in the world.
 
@@ -16,18 +16,18 @@ A row is a function c of two markers a and b: positions x_a, x_b and axes u_i (o
     second_angle   c = angle of w_j about w_i, measured against u_j
     twist          c = turn of b against a about the axis i, whatever the axis of b does (swing and twist)
 
-With dx_a, dx_b the displacements of the material points of either body that lie at x_b, and dTheta their turns, every
-variation is dc = f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a). A multiplier therefore pulls with the wrench -lambda (f, t)
-at x_b on the second body and with its exact opposite on the first. Two angles need a derivation. With P = p.e, Q = q.e
-for a vector e of one body in the orthonormal directions p, q of the other, c = atan2(P, Q) and
-dc = (Q dP - P dQ)/(P^2 + Q^2). For `angle` e = w_j turns against p = u_i x u_j, q = u_j, so that
-t = e x (Q p - P q)/(P^2 + Q^2); for `second_angle` p = w_j x w_i, q = w_j turn against e = u_j, and t is the opposite
-of the same expression. On the joint (e perpendicular to the axis) t is the axis itself.
+With dx_a, dx_b the displacements of the material points of either body that lie at x_b, and dTheta their rotations,
+every variation is dc = f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a). A multiplier therefore exerts the wrench -lambda (f,
+t) at x_b on the second body and with its exact opposite on the first. Two angles need a derivation. With P = p.e, Q =
+q.e for a vector e of one body in the orthonormal directions p, q of the other, c = atan2(P, Q) and dc = (Q dP - P
+dQ)/(P^2 + Q^2). For `angle` e = w_j turns against p = u_i x u_j, q = u_j, so that t = e x (Q p - P q)/(P^2 + Q^2); for
+`second_angle` p = w_j x w_i, q = w_j turn against e = u_j, and t is the opposite of the same expression. On the joint
+(e perpendicular to the axis) t is the axis itself.
 
-Where nothing holds the axis these angles are those of one vector, which another would not share: to first order in the
-tilt they depend on which was chosen. The *twist* does not. With the quaternion (q_v, q_0) of A_a^T A_b it is
-2 atan2(q_i, q_0): the shortest turn that brings u_i to w_i is taken off, what is left is a turn about u_i. In the
-markers' axes, p and q the two after i,
+Where the axis is not constrained, these angles are those of one particular vector: to first order in the tilt they
+depend on its choice. The *twist* does not. With the quaternion (q_v, q_0) of A_a^T A_b it is 2 atan2(q_i, q_0): the
+shortest rotation from u_i to w_i is removed; the remainder is a rotation about u_i. In the markers' axes, p and q the
+two after i,
 
     c = atan2(u_q.w_p - u_p.w_q, u_p.w_p + u_q.w_q),      as q_i q_0 and q_0^2 - q_i^2 are 1/4 and 1/2 of these,
 
@@ -81,7 +81,7 @@ class Row:
 
     @property
     def held(self) -> str:
-        """What is held where the row is a constraint, in words; axes are those of the joint."""
+        """Description of the constrained motion, in the joint's axes."""
         if self.kind == "translation":
             return f"translation along {_AXES[self.i]}"
         if self.kind == "distance":
@@ -151,8 +151,8 @@ ABOUT = Row("angle", 2, 0)
 
 
 def coincident_within(*ports: Port) -> float:
-    """Distance [m] up to which ports are at one place: COINCIDENT of their coordinates, in the world and on the body,
-    or of a radius of gyration."""
+    """Distance [m] up to which ports coincide: COINCIDENT times their coordinates, in the world and on the body, or a
+    radius of gyration."""
     sizes = [0.0]
     for port in ports:
         if port.point is not None:
@@ -176,8 +176,8 @@ class Joint(reprs.Item):
     """Two ports and an axis; see the subclasses.
 
     a, b: ports (`body['interface']`, `body.at(point)`, `scene.ground`) of two bodies, or two interfaces of one flexible
-    body, which its modes move against each other. axis: direction (3,), world, at the initial
-    pose. point: (3,) [m], world, at the initial pose; None takes the place of the ports, which must then meet.
+    body, with relative motion by its modes. axis: direction (3,), world, at the initial pose. point: (3,) [m], world,
+    at the initial pose; None takes the position of the ports, which must then coincide.
     """
 
     scene_list = "joints"
@@ -206,7 +206,7 @@ class Joint(reprs.Item):
         return self.a, self.b
 
     def coordinate(self, name: str | None = None) -> str:
-        """Name of the coordinate called `name`, or of the only one where that is None.
+        """Name of the coordinate `name`, or of the only one if `name` is None.
 
         Raises `InputError` for a joint without coordinates, an unknown name, and None where there are several.
         """
@@ -223,13 +223,13 @@ class Joint(reprs.Item):
         return name
 
     def initial_value(self, row: Row) -> float:
-        """Value [m or rad] of a row at the initial pose: what a constraint holds, where a coordinate starts."""
+        """Value [m or rad] of a row at the initial pose: the constrained value, or the start value of a coordinate."""
         return 0.0
 
     def world_point(self) -> np.ndarray:
-        """Place of the joint (3,) [m] in the world at the initial pose: `point` if given, else b's, else a's.
+        """Position of the joint (3,) [m] in the world at the initial pose: `point` if given, else b's, else a's.
 
-        Raises `InputError` where the ports do not meet as the kind of joint demands.
+        Raises `InputError` where the ports do not coincide as the kind of joint requires.
         """
         if self.point is not None:
             return self.point
@@ -255,7 +255,7 @@ class Joint(reprs.Item):
         return np.stack([e_x, np.cross(self.axis, e_x), self.axis], axis=1)
 
     def frames(self) -> tuple[Marker, Marker]:
-        """Markers on a's and b's body, from the initial pose as it is now: call after place() and close_gap()."""
+        """Markers on a's and b's body, from the current initial pose: call after place() and close_gap()."""
         x, world = self.world_point(), self.axes()
         return self._marker(self.a, x, world), self._marker(self.b, x, world)
 

@@ -23,7 +23,7 @@ class Drive(reprs.Item):
     needed where the joint has several; None takes the only one. A prescribed velocity is integrated exactly, so the
     position does not drift. Raises `InputError` for a coordinate that the joint does not have.
 
-    With `machine` and `axle` as in `joints.Revolute`, run up to 100 rad/s and at this speed from then on:
+    With `machine` and `axle` as in `joints.Revolute`, accelerated to 100 rad/s, constant afterwards:
 
     >>> speed = wf.signals.SmoothStep(0, 100, duration=0.01)
     >>> motor = machine.add(wf.joints.Drive(axle, speed, quantity="velocity", name="motor"))

@@ -24,9 +24,9 @@ Point on a line: d_x = d_y = 0; coordinate "translation" d_z [m]; rotations are 
 
 Point in a plane: d_z = 0; rotations and sliding in the plane are free.
 
-Line in a plane: d_z = 0, e_z . A e_y = 0; b turns about the line and about the axis, and slides in the plane.
+Line in a plane: d_z = 0, e_z . A e_y = 0; b rotates about the line and about the axis, and slides in the plane.
 
-Distance joint: |x_b - x_a| held, like a massless rod with a ball at each end; coordinate "distance" [m].
+Distance joint: |x_b - x_a| is constant, like a massless rod with a ball at each end; coordinate "distance" [m].
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ from warpffrf.model.messages.named_arguments import named_arguments
 
 @named_arguments
 class Fixed(Joint):
-    """Holds b to a: no relative motion. `axis` only names the marker's z axis.
+    """Fixes b to a: no relative motion. `axis` only defines the marker's z axis.
 
     >>> hold = scene.add(wf.joints.Fixed(scene.ground, lower["bore"], axis=(0, 1, 0), name="hold"))
     """
@@ -78,7 +78,8 @@ class Fixed(Joint):
 
 @named_arguments
 class Revolute(Joint):
-    """Lets b turn against a about the axis; coordinate "rotation", the angle [rad], which counts turns.
+    """Allows rotation of b relative to a about the axis; coordinate "rotation", the angle [rad], not limited to one
+    revolution.
 
     >>> machine = wf.Scene(gravity=(0, 0, 0))
     >>> wheel = machine.add_rigid_body(1.0, (0.01, 0.02, 0.01), name="wheel")
@@ -92,7 +93,7 @@ class Revolute(Joint):
 
 @named_arguments
 class Cylindrical(Joint):
-    """Lets b turn about the axis and slide along it; coordinates "translation" [m] and "rotation" [rad].
+    """Allows rotation of b about the axis and sliding along it; coordinates "translation" [m] and "rotation" [rad].
 
     The ports may lie apart along the axis at the initial pose; both coordinates are zero there.
     """
@@ -107,10 +108,10 @@ class Cylindrical(Joint):
 
 @named_arguments
 class Planar(Joint):
-    """Lets b slide across the axis in any direction and turn about it, as a shaft in a journal bearing; coordinate
-    "rotation", the angle [rad], which counts turns.
+    """Allows translation of b perpendicular to the axis and rotation about it, as a shaft in a journal bearing;
+    coordinate "rotation", the angle [rad], not limited to one revolution.
 
-    Its ports may lie apart across the axis at the initial pose: the joint then sits at b's.
+    Its ports may be apart perpendicular to the axis at the initial pose: the joint is then located at b's.
     """
 
     kind = "planar"
@@ -123,9 +124,9 @@ class Planar(Joint):
 
 @named_arguments
 class Prismatic(Joint):
-    """Lets b slide against a along the axis; coordinate "translation", the displacement [m].
+    """Allows sliding of b relative to a along the axis; coordinate "translation", the displacement [m].
 
-    Its ports may lie apart at the initial pose: the joint then sits at b's.
+    Its ports may be apart at the initial pose: the joint is then located at b's.
 
     >>> guide = scene.add(wf.joints.Prismatic(scene.ground, upper["bore"], axis=(0, 0, 1), name="guide"))
     """
@@ -140,7 +141,7 @@ class Prismatic(Joint):
 
 @named_arguments
 class Spherical(Joint):
-    """Holds a point of b to a point of a; every rotation is free. No coordinate."""
+    """Fixes a point of b to a point of a; all rotations are free. No coordinate."""
 
     kind = "spherical"
     rows = POINT
@@ -149,7 +150,7 @@ class Spherical(Joint):
         super().__init__(a, b, axis=(0.0, 0.0, 1.0), point=point, name=name)
 
 
-PERPENDICULAR = 1e-6  # cosine of the two axes: six digits typed; the second is then made perpendicular to the first
+PERPENDICULAR = 1e-6  # cosine of the two axes: input of six digits; the second is then made perpendicular to the first
 
 
 @named_arguments
@@ -196,8 +197,8 @@ class Universal(Joint):
 class PointOnLine(Joint):
     """Keeps a point of b on the line through a's point along the axis, which is fixed to a.
 
-    Coordinate "translation", the displacement of the point along the line [m] from its place at the initial pose. The
-    ports may lie apart along the axis there.
+    Coordinate "translation", the displacement of the point along the line [m] from its position at the initial pose.
+    The ports may lie apart along the axis there.
     """
 
     kind = "point_on_line"
@@ -210,7 +211,8 @@ class PointOnLine(Joint):
 
 @named_arguments
 class PointInPlane(Joint):
-    """Keeps a point of b in the plane through a's point across the axis, which is fixed to a: a ball in a slot.
+    """Keeps a point of b in the plane through a's point perpendicular to the axis, which is fixed to a: a ball in a
+    slot.
 
     It has no coordinate. The ports may lie apart across the axis at the initial pose.
     """
@@ -225,8 +227,8 @@ class PointInPlane(Joint):
 
 @named_arguments
 class LineInPlane(Joint):
-    """Keeps a line of b, through its point along `line`, in the plane through a's point across `axis`, which is fixed
-    to a: a roller in the pocket of a cage, whose axis cannot skew out of the plane.
+    """Keeps a line of b, through its point along `line`, in the plane through a's point perpendicular to `axis`, which
+    is fixed to a: a roller in the pocket of a cage, whose axis cannot skew out of the plane.
 
     line: direction (3,), world, at the initial pose, perpendicular to the axis; fixed to b from then on. It has no
     coordinate. The ports may lie apart across the axis at the initial pose. Raises `InputError` for a line that does
@@ -269,8 +271,7 @@ class LineInPlane(Joint):
 
 @named_arguments
 class Distance(Joint):
-    """Holds the distance of two ports a and b at its initial value, or at that of a drive (then it is a telescopic
-    rod).
+    """Constrains the distance of two ports a and b to its initial value, or to that of a drive (a telescopic rod).
 
     Coordinate "distance", the length itself [m]: a drive with quantity="position" prescribes the length. Raises
     `InputError` where the ports coincide.
@@ -289,7 +290,7 @@ class Distance(Joint):
                 )
 
     def initial_value(self, row: Row) -> float:
-        """The initial length [m], whatever the row; raises `InputError` where the ports coincide: the rod then has no
+        """The initial length [m], for any row; raises `InputError` where the ports coincide: the rod then has no
         direction."""
         length = float(np.linalg.norm(self.b.world_point() - self.a.world_point()))
         if length <= coincident_within(self.a, self.b):
@@ -300,7 +301,7 @@ class Distance(Joint):
         return length
 
     def world_point(self) -> np.ndarray:
-        """Place of b's port (3,) [m], where the reaction on the second body acts."""
+        """Position of b's port (3,) [m], where the reaction on the second body acts."""
         return self.b.world_point()
 
     def frames(self) -> tuple[Marker, Marker]:

@@ -1,8 +1,8 @@
-"""Laps, joints that slide a little: how their faces are split into cells, and what a reduced body knows of them.
+"""Small-sliding contact (joint interfaces, laps): its cells, and its data in a reduced body.
 
-LapCells      the cells of a face, or of the overlap of two faces, as `reduce` is asked for them
+LapCells      the cells of a face, or of the overlap of two faces, as requested from `reduce`
 LapSurface    the cells of a reduced body
-Lap           the joint in a scene, within a body or between two
+Lap           the contact in a scene, within a body or between two
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-r"""Where two surfaces of triangles face each other: the triangles of the first, cut by those of the second.
+r"""Facing parts of two triangulated surfaces: the triangles of the first, cut by those of the second.
 
 Triangle b of the second surface is seen from triangle a of the first along a's normal n: where their normals look
 against each other, `n.n_b < -cos 60 deg`, and b is neither behind a, by more than what meshes of round faces and press
@@ -9,15 +9,15 @@ side.
 Clipping. Convex polygons in the plane cut by one another (Sutherland and Hodgman 1974, Commun. ACM 17, 32), many at a
 time.
 
-Pairing. Which cells of two faces lie on each other at the initial pose, and how forces of a cell act on the other face.
+Pairing. Opposite cells of two faces at the initial pose, and the transfer of a cell's forces to the other face.
 
 Triangles of the first face are cut by those of the second, seen along the normals of the first (`facing`). A cell of
 the first face that is covered is a cell of the lap; its force acts on the cells of the second face in proportion to the
-areas that they share, and what it sees of the second face is the mean of their displacements with the same weights, so
-that the two are conjugate. Cells of the second face have a mean displacement each and no slope, so that shared areas
-alone would put the force beside the cell where cells do not nest, and two cells on one of the second face would see the
-same, which locks them. So weights w are changed by as little as makes them exact for displacements that are linear
-along the face,
+shared areas, and its opposite displacement is the mean of theirs with the same weights, so that the two are conjugate.
+Cells of the second face have a mean displacement each and no slope, so that weights by shared area alone would misplace
+the force where cells do not nest, and two cells on one cell of the second face would have the same displacement, which
+locks them. So the weights w are corrected by the smallest change that makes them exact for displacements that are
+linear along the face,
 
     sum w = 1,        sum w x = x of the cell,
 
@@ -44,10 +44,10 @@ FACING = -0.5  # cosine between normals of triangles that face each other, at mo
 # facets of round faces cut off. Sheets are thicker, whose other side must not be taken for it.
 BEHIND = 1e-3
 FAR = 0.5  # of the extent of the smaller face: further apart they do not face each other
-ROUND_OFF = 1e-10  # of a triangle's area: what cuts along shared edges leave
+ROUND_OFF = 1e-10  # of a triangle's area: remainders of cuts along shared edges
 TOGETHER = 1e-9  # of the extent: corners closer than this are one
-CENTERS = 1000  # triangles whose neighbours are looked for together
-PAIRS = 200_000  # triangles tried against triangles together: some 100 MB
+CENTERS = 1000  # triangles per neighbour search
+PAIRS = 200_000  # triangle pairs tested at once: some 100 MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -266,9 +266,9 @@ def _next(k: int, count: Array) -> Array:
     return np.where(following < count[:, None], following, 0)
 
 
-LEAST = 1e-2  # of a cell's area: less of it covered is none
+LEAST = 1e-2  # of a cell's area: a smaller covered share counts as none
 NEAR = 5  # a cell and its neighbours on a grid
-AT_PLACE = 1e-6  # of a cell's edge: how far its force may act beside it
+AT_PLACE = 1e-6  # of a cell's edge: admissible offset of its force
 SHORT = 1e-6  # of how far the cells at hand lie apart: directions in which they do not differ
 
 

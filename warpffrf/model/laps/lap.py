@@ -1,19 +1,19 @@
-"""`Lap`: a joint that slides a little, between faces of two bodies or within one.
+"""`Lap`: small-sliding contact (joint interface) between faces of two bodies or within one.
 
-Cells of the first face have fixed partners on the other, so that nothing rolls and nothing slides far: bolted and
-riveted sheets, leaves of a spring, a hub on its shaft. Contact is unilateral, friction is Coulomb's with its history,
-and cells yield with the static compliance of their relative motion (`reduce(laps=...)`), all laps of a body together.
+Cells of the first face have fixed partners on the other; rolling and large sliding are excluded: bolted and riveted
+sheets, leaves of a spring, a hub on its shaft. Contact is unilateral, friction is Coulomb's with its history, and cells
+have the static compliance of their relative motion (`reduce(laps=...)`), coupled over all laps of a body.
 
-Preload. Laps whose faces begin inside each other, or apart: what holds a preload, and what hardly touches.
+Preload. Interfaces with initial interference or gap: how the preload is equilibrated, and which hardly touch.
 
-Interference presses faces apart. A hub around its shaft carries that by itself, as pressures all around cancel; two
-plates need a bolt, a joint or a load. Bodies that no joint, spring or contact connects make a *part*; of each part the
-pressures of its laps, taken as one everywhere, have the resultant
+Interference presses faces apart. A hub on its shaft is self-equilibrated, as the pressures cancel around the
+circumference; two plates require a bolt, a joint or a load. Bodies that no joint, spring or contact connects make a
+*part*; for each part the pressures of its laps, assumed uniform, have the resultant
 
     r = |sum n A|/sum A,
 
 n the outward normals of the cells in the world, A their areas: 1 of a plane face, 0 of a closed one. A part with r
-above `ONE_SIDED` flies off unless something loads it.
+above `ONE_SIDED` is accelerated away unless it is loaded.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 
 UNILATERAL = Unilateral()
-ROUND_OFF = 1e-12  # of the extent of a face: gaps that are none
+ROUND_OFF = 1e-12  # of the extent of a face: smaller gaps count as zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,18 +54,18 @@ class LapCellsOf:
 
 @named_arguments
 class Lap(reprs.Item):
-    """Contact with friction between two faces that slide a little on each other.
+    """Contact with friction between two faces with small relative sliding.
 
     a: `body["lap"]` of two faces of one body (`reduce(laps={"lap": ("top", "bottom")})`), then b is left out; or a face
     of a flexible body (`reduce(laps={"foot": "foot"})`). b: a face of another flexible body, or a surface of a rigid
     body or the ground. friction: the coefficient, or `friction.Coulomb`. law: `laws.UNILATERAL`, or `laws.LinearLayer`
-    for a layer that yields by p/stiffness. tangential_stiffness [Pa/m]: that of such a layer along the face, None for
-    its stiffness; without a layer it is one along the face alone, and None is none. interference [m]: by how much the
-    second face begins inside the first, as of a press fit, added to what the geometry has. name: default
-    "<first>-<second>".
+    for a layer with the deformation p/stiffness. tangential_stiffness [Pa/m]: that of such a layer along the face, None
+    for its normal stiffness; without a layer the value is tangential only, and None means rigid. interference [m]:
+    initial penetration of the second face into the first, as in a press fit, added to that of the geometry. name:
+    default "<first>-<second>".
 
-    Forces are those on the second face. Both bodies are taken as they are placed when the run begins: cells keep their
-    partners. Raises `InputError` for ports, laws and numbers that cannot be used.
+    Forces are those on the second face. The pairing of cells is fixed by the poses of the bodies when the run begins.
+    Raises `InputError` for ports, laws and numbers that cannot be used.
     """
 
     scene_list = "laps"
@@ -143,12 +143,12 @@ class Lap(reprs.Item):
 
     @property
     def yields(self) -> tuple[float, float]:
-        """What a layer yields, along the normal and along the face [m/Pa]."""
+        """Compliance of a layer, normal and tangential [m/Pa]."""
         normal = self.law.compliance
         return normal, normal if self.tangential_stiffness is None else 1.0 / self.tangential_stiffness
 
     def cells(self) -> LapCellsOf:
-        """Its cells at the initial pose as it is now. Raises `InputError` for faces that do not face each other."""
+        """Its cells at the current initial pose. Raises `InputError` for faces that do not face each other."""
         surface = self.a.surface
         if self.b is None:
             every = np.arange(surface.cells)
@@ -167,7 +167,8 @@ class Lap(reprs.Item):
         )  # fmt: skip
 
     def _from_touch(self, distance: np.ndarray) -> np.ndarray:
-        """Gaps (c,) [m] of faces so far apart, less the interference; zero where they are round-off of places."""
+        """Gaps (c,) [m] of faces at this distance, minus the interference; zero where they are round-off of
+        positions."""
         gap = distance - self.interference
         extent = float(np.linalg.norm(np.ptp(self.a.surface.triangles.reshape(-1, 3), axis=0)))
         return np.where(np.abs(gap) < ROUND_OFF * extent, 0.0, gap)
@@ -181,7 +182,7 @@ class Lap(reprs.Item):
         )
 
     def _on_rigid(self) -> LapCellsOf:
-        """Cells before a rigid surface: all of the first face, each as far as its middle is from it."""
+        """Cells opposite a rigid surface: all of the first face, each with the distance of its centre."""
         surface, shape = self.a.surface, self.b.surface.shape
         world = self.a.body.to_world(surface.points)
         theta, z, distance = shape.chart(self.b.body.to_user(world))
@@ -213,7 +214,7 @@ COVERED = 0.5  # of the smaller face
 
 
 def refuse_pushed_apart(scene: Any) -> None:
-    """Raises `InputError` where interference pushes a part of the scene away and nothing holds or loads it."""
+    """Raises `InputError` where interference pushes away a part of the scene that is neither constrained nor loaded."""
     if not any(lap.interference > 0.0 for lap in scene.laps) or np.any(scene.gravity):
         return
     part = _parts(scene)
@@ -235,7 +236,7 @@ def refuse_pushed_apart(scene: Any) -> None:
 
 
 def lap_notes(lap: Lap, cells: LapCellsOf) -> list[str]:
-    """What is odd in where the faces of a lap begin."""
+    """Notes on implausible initial gaps of a lap."""
     extent = float(np.linalg.norm(np.ptp(lap.a.surface.points, axis=0))) + float(np.sqrt(cells.area.max()))
     notes = []
     if (gap := float(cells.gap.min())) > APART * extent:
@@ -261,7 +262,7 @@ def _loads(scene: Any) -> list[Any]:
 
 
 def _parts(scene: Any) -> dict[int, int]:
-    """Of each body by index, and of the ground, the number of the part that it belongs to."""
+    """Part number of each body by index, and of the ground."""
     part = {index: index for index in (GROUND_INDEX, *(body.index for body in scene.bodies))}
     linking = (*scene.joints, *scene.forces, *scene.contacts, *scene.lumped_contacts, *scene.films)
     for item in linking:
@@ -272,7 +273,7 @@ def _parts(scene: Any) -> dict[int, int]:
 
 
 def _sides(lap: Lap, part: dict[int, int], number: int) -> int:
-    """How many faces of a lap are on a part."""
+    """Number of faces of a lap on a part."""
     return 0 if lap.b is None else sum(part[port.body.index] == number for port in lap.ports)
 
 

@@ -1,4 +1,4 @@
-r"""`LapSurface`: what of a lap's cells a reduced body knows.
+r"""`LapSurface`: the data of a lap's cells in a reduced body.
 
 A cell c has a frame of rows (n, t_1, t_2), n the outward normal of the first face, and three forces s_c along it [N],
 mean tractions times area. Of a *face* they act on it, and the displacement that they work on is that of the face,
@@ -14,19 +14,19 @@ the frames (of a face `+ d N_mean`), loads and displacements are conjugate, and 
 
 C the `lap_compliance` of the body: the static flexibility under inertia relief without what the global modes do.
 
-Lap cells. `LapCells`: which faces of a body make a lap, and how they are split into cells.
+Lap cells. `LapCells`: the faces of a body that form a lap, and their partition into cells.
 
-Face loads. What the forces of a lap's cells are on the cells of its faces.
+Face loads. Transformation of the forces of a lap's cells to the cells of its faces.
 
-A body knows what forces on all cells of all its laps do, `f` (N,), lap after lap as in `ReducedBody.laps`, three a cell
-along the rows of its frame (`LapSurface`). Of a lap in a scene the forces s (3 c,) act on the second face and their
-opposite on the first, so that on a body
+A body stores the response to forces on all cells of all its laps, `f` (N,), in the order of `ReducedBody.laps`, three
+per cell along the rows of its frame (`LapSurface`). Of a lap in a scene the forces s (3 c,) act on the second face and
+their opposite on the first, so that on a body
 
     f = P s,    P = 1 of a pair of faces of that body,    -1 of a first face,    w_cj F_j T F_c^T of a second one,
 
 with the share w_cj of cell c that cell j of the second face carries (`pairing`), the frames F_c and F_j in the axes of
-their bodies, and T from the axes of the first to those of the second. P^T takes displacements of cells of the body to
-what the lap sees of them.
+their bodies, and T from the axes of the first to those of the second. P^T maps displacements of cells of the body to
+those of the lap.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class LapSurface:
 
     @property
     def unknowns(self) -> int:
-        """Number of forces, three a cell."""
+        """Number of forces, three per cell."""
         return 3 * len(self.points)
 
     def arrays(self) -> dict[str, np.ndarray]:
@@ -75,7 +75,7 @@ class LapSurface:
         return {name: getattr(self, name) for name in ARRAYS}
 
     def facts(self) -> dict[str, Any]:
-        """What is no array, as JSON."""
+        """The data other than arrays, as JSON."""
         numbers = {name: [float(v) for v in getattr(self, name)] for name in NUMBERS}
         return {"pair": bool(self.pair), "by": self.by, **numbers}
 
@@ -111,8 +111,8 @@ class LapCells:
     by: "facets": a cell is a facet of the first set, cut by the outline of the second, or several of them. "nodes": a
         cell is a node of the first set, its load a nodal force; the nodes of the second have to lie opposite.
 
-    Raises `InputError` for names that are none, sizes that are not positive, sizes of cells by nodes, and `fine`
-    without `growth`.
+    Raises `InputError` for invalid names, sizes that are not positive, sizes of cells by nodes, and `fine` without
+    `growth`.
     """
 
     first: str
@@ -197,7 +197,7 @@ Array = np.ndarray
 
 
 def places(laps: Mapping[str, LapSurface]) -> dict[str, slice]:
-    """Which of the N forces of a body those of each of its laps are."""
+    """Indices of each lap's forces among the N forces of a body."""
     ends = np.cumsum([0, *(surface.unknowns for surface in laps.values())])
     return {name: slice(int(a), int(b)) for name, a, b in zip(laps, ends[:-1], ends[1:], strict=True)}
 

@@ -1,19 +1,19 @@
-"""Contact laws: what lies between two surfaces that touch. `layers` has what they share.
+"""Contact laws: the interface layer between two surfaces. `layers` defines their common base.
 
 With the gap g [m] between the deformed surfaces, the depth d = -g and the pressure p >= 0 [Pa]
 
-    Unilateral               p > 0 only at g = 0: nothing between them, no parameter
+    Unilateral               p > 0 only at g = 0: no layer, no parameter
     LinearLayer              p = k d
     NonlinearLayer           p = k d^n
-    TabulatedLayer               p(g) from a table
+    TabulatedLayer           p(g) from a table
     ExponentialAsperities    p = p_0 exp(-g/lambda)
     GreenwoodTripp           p = K E* F(g/s), asperities with Gaussian heights
     HuntCrossley             p = k d^n (1 + chi d_dot)
 
 Laws of force against approach, of lumped contacts, are in `warpffrf.model.laws.lumped` and named here too, and so are
 those of their rolling resistance, in `warpffrf.model.moments`.
-A law of one's own is a subclass of `Law` with a curve of `warpffrf.model.laws.curves`. The laws of friction are in
-`warpffrf.model.friction` and named here too.
+A user-defined law is a subclass of `Law` with a curve of `warpffrf.model.laws.curves`. The laws of friction are in
+`warpffrf.model.friction` and are exported here too.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@ r"""A layer that loses energy when it is compressed and released (Hunt and Cross
 
     p = k d^n (1 + chi d_dot),      d = -g > 0,   cut at zero: the surfaces do not pull
 
-Force and rate vanish together at touch, so that the force has no jump, unlike that of a damper beside the layer. k d^n
-is elastic, and k d^n chi d_dot^2 >= 0 [W/m^2] is lost.
+Force and rate vanish together at first contact, so that the force has no jump, unlike that of a damper in parallel. k
+d^n is elastic, and k d^n chi d_dot^2 >= 0 [W/m^2] is lost.
 
 Restitution. A mass m that hits the layer along its normal with the speed v leaves it with e v. As every depth of the
 contact has the same rate, the force is K f(d) (1 + chi d_dot) whatever the shape of the bodies, and m u du = -K f(d)
@@ -12,7 +12,7 @@ contact has the same rate, the force is K f(d) (1 + chi d_dot) whatever the shap
     a (1 + e) = ln[(1 + a)/(1 - e a)],
 
 which holds for every exponent, stiffness and mass, and for a given by e is solved by bisection between 0 and 1/e. To
-first order in 1 - e it is the usual chi = 3 (1 - e)/(2 v). What the bodies themselves yield adds to the restitution.
+first order in 1 - e it is the usual chi = 3 (1 - e)/(2 v). The deformation of the bodies adds to the restitution.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class HuntCrossley(Law):
     """A layer with the pressure stiffness * depth^exponent * (1 + damping * closing speed), never tensile.
 
     stiffness [Pa/m^exponent] positive, exponent at least 1. Either damping [s/m], not negative, or restitution (0 < e
-    <= 1) with the impact_speed [m/s] at which it is wanted. Raises `InputError`.
+    <= 1) with the impact_speed [m/s] for which it is specified. Raises `InputError`.
     """
 
     stiffness: float

@@ -1,4 +1,4 @@
-r"""What all laws of contact have in common: the layer that lies between two surfaces, pressure against depth.
+r"""Common to all contact laws: the layer between two surfaces, pressure over depth.
 
 With the gap g [m] between the deformed surfaces, negative where they enter one another, d = -g is the *depth* by which
 the layer is compressed. A layer is a rising curve p = P(d), zero below a depth d_0 (0 for a layer that begins at touch,
@@ -6,38 +6,38 @@ negative for one that reaches out), and holds the energy
 
     W(d) = int_d0^d P(e) de        [J/m^2].
 
-A law that also depends on how fast it is compressed has p = P(d) (1 + chi d_dot), cut at zero: surfaces do not pull.
-The part P(d) alone is elastic; p - P(d) dissipates (p - P) d_dot >= 0. P must then be convex, so that a step has one
-depth for each pressure.
+A law that also depends on the compression rate has p = P(d) (1 + chi d_dot), cut at zero: surfaces do not pull. The
+part P(d) alone is elastic; p - P(d) dissipates (p - P) d_dot >= 0. P must then be convex, so that a step has one depth
+for each pressure.
 
-The solver wants the inverse: contact is solved for pressures (`warpffrf_kernels.layers.weak_layer`), in which a layer
-is the yield y(p) = P^-1(p). All readers, checks of a run and references of the tests too, have what they need from
-the law's `curve` and `chi`: a law is a name, its parameters and these.
+The solver requires the inverse: contact is solved for pressures (`warpffrf_kernels.layers.weak_layer`), with the layer
+deformation y(p) = P^-1(p). All users, including run checks and test references, read the law's `curve` and `chi`: a law
+consists of a name, its parameters and these.
 
 Unilateral. Nothing lies between the surfaces: 0 <= p, g >= 0, p g = 0, without a parameter.
 
-Linear layer. A layer that yields by p/k: 0 <= p, g + p/k >= 0, p (g + p/k) = 0, a Winkler bed.
+Linear layer. A layer with the deformation p/k: 0 <= p, g + p/k >= 0, p (g + p/k) = 0, a Winkler bed.
 
-The layer stands for a coating, or for the penalty of other programs. In the weak form its yield is one more compliance,
-E = M_psi/k on the hats, M_psi their Gram matrix: symmetric positive definite, so that the problem stays the same one
-and is never worse conditioned; its energy s.E s/2 is in the contact line of the ledger. Limits: k -> infinity is
-`Unilateral`; for bodies that hardly yield beside the layer a cylinder of relative radius R pressed in by d has
-p = k (d - x^2/2R), half-width sqrt(2 R d), and the load (4/3) k d sqrt(2 R d) per unit of width.
+The layer stands for a coating, or for the penalty of other programs. In the weak form it adds the compliance E =
+M_psi/k on the grid nodes, M_psi the Gram matrix of the shape functions: symmetric positive definite, so that the
+problem is of the same type and never worse conditioned; its energy s.E s/2 is in the contact line of the ledger.
+Limits: k -> infinity is `Unilateral`; for bodies much stiffer than the layer a cylinder of relative radius R pressed in
+by d has p = k (d - x^2/2R), half-width sqrt(2 R d), and the load (4/3) k d sqrt(2 R d) per unit of width.
 
-A layer counts where hats of the first surface lie; at the end of a narrower second surface a hat counts whole.
+The layer acts at the nodes of the first surface; at the end of a narrower second surface a node counts fully.
 
 Nonlinear layer. A layer that stiffens as it is compressed: p = k d^n of the depth d = -g > 0 (see `laws.curves.power`).
 
-For bodies that hardly yield beside the layer a cylinder of relative radius R pressed in by d has the half-width
-b = sqrt(2 R d), the pressure p = k d^n (1 - x^2/b^2)^n and, per unit of width, the load
+For bodies much stiffer than the layer a cylinder of relative radius R pressed in by d has the half-width b = sqrt(2 R
+d), the pressure p = k d^n (1 - x^2/b^2)^n and, per unit of width, the load
 
     P' = k d^n b B(1/2, n + 1),        B the beta function: 4/3 at n = 1, 3 pi/8 at n = 3/2.
 
 Tabulated layer. A layer whose pressure is given by a table against the gap, from a measurement or another program.
 
-Between the points the curve is straight, so that pressure, slope and energy follow from the table alone, and nothing
-overshoots it. Beyond the smallest gap the last piece goes on; beyond the largest one, where the pressure must be zero,
-the surfaces are apart.
+Between the points the curve is linear, so that pressure, slope and energy follow from the table alone, without
+overshoot. Beyond the smallest gap the last piece is extrapolated; beyond the largest one, where the pressure must be
+zero, the surfaces are apart.
 
 Exponential asperities. Rough surfaces: the pressure of asperities falls exponentially with the gap between the mean
 planes.
@@ -46,7 +46,7 @@ planes.
 
 is the law of Greenwood and Williamson for an exponential distribution of the asperities' heights (Proc. R. Soc. A 295,
 1966), whose decay length lambda is their standard deviation; p_0 is the pressure with the mean planes in touch, g = 0.
-It is positive at any gap. Here it ends at a named gap `cut`, where the curve is shifted to zero,
+It is positive at any gap. Here it ends at a given gap `cut`, where the curve is shifted to zero,
 
     p = p_0 [exp(-g/lambda) - eps],      eps = exp(-cut/lambda),
     W = lambda p_0 [exp(-g/lambda) - eps] - p_0 eps (cut - g),
@@ -70,15 +70,15 @@ from warpffrf.model.messages.named_arguments import named_arguments
 
 
 class Law(ABC):
-    """A contact law: a frozen dataclass with a `kind` and a `curve`. Those in `warpffrf.model.laws.LAWS` are known to
-    scene files by their kind."""
+    """A contact law: a frozen dataclass with a `kind` and a `curve`. Scene files refer to those in
+    `warpffrf.model.laws.LAWS` by their kind."""
 
     kind: ClassVar[str]
 
     @property
     @abstractmethod
     def curve(self) -> Curve | None:
-        """Pressure against depth; None where nothing lies between the surfaces."""
+        """Pressure over depth; None without a layer."""
 
     @property
     def chi(self) -> float:
@@ -87,22 +87,21 @@ class Law(ABC):
 
     @property
     def remark(self) -> str:
-        """What the report of a run is to say of the law, behind the name of its contact."""
+        """Text on the law in the report of a run, after the name of its contact."""
         return ""
 
     @property
     def compliance(self) -> float:
-        """Constant yield [m/Pa] of what lies between; 0 where there is none, or it is no constant."""
+        """Constant compliance [m/Pa] of the layer; 0 where there is none, or it is not constant."""
         return 0.0 if self.curve is None else self.curve.compliance
 
     @property
     def bent(self) -> Curve | None:
-        """The curve of a layer whose yield is no constant, else None."""
+        """The curve of a layer with variable compliance, else None."""
         return None if self.curve is None or self.curve.compliance else self.curve
 
     def pressure(self, gap: Any, closing_speed: Any = 0.0) -> np.ndarray:
-        """Pressure [Pa] at the gaps [m], with the closing_speed [m/s] at which they become less, shapes that
-        broadcast."""
+        """Pressure [Pa] at the gaps [m], with the closing_speed [m/s] at which they decrease; arguments broadcast."""
         elastic = self._given.pressure(-np.asarray(gap, float))
         if not self.chi:
             return elastic
@@ -127,7 +126,7 @@ class Law(ABC):
 @named_arguments
 @dataclass(frozen=True)
 class Unilateral(Law):
-    """Surfaces that touch do not enter one another; no parameter. The default."""
+    """Surfaces in contact do not penetrate; no parameter. The default."""
 
     kind: ClassVar[str] = "unilateral"
 
@@ -140,8 +139,8 @@ class Unilateral(Law):
 @named_arguments
 @dataclass(frozen=True)
 class LinearLayer(Law):
-    """A layer between the surfaces that yields by p/stiffness; `stiffness` [Pa/m] must be positive. For a coating of
-    thickness t about E/t (1 - nu)/((1 + nu)(1 - 2 nu)). Raises `InputError`."""
+    """A layer between the surfaces with the deformation p/stiffness; `stiffness` [Pa/m] must be positive. For a coating
+    of thickness t about E/t (1 - nu)/((1 + nu)(1 - 2 nu)). Raises `InputError`."""
 
     stiffness: float
     kind: ClassVar[str] = "linear_layer"
@@ -152,7 +151,7 @@ class LinearLayer(Law):
 
     @property
     def curve(self) -> Straight:
-        """Its yield is a constant, and part of the compliance."""
+        """A straight curve; its compliance is constant and part of the bodies'."""
         return Straight(self.stiffness)
 
 
@@ -222,7 +221,7 @@ class TabulatedLayer(Law):
         return Table(-np.array(self.gaps)[::-1], np.array(self.pressures)[::-1])
 
 
-NEGLIGIBLE = 1e-6  # of the pressure at zero gap: what the law is cut at by default
+NEGLIGIBLE = 1e-6  # of the pressure at zero gap: what at which the law is cut by default
 DEEPEST = 300.0  # decay lengths between zero gap and the cut: exponentials of more leave the range of numbers
 
 

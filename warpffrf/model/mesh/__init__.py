@@ -1,4 +1,4 @@
-"""Finite-element meshes: the data, structured bodies, and files made elsewhere."""
+"""Finite-element meshes: the data, structured bodies, and files of other programs."""
 
 from warpffrf.model.mesh.data import Matrices, Mesh, MeshReport
 from warpffrf.model.mesh.facets import FacetSet

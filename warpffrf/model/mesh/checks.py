@@ -1,4 +1,4 @@
-"""Geometric checks of a mesh: orientation of the cells, none twice, unused nodes, one connected part.
+"""Geometric checks of a mesh: orientation of the cells, duplicate cells, unused nodes, connectivity.
 
 A cell is *inverted* where det(dx/dxi) <= 0 at one of the points at which its stiffness is integrated. At its nodes the
 determinant may be smaller and even negative in cells that are integrated as they should be (a corner of the patch test
@@ -19,7 +19,7 @@ FLAT_CELL = 1e-9  # det J below this fraction of (cell size)^3 counts as inverte
 _A, _B = 0.5 * (1.0 + np.sqrt(5.0 / 14.0)) / 2.0, 0.5 * (1.0 - np.sqrt(5.0 / 14.0)) / 2.0
 _KEAST = np.array([(0.25, 0.25, 0.25), *(11.0 / 14.0 * np.eye(3) + 1.0 / 14.0 * (1.0 - np.eye(3))), 3 * (1.0 / 14.0,),
                    (_B, _A, _A), (_A, _B, _A), (_A, _A, _B), (_A, _B, _B), (_B, _A, _B), (_B, _B, _A)])  # fmt: skip
-_CHUNK = 20_000  # cells looked at together: bounds the memory of the check to some tens of MB
+_CHUNK = 20_000  # cells processed together: bounds the memory of the check to some tens of MB
 
 
 def jacobian_range(
@@ -94,7 +94,7 @@ def corner_notes(
 
 
 def check_distinct(cells: Mapping[str, np.ndarray], labels: np.ndarray | None = None, what: str = "number") -> None:
-    """Raise `InputError` where two cells have the same corners: both would carry, and weigh, in the same place.
+    """Raise `InputError` where two cells have the same corners: stiffness and mass would count twice.
 
     `labels` and `what` as in `check_orientation`.
     """
@@ -144,7 +144,7 @@ def part_labels(node_count: int, cells: Mapping[str, np.ndarray]) -> np.ndarray:
 
 
 def check_connected(node_count: int, cells: Mapping[str, np.ndarray]) -> None:
-    """Raise `InputError` when the cells form more than one part: a body must hang together."""
+    """Raise `InputError` when the cells form more than one part: a body must be connected."""
     labels = part_labels(node_count, cells)
     count = int(labels.max()) + 1
     if count > 1:

@@ -1,14 +1,14 @@
 """A cut along a plane, through a part of a body: a pretension section.
 
 The plane has the distance d = (x - p) . n. Cells are *low* or *high* by the d of their centre. *Faces of the cut* are
-those between a low and a high cell whose nodes all lie on the plane, |d| within a tolerance, as far as the cut reaches:
-in a cell set, or within a radius of p. The high cells at a node of the cut get a node of their own in the same place,
-and so nothing holds the two sides together any more but what is put there: facet set NAME_low has the faces of the low
-cells, NAME_high those of the high ones, which look at them.
+those between a low and a high cell whose nodes all lie on the plane, |d| within a tolerance, within the extent of the
+cut: a cell set, or a radius about p. The high cells at a node of the cut get their own node in the same position, so
+that the two sides are connected only by elements added there: facet set NAME_low has the faces of the low cells,
+NAME_high those of the high ones, which face them.
 
-A node on the rim of a cut that ends inside the body stays one: a face on the plane that is not of the cut, or a cell
-that the plane goes through, holds low and high cells together there. A plane that goes through cells where the cut
-should be is refused, as is a cut after which the body is two.
+A node on the rim of a cut that ends inside the body is not doubled: a face on the plane that is not of the cut, or a
+cell that the plane goes through, holds low and high cells together there. A plane that intersects cells within the cut
+is refused, as is a cut that separates the body in two.
 """
 
 from __future__ import annotations
@@ -42,8 +42,8 @@ def cut(
     radius: float | None = None,
     tolerance: float | None = None,
 ) -> Mesh:
-    """A new mesh that is cut along the plane through `point` (3,) [m] with `normal` (3,), which looks to the high side,
-    with facet sets NAME_low and NAME_high that face each other.
+    """A new mesh that is cut along the plane through `point` (3,) [m] with `normal` (3,), which points to the high
+    side, with facet sets NAME_low and NAME_high that face each other.
 
     cells: a cell set, to cut between cells of it only. radius [m]: to cut no further from `point`. `tolerance` [m] is
     the largest distance of nodes from the plane, 1e-5 of the diagonal of the bounding box where None. Numbers of cells

@@ -28,7 +28,7 @@ from warpffrf.model.mesh.report import report as make_report
 from warpffrf.model.messages import reprs
 from warpffrf.model.messages.named_arguments import named_arguments
 
-_CHUNK = 20_000  # cells looked at together: bounds the memory to some tens of MB
+_CHUNK = 20_000  # cells processed together: bounds the memory to some tens of MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,14 +43,14 @@ class Matrices:
 @dataclass(frozen=True, eq=False, repr=False)
 class Mesh(reprs.Shown):
     """A finite-element mesh: `points` (n, 3) [m, user frame], cells by kind, named facet and cell sets, rotational
-    periodicity where there is one; name: of the body in reports.
+    periodicity if any; name: of the body in reports.
 
     `cells`: {kind: (m, k) int64}, kinds in `elements.CELL_KINDS`; cells are numbered through the blocks in the order of
-    the dict. `facet_sets`: {name: `FacetSet`}, faces with a name. `cyclic`: how it repeats itself around an axis, None
-    where it does not. `cell_sets`: {name: (m,) cell numbers}. `materials`: {cell set: Material} as a file gave them.
-    `notes`: what a reader left out or took differently. A body that comes as `matrices` needs no cells. Construction
-    checks shapes, finite numbers and index ranges; `check()` looks at the geometry. The arrays are read-only. Raises
-    `InputError` for what does not fit together.
+    the dict. `facet_sets`: {name: `FacetSet`}, faces with a name. `cyclic`: periodicity about an axis, None without.
+    `cell_sets`: {name: (m,) cell numbers}. `materials`: {cell set: Material} as read from a file. `notes`: items that a
+    reader omitted or interpreted differently. A body that comes as `matrices` needs no cells. Construction checks
+    shapes, finite numbers and index ranges; `check()` checks the geometry. The arrays are read-only. Raises
+    `InputError` for inconsistent data.
     """
 
     points: np.ndarray
@@ -123,7 +123,7 @@ class Mesh(reprs.Shown):
         return next(iter(self.cells.items()))
 
     def by_block(self, values: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-        """Split `values` (cell_count, ...), one a cell and in any unit, into (kind, values of that block)."""
+        """Split `values` (cell_count, ...), one per cell and in any unit, into (kind, values of that block)."""
         start = 0
         for kind, nodes in self.cells.items():
             yield kind, values[start : start + len(nodes)]
@@ -217,7 +217,7 @@ class Mesh(reprs.Shown):
         return selection.sphere(self, name, center=center, radius=radius, tolerance=tolerance, from_set=from_set)
 
     def select_feature(self, name: str, *, seed: Any, angle: float = 30.0, from_set: str | None = None) -> Mesh:
-        """A new mesh with the facet set `name`: all one reaches from the facet nearest `seed` (3,) [m] without
+        """A new mesh with the facet set `name`: all facets reachable from the one nearest `seed` (3,) [m] without
         crossing an edge of more than `angle` [degrees]. from_set: the facet set to stay in; None: all outer facets.
         Raises `InputError` for a used name, an angle outside 0 to 180 and a seed far off the surface."""
         return selection.feature(self, name, seed=seed, angle=angle, from_set=from_set)
@@ -235,8 +235,8 @@ class Mesh(reprs.Shown):
         """A new mesh that is cut along faces of cells on the plane through `point` (3,) [m], with the facet sets
         NAME_low and NAME_high that face each other: a pretension section of a bolt called `name`.
 
-        normal (3,): looks to the high side, user frame. cells: a cell set, to cut between cells of it only. radius [m]:
-        to cut no further from `point`. tolerance [m]: the largest distance of nodes from the plane, 1e-5 of the
+        normal (3,): points to the high side, user frame. cells: a cell set, to cut between cells of it only. radius
+        [m]: to cut no further from `point`. tolerance [m]: the largest distance of nodes from the plane, 1e-5 of the
         diagonal of the box around the body where None. Raises `InputError` for a used name, an unknown cell set, a body
         of matrices, a plane that goes through cells or along no faces, and where the two sides are not held together
         elsewhere.
@@ -287,7 +287,7 @@ class Mesh(reprs.Shown):
         return make_report(self, material)
 
     def to_pyvista(self) -> Any:
-        """`pyvista.UnstructuredGrid` of cells and set facets, an array of 0 and 1 a set; `pyvista_export`."""
+        """`pyvista.UnstructuredGrid` of cells and set facets, an array of 0 and 1 per set; `pyvista_export`."""
         return pyvista_export.to_pyvista(self)
 
     def content_hash(self) -> str:

@@ -1,9 +1,10 @@
-r"""Rotational periodicity found in a mesh: axis, number of sectors, and which node is which one turned.
+r"""Detection of rotational periodicity in a mesh: axis, number of sectors, and the images of nodes under rotation.
 
-A body of N >= 3 equal sectors turns into itself under a rotation by phi = 2 pi/N about its axis. So do its nodes, hence
+A body of N >= 3 equal sectors is mapped onto itself by a rotation by phi = 2 pi/N about its axis. So are its
+nodes, hence
 
 - the mean of the nodes lies on the axis, and the tensor of their second moments has it as an eigenvector, the two other
-  eigenvalues being equal. Unequal ones say no at the cost of one pass over the nodes;
+  eigenvalues being equal. Unequal ones exclude periodicity at the cost of one pass over the nodes;
 - nodes at one radius and height about the axis form rings, and every ring holds a multiple of N nodes, every kind a
   multiple of N cells: N divides the greatest common divisor of all those counts. Its divisors are tried from the
   largest down;
@@ -12,13 +13,13 @@ A body of N >= 3 equal sectors turns into itself under a rotation by phi = 2 pi/
 
 The nodes then fall into orbits of N. With x_s the s-th node of an orbit and c its mean, sum_s (x_s - c) x (x_{s+1} - c)
 is parallel to the axis, exactly: summed over the orbits it gives the axis without the error of an eigenvector whose
-eigenvalue is close to the others. Files carry few digits, so a node becomes the mean of its orbit's nodes turned back;
-how far nodes move by that is reported, and refused above a tolerance.
+eigenvalue is close to the others. Files carry few digits, so a node is replaced by the mean of its orbit's nodes
+rotated back; the distance is reported, and refused above a tolerance.
 
-A node on the axis is its own image and belongs to no sector: such bodies take the general path.
+A node on the axis is its own image and belongs to no sector: such bodies are treated as general ones.
 `sector_numbering` chooses the sectors and numbers the body by them.
 
-Cyclic. How a mesh of equal sectors is numbered, and the axis that they stand around.
+Cyclic. Numbering of a mesh of equal sectors, and their axis.
 
 Sector numbering. A rotationally periodic body numbered sector by sector.
 

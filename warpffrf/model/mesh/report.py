@@ -1,4 +1,4 @@
-r"""What a mesh is, in numbers an engineer checks before trusting it: size, volume, mass, shape of the cells, warnings.
+r"""Report of a mesh for its verification: size, volume, mass, shape of the cells, warnings.
 
 Mass, centre and inertia about the centre are integrals over the isoparametric cells,
 
@@ -13,8 +13,8 @@ lengths, divided by the value of the regular cell (1 for a cube, sqrt(3)/2 for a
 sqrt(1/2) for a regular tetrahedron); the smallest counts (Knupp 2000, Int. J. Numer. Meth. Eng. 48, 1165). *Aspect
 ratio*: longest over shortest straight edge.
 
-A slip of units leaves traces that need no knowledge of the body: the speed of sound sqrt(E/rho) of every solid lies
-between that of rubber and of diamond, its density between foam and osmium, and a machine part between 1 mm and 10 m.
+Unit errors are detectable without knowledge of the body: the speed of sound sqrt(E/rho) of every solid lies between
+that of rubber and of diamond, its density between foam and osmium, and a machine part between 1 mm and 10 m.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 USUAL_SIZE = (1e-3, 10.0)  # m; outside it the length unit of a file was probably wrong
 SOUND_SPEEDS = (20.0, 20_000.0)  # m/s, bar waves: soft rubber (0.5 MPa) 21, diamond 18 km/s
-USUAL_SPEEDS, USUAL_DENSITIES = (500.0, 14_000.0), (500.0, 20_000.0)  # of what machines are made of
+USUAL_SPEEDS, USUAL_DENSITIES = (500.0, 14_000.0), (500.0, 20_000.0)  # of machine materials
 DENSITIES = (5.0, 23_000.0)  # kg/m3: polymer foam, osmium
 BOX_DENSITY = 0.1  # kg/m3, mass over the volume of the bounding box: a steel frame filling 1e-4 of its box has 0.8
 SLENDER_CELL = 1000.0  # aspect ratio; graded contact meshes reach some hundreds on purpose, beyond is no design
@@ -45,10 +45,10 @@ ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rou
 MOMENT_POINTS = {
     1: 3,
     2: 4,
-}  # Gauss points a direction by degree: x x^T det J of any linear, any straight quadratic cell
+}  # Gauss points per direction by degree: x x^T det J of any linear, any straight quadratic cell
 _RULES = {"hex": hex_rule, "wedge": wedge_rule, "tet": tet_rule}
 _REGULAR = {"hex": 1.0, "wedge": np.sqrt(0.75), "tet": np.sqrt(0.5)}
-_CHUNK = 20_000  # cells looked at together: bounds the memory to some tens of MB
+_CHUNK = 20_000  # cells processed together: bounds the memory to some tens of MB
 
 Array = np.ndarray
 Vector = tuple[float, float, float]
@@ -60,9 +60,9 @@ class MeshReport:
     center, user frame.
 
     `name` of the mesh; `node_count`, and `cells` and `sets` of facets with their sizes by name, `cell_sets` likewise;
-    `lower` and `upper` corner (3,) [m] of the box around it; `sectors` of the rotation by which it repeats itself, None
-    without; `parts`: how many pieces; worst `scaled_jacobian` and `aspect_ratio` [-] of its cells; shortest and longest
-    of `edges` [m]; `warnings` of what is doubtful, `notes` of what its reader left out.
+    `lower` and `upper` corner (3,) [m] of the box around it; `sectors` of its rotational periodicity, None without;
+    `parts`: number of connected parts; worst `scaled_jacobian` and `aspect_ratio` [-] of its cells; shortest and
+    longest of `edges` [m]; `warnings` on doubtful data, `notes` on data omitted by its reader.
 
     `mass`, `center` and `inertia` are None where no material is known, quality and edges None without cells.
     `center` without a material is None too.
@@ -181,7 +181,7 @@ def material_warnings(material: Material, name: str = "") -> list[str]:
 
 
 def _meant(E: float, rho: float) -> str:
-    """What modulus and density are in the units that would make a solid of them; "" where none does."""
+    """Modulus and density in the units that would be plausible for a solid; "" if there are none."""
     for unit, pascal in (("Pa", 1.0), ("GPa", 1e9), ("MPa", 1e6)):
         for per, density in (("kg/m3", 1.0), ("g/cm3", 1e3), ("t/mm3", 1e12)):
             usual = USUAL_DENSITIES[0] <= rho * density <= USUAL_DENSITIES[1]

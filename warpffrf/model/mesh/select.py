@@ -1,4 +1,4 @@
-r"""Facets chosen by geometry: on a plane, a cylinder or a sphere, or all that one can walk to without crossing an edge.
+r"""Facet selection by geometry: on a plane, a cylinder or a sphere, or all facets reachable without crossing an edge.
 
 A facet lies on a surface where all its nodes (those in the middle of edges too) are within a tolerance of it and its
 normal n is not far off the surface's normal m there, `|n . m| >= cos 60 degrees`: the end face of a coarse ring has all
@@ -8,7 +8,7 @@ its nodes on the cylinder, but not its normal. Distances:
     cylinder  |(x - p) - ((x - p) . a) a| - R
     sphere    |x - c| - R
 
-The walk starts at the facet nearest a seed point and crosses every edge whose dihedral angle, between the normals of
+The search starts at the facet nearest a seed point and crosses every edge whose dihedral angle, between the normals of
 the two sides, is at most the given angle. Facets are split into triangles at their own nodes, so that a curved
 quadratic facet bends within itself instead of at its edges.
 """
@@ -107,7 +107,7 @@ def sphere(
 
 
 def feature(mesh: Mesh, name: str, *, seed: Any, angle: float = 30.0, from_set: str | None = None) -> Mesh:
-    """A new mesh with the facet set `name`: what one reaches from the facet nearest `seed` (3,) [m] without crossing
+    """A new mesh with the facet set `name`: all facets reachable from the one nearest `seed` (3,) [m] without crossing
     an edge of more than `angle` [degrees].
 
     Raises `InputError` for a used name, an angle outside 0 to 180 and a seed far off the surface.

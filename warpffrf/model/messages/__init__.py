@@ -1,1 +1,1 @@
-"""What the package says: messages, progress, interruptions, how objects show themselves."""
+"""Output of the package: messages, progress, interruptions, representations of objects."""

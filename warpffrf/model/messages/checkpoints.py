@@ -1,9 +1,8 @@
-"""What a run gives out while it is under way.
+"""Output of a run in progress.
 
-A *keeper* is asked now and then whether it is due, and is given all rows of the run so far with a checkpoint. A run
-that was stopped, by whatever, goes on from the last of these bit for bit: `Unfinished` holds its rows as the run
-collects them, beside the checkpoint, so that what is made of rows is made of all of them at once, as in a run that
-never stopped.
+A *keeper* is asked regularly whether it is due, and then receives all rows of the run so far with a checkpoint. A
+stopped run continues from the last checkpoint bit for bit: `Unfinished` holds its rows as collected, together with the
+checkpoint, so that results are computed from all rows at once, as in an uninterrupted run.
 """
 
 from __future__ import annotations
@@ -14,7 +13,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-UNFINISHED = "unfinished"  # status of what is made of a run under way
+UNFINISHED = "unfinished"  # status of the result of a run in progress
 
 Rows = dict[str, np.ndarray]
 """Saved rows by name. Those of later chunks follow along the first axis, in which arrays need not be alike."""
@@ -32,7 +31,7 @@ class Source:
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run is to reach, and what it brings from its start."""
+    """The target of a run, and its data from the start."""
 
     last_step: int  # user steps, counted as the checkpoint does
     rejected: int  # attempts that an earlier run, which this one continues, had rejected

@@ -1,9 +1,9 @@
-"""Calls with arguments that a callable does not take, answered with the names that it does.
+"""Errors for unknown arguments of a callable that suggest the known names.
 
-Python's own message for `simulate(scene, savevery=2)` names what is wrong, and neither what is near to it nor what
-there is. The decorator leaves calls and signatures as they are: only where a call has failed with a `TypeError` is it
-looked at, and where the arguments are at fault the error says the nearest name, what is missing, or which arguments go
-by name. A `TypeError` from further inside is passed on.
+Python's own message for `simulate(scene, savevery=2)` names the wrong argument, but neither the nearest nor the
+existing ones. The decorator does not change calls and signatures: only a call that failed with a `TypeError` is
+examined, and if its arguments are wrong the error states the nearest name, the missing argument, or the keyword-only
+arguments. A `TypeError` from further inside is passed on.
 """
 
 from __future__ import annotations

@@ -1,22 +1,22 @@
-"""Progress with the time left: a bar on a terminal, a log line now and then elsewhere.
+"""Progress with the remaining time: a bar on a terminal, periodic log lines elsewhere.
 
-The time left is that of what is left at the pace since the first count. What comes before that, as kernels that are
-compiled, comes once, and is no time of a step.
+The remaining time is extrapolated from the rate since the first count. Earlier work, such as compilation of kernels,
+occurs once and is not part of a step.
 
-Console. What a script hears: lines on stderr while `reduce`, `simulate` and their like work, unless the application has
-set up logging.
+Console. Lines on stderr while `reduce`, `simulate` and similar functions run, unless the application has configured
+logging.
 
-Everything is said through the logger "warpffrf" and its children: what is being done and the notes of a run at INFO,
-doubts at WARNING, details at DEBUG. An application that has handlers, of its own or by `logging.basicConfig`, gets the
-records as it has asked for and nothing else happens. Where there is none, Python itself prints warnings (its
-`logging.lastResort`); while a function of `speaking` works, the lines at INFO come as well, by a handler that lives as
-long as that function. A script becomes quiet by `progress=False` for one call, and for good by
+All messages go through the logger "warpffrf" and its children: activities and the notes of a run at INFO, doubts at
+WARNING, details at DEBUG. An application that has handlers, of its own or by `logging.basicConfig`, receives the
+records as configured and nothing else happens. Where there is none, Python itself prints warnings (its
+`logging.lastResort`); while a function of `speaking` runs, the lines at INFO are printed as well, by a handler that
+exists as long as that function runs. Output is switched off by `progress=False` for one call, and permanently by
 
     logging.getLogger("warpffrf").setLevel("WARNING")
 
 which is what `warpffrf.quiet()` does; `"ERROR"` silences warnings too.
 
-Interruption. Ctrl-C, and SIGTERM, which is taken as Ctrl-C: work that is asked to end keeps what it has.
+Interruption. Ctrl-C, and SIGTERM, which is treated as Ctrl-C: interrupted work keeps its results so far.
 
 Both raise KeyboardInterrupt where it is expected, between two chunks of steps, and wait where a file or the result is
 being finished. Handlers can be set in the main thread alone; in others both contexts do nothing.
@@ -45,9 +45,9 @@ from warpffrf.model.messages.named_arguments import named_arguments
 from warpffrf.model.messages.reprs import printable
 
 log = logging.getLogger("warpffrf")
-FIRST_LINE = 3.0  # s until the first log line off a terminal: what is over by then needs none
+FIRST_LINE = 3.0  # s until the first log line without a terminal: shorter work needs none
 LOG_INTERVAL = 10.0  # s between log lines
-UNTIMED = "{l_bar}{bar}| {n_fmt}/{total_fmt}, {elapsed} so far"  # of a bar that does not say what is left
+UNTIMED = "{l_bar}{bar}| {n_fmt}/{total_fmt}, {elapsed} so far"  # of a bar without remaining time
 
 
 class Progress:
@@ -157,7 +157,7 @@ _heard = _Heard()
 
 @named_arguments
 def quiet() -> None:
-    """From now on only warnings and errors go to stderr, no lines about what is being done.
+    """From now on only warnings and errors go to stderr, no lines about activities.
 
     The same as `logging.getLogger("warpffrf").setLevel("WARNING")`; `progress=False` does it for one call.
     """

@@ -1,9 +1,10 @@
-"""How objects show themselves: in one line at a prompt and in messages, as a small table in a notebook.
+"""Representations of objects: one line at a prompt and in messages, a small table in a notebook.
 
-A class says by `_facts` what matters of it, name -> value, in few words; arrays are told by their shapes. Both looks
-follow from that, so that none of them writes out the numbers of a mesh or of a run.
+A class returns its main properties by `_facts`, name -> value, in few words; arrays are shown by their shapes. Both
+representations follow from that, so that none prints the numbers of a mesh or of a run.
 
-Printable. Text for a terminal: names in files may hold what a terminal obeys, such as colours and moves of the cursor.
+Printable. Text for a terminal: names in files may contain terminal control sequences, such as colours and cursor
+movements.
 """
 
 from __future__ import annotations
@@ -42,15 +43,14 @@ class Shown:
 
 
 class Item(Shown):
-    """What is added to a scene, and shows itself by its name and the places that it acts on or between.
+    """Base of scene items, represented by their name and ports.
 
-    name: what results, files and messages call it; None: made of its kind and a number when it is added
-    ("revolute_1").
+    name: used in results, files and messages; None: formed from its kind and a number when it is added ("revolute_1").
     """
 
     @property
     def ports(self) -> tuple[Any, ...]:
-        """The places that it acts on or between, one or two: of two the force on the second has its opposite on the
+        """The ports that it acts on or between, one or two: with two, the force on the second has its opposite on the
         first."""
         raise TypeError(f"{type(self).__name__} does not say where it is")
 
@@ -68,7 +68,7 @@ class Rows(Shown):
 
 
 def shape_or_value(value: Any) -> Any:
-    """The shape of an array, what is shown of other things."""
+    """The shape of an array, the representation of other objects."""
     shape = getattr(value, "shape", None)
     return value if shape is None else f"({', '.join(map(str, shape))})"
 

@@ -1,4 +1,4 @@
-"""The undeformed gap between the true shapes of a contact pair, and how far to move a body to close it.
+"""The undeformed gap between the true shapes of a contact pair, and the distance to move a body to close it.
 
 Gap. A point of the first true surface at chart coordinates (theta, z) is x_1(theta, z) in the world. Its gap is its
 signed normal distance from the second surface, positive in the free space: the chart of the second shape gives it, and

@@ -1,1 +1,1 @@
-"""A reduced body: what it holds, its file, its checks, and what is read from it."""
+"""A reduced body: its data, its file, its checks, and its evaluation."""

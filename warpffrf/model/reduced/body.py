@@ -1,6 +1,6 @@
-"""`ReducedBody`: what the offline reduction hands to the simulation.
+"""`ReducedBody`: the result of the offline reduction and input of the simulation.
 
-What it holds is in `data`, its contact surfaces are in `contact_surface`.
+Its data are in `data`, its contact surfaces in `contact_surface`.
 """
 
 from __future__ import annotations
@@ -22,18 +22,19 @@ from warpffrf.model.reduced.summary import summary
 @named_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class ReducedBody(reprs.Shown, ReducedBodyData):
-    """A flexible body, reduced: mass properties, global modes, interfaces, contact surfaces, skin, and how it was made.
+    """A flexible body, reduced: mass properties, global modes, interfaces, contact surfaces, skin, and provenance.
 
     Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame). It has
     mass [kg], center_of_mass (3,) [m, user frame], inertia (3, 3) [kg m2] about it in user axes, the frequencies (m,)
-    [Hz] of its m global modes, and by name its interfaces (places for joints and forces), contact_surfaces (bodies
-    touch there, with their local modes), laps (faces that are joined) and stress (places where it can be asked for).
-    surface is the skin for pictures, report says how good it is and provenance how it was made; inertia_terms, cross
-    and lap_compliance [m/N] are what turning, loads on several surfaces and loads on laps do (`ReducedBodyData`).
+    [Hz] of its m global modes, and by name its interfaces (ports for joints and forces), contact_surfaces (with their
+    local modes), laps (faces in small-sliding contact) and stress (points of stress evaluation). surface is the skin
+    for visualisation, report contains quality measures and provenance the history; inertia_terms, cross and
+    lap_compliance [m/N] are the effects of rotation, of loads on several surfaces and of loads on laps
+    (`ReducedBodyData`).
     """
 
     def _facts(self) -> dict[str, Any]:
-        """The arrays by the thousand are for `info` to sum up."""
+        """The many arrays are summarised by `info`."""
         named = {
             "interfaces": self.interfaces,
             "contact": self.contact_surfaces,
@@ -70,13 +71,13 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
     def mesh_error(
         self, finer: ReducedBody, *, half_width: float | None = None, interface: str | None = None
     ) -> dict[str, float]:
-        """Relative error of the force at a given approach that this body's mesh makes in contacts with
+        """Relative error of the force at a given approach due to this body's mesh in contacts with
         `grid="contact_fixed"`, by contact surface; negative: too soft (`warpffrf.model.reduced.mesh_error`).
 
         finer: the body reduced on another mesh with contact_fixed=True, from the same interfaces and surfaces; half the
         element size is fine enough. half_width [m]: of the patch, None for 0.005 of the smallest radius of curvature.
-        interface: the one that is held, None for the first; a body without any is as free as it was reduced. Raises
-        `InputError` for bodies that are not alike, and where no surface has a far field on both.
+        interface: the fixed one, None for the first; a body without interfaces is free, as it was reduced. Raises
+        `InputError` for bodies that do not correspond, and where no surface has a far field on both.
         """
         from warpffrf.model.reduced.mesh_error import mesh_error
 
@@ -91,8 +92,8 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         return _output("plots.quality_page").write_quality_page(self, path, overwrite=overwrite)
 
     def plot_modes(self, count: int = 8) -> Any:
-        """A matplotlib Figure of the shapes of the first `count` elastic modes: deformed skins in colour, red where the
-        mode moves most, over the undeformed one in grey. Numbers and frequencies [Hz] are those of the free body.
+        """A matplotlib Figure of the shapes of the first `count` elastic modes: deformed skins in colour, red at the
+        largest displacement, over the undeformed one in grey. Numbers and frequencies [Hz] are those of the free body.
 
         Raises `InputError` for a count below 1, and a body without skin or without elastic modes.
         """
@@ -110,8 +111,8 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
         """Animate a mode in rerun: in its viewer, or written to `path` (.rrd), which `rerun FILE` opens.
 
         Modes are numbered as finite-element programs number those of a free body: 1 to 6 are the rigid motions, 7 is
-        the first elastic mode. None: the elastic modes one after the other, one cycle each. `frames`: pictures a
-        cycle. `scale`: largest displacement drawn, as a part of the body's largest extent. Returns what was shown, see
+        the first elastic mode. None: the elastic modes one after the other, one cycle each. `frames`: images per cycle.
+        `scale`: largest displacement drawn, as a fraction of the body's largest extent. Returns
         `warpffrf.output.recording.show.ShownModes`. Raises `InputError` for a mode that the body does not have, and for
         a file that exists where `overwrite` is not set.
         """
@@ -121,8 +122,8 @@ class ReducedBody(reprs.Shown, ReducedBodyData):
 
 
 def _output(module: str) -> Any:
-    """A module of the output package. It imports the model, not the other way round: a method that draws finds it by
-    name when it is called, so that the model depends on no viewer."""
+    """A module of the output package. It imports the model, not vice versa: a plotting method imports it by name when
+    called, so that the model does not depend on a viewer."""
     return importlib.import_module(f"warpffrf.output.{module}")
 
 

@@ -1,7 +1,7 @@
-"""Whether the arrays of a reduced body fit together: finite numbers, shapes that agree, axes that are axes.
+"""Consistency checks of the arrays of a reduced body: finite numbers, matching shapes, orthonormal axes.
 
-A file's content hash tells damage; a faulty writer gives the right hash to wrong arrays, and a run with them would be
-completed with wrong numbers.
+A file's content hash detects damage; a faulty writer assigns the right hash to wrong arrays, and a run with them would
+complete with wrong results.
 """
 
 from __future__ import annotations
@@ -15,14 +15,14 @@ from warpffrf.model.reduced.contact_surface import FUNCTIONS, ContactSurface, Cr
 from warpffrf.model.reduced.data import ReducedBodyData
 
 SYMMETRIC_COMPLIANCE = 1e-12  # of the laps, of its largest entry: written symmetric
-UNIT = 1e-9  # of axes: what a file keeps of a unit vector
+UNIT = 1e-9  # of axes: precision of a stored unit vector
 SYMMETRIC = 1e-9  # of the inertia
 
 Wanted = tuple[int | None, ...]  # a shape; None: any number
 
 
 def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
-    """Raise `InputError` that names the first of the stored `arrays`, by path, that cannot be the body's, and why."""
+    """Raise `InputError` naming the first invalid one of the stored `arrays`, by path, and the reason."""
     for name, array in arrays.items():
         if not np.all(np.isfinite(array)):
             raise InputError(f"{name} holds NaN or infinite numbers")
@@ -51,7 +51,7 @@ def check_body(body: ReducedBodyData, arrays: Mapping[str, np.ndarray]) -> None:
 
 
 def _check_laps(body: ReducedBodyData) -> None:
-    """Raise `InputError` for cells that are none, frames that are not, and a compliance that is not symmetric."""
+    """Raise `InputError` for invalid cells or frames, and a compliance that is not symmetric."""
     for name, lap in body.laps.items():
         if np.any(lap.area <= 0.0):
             raise InputError(f"laps/{name}/area must be greater than zero")

@@ -1,12 +1,14 @@
-r"""The grid of tractions on a contact surface: hats on its nodes, or constants on cells around its nodes.
+r"""The grid of tractions on a contact surface: bilinear shape functions of its nodes ("hats"), or constants on cells
+around its nodes.
 
-Both are non-negative and add up to one, so that coefficients >= 0 mean a traction >= 0 everywhere. Hats are continuous
-and overlap; a cell reaches half way to the neighbouring nodes, `[theta_j - pitch/2, theta_j + pitch/2] x [(z_k-1 +
-z_k)/2, (z_k + z_k+1)/2]`, cut at the outermost rows, and its Gram matrix is diagonal. Cells *between* the nodes would
-not do: on a mesh as fine as the grid a checkerboard of them loads no node, and the compliance is singular.
+Both are non-negative and add up to one, so that coefficients >= 0 mean a traction >= 0 everywhere. Bilinear functions
+are continuous and overlap; a cell extends half way to the neighbouring nodes, `[theta_j - pitch/2, theta_j + pitch/2] x
+[(z_k-1 + z_k)/2, (z_k + z_k+1)/2]`, cut at the outermost rows, and its Gram matrix is diagonal. Cells *between* the
+nodes are unsuitable: on a mesh as fine as the grid a checkerboard of them loads no node, and the compliance is
+singular.
 
-On a plane the chart is (theta, z) too, theta a length [m] there and its metric radius 1: what is said of angles and of
-rad below holds of it in metres.
+On a plane the chart is (theta, z) too, theta a length [m] there and its metric radius 1: statements on angles and rad
+below then apply in metres.
 
 Functions are numbered column by column, so that neighbours on the surface are neighbours in memory: a window of w
 columns of a dense compliance is one contiguous run of w rows of it, a copy of whole runs of entries.
@@ -39,10 +41,11 @@ def cell_edges(z: np.ndarray) -> np.ndarray:
 
 @dataclass(frozen=True, eq=False)
 class ContactGrid:
-    """Hats or cells over the chart (theta, z).
+    """Bilinear functions or cells over the chart (theta, z).
 
     Node (j, k) lies at `theta_start + j*pitch`, `z[k]`; its function has the flat index `j*rows + k`. `periodic`: the
-    columns close around the full turn; otherwise they stand on an arc, and all supports lie inside the contact surface.
+    columns close over the full revolution; otherwise they cover an arc, and all supports lie inside the contact
+    surface.
     """
 
     e_0: np.ndarray  # (3,) direction of theta = 0, user axes

@@ -1,48 +1,48 @@
-r"""`ContactSurface`: what of a reduced body's contact surface the simulation needs.
+r"""`ContactSurface`: the data of a reduced body's contact surface for the simulation.
 
-Symbols: `Phi_g` global modes with coordinates `q_g`, `psi_i` hats of a contact grid, `n` outward normal of the true
-surface. The elastic displacement of a body is
+Symbols: `Phi_g` global modes with coordinates `q_g`, `psi_i` bilinear shape functions of the contact grid's nodes, `n`
+outward normal of the true surface. The elastic displacement of a body is
 
     u = Phi_g q_g + (local part driven by the contact load)
 
-and on a contact surface, as hat coefficients of the outward normal displacement (L2 projection with the hat Gram
-matrix `M`),
+and on a contact surface, as nodal coefficients of the outward normal displacement (L2 projection with the Gram matrix
+`M` of the shape functions),
 
-    u_n = mode_normal q_g + D f,      f_i = int psi_i p dA   (outward hat forces, N),      D = M^-1 C M^-1.
+    u_n = mode_normal q_g + D f,      f_i = int psi_i p dA   (outward nodal forces, N),      D = M^-1 C M^-1.
 
 On a body of N equal sectors `D` couples sectors by their distance only (block-circulant), so one block row is stored:
 `D[(j,k),(j',k')] = lags[(j//c - j'//c) mod N][(j%c) rows + k, (j'%c) rows + k']`, `c` grid columns per sector.
 
-Tangential compliance of a contact surface: what friction needs beside the normal compliance.
+Tangential compliance of a contact surface: required for friction in addition to the normal compliance.
 
 Tangential tractions have two directions, 0: `e_theta`, around the axis, and 1: `t_z = (R' e_r + e_a)/sqrt(1 + R'^2)`,
-along the meridian; with the outward normal `e_theta x t_z = n`. On their own grid (hats or cells, on the nodes of the
-normal one) the coefficients of the tangential displacement, and what they add to the normal one, are
+along the meridian; with the outward normal `e_theta x t_z = n`. On their own grid (bilinear functions or cells, on the
+nodes of the normal one) the coefficients of the tangential displacement, and their contribution to the normal one, are
 
     u_t = mode_tangent q_g + D_tt f_t + D_nt^T f_n,      u_n = mode_normal q_g + D f_n + D_nt f_t,
 
-f_t forces [N] `int psi_i tau dA` of both directions, `D_tt = M_t^-1 C_tt M_t^-1`, `D_nt = M_n^-1 C_nt M_t^-1`. Of a
+f_t forces [N] `int psi_i tau dA` of both directions, `D_tt = M_t^-1 C_tt M_t^-1`, `D_nt = M_n^-1 C_nt M_t^-1`. For a
 cell the coefficient is the mean displacement and the force the traction times the area.
 
-Recovery. Displacements of points of a body from the forces on the hats of one of its contact surfaces.
+Recovery. Displacements of points of a body from the nodal forces of one of its contact surfaces.
 
-Sampling. Few points of a contact surface that stand for all of its points: `Contact(evaluation="hyper")`.
+Sampling. Reduced quadrature points of a contact surface: `Contact(evaluation="hyper")`.
 
-The strip between two columns of a contact grid repeats itself around the surface, so that one list of points serves
-every strip. Point p lies at the fraction x_p of a column, and zeta_p between the rows row_p and row_p + 1; its weight
-w_p > 0 [m^2] is its share of the area of the strip. Integrals of a function f with the hats psi of the grid become
+The strip between two columns of a contact grid is periodic around the surface, so that one list of points serves every
+strip. Point p lies at the fraction x_p of a column, and zeta_p between the rows row_p and row_p + 1; its weight w_p > 0
+[m^2] is its share of the area of the strip. Integrals of a function f with the shape functions psi of the grid become
 
     int psi_i f dA  ~  sum over strips, sum_p w_p psi_i(x_p) f(x_p),
 
-and hats add up to one, so that the weights of the points around a hat are that hat's area. How the points are chosen is
-in `warpffrf.offline.contact.cubature`.
+and shape functions add up to one, so that the weights of the points around a node add up to that node's area. The
+points are chosen in `warpffrf.offline.contact.cubature`.
 
-Cross compliance. Compliance between two contact surfaces of one body: what loads on one do to the other through the
-local modes.
+Cross compliance. Compliance between two contact surfaces of one body: the effect of loads on one on the other through
+the local modes.
 
-A load on one surface deforms the whole body. The part of it that the global modes have is in their coordinates; what
-is left is the residual response, the same that makes a surface's own compliance. Seen at another surface t under a load
-on s, in the coefficients and forces of `ContactSurface` and `Tangential`,
+A load on one surface deforms the whole body. The part of the global modes is in their coordinates; the remainder is the
+residual response, which also defines a surface's own compliance. At another surface t under a load on s, in the
+coefficients and forces of `ContactSurface` and `Tangential`,
 
     u_n^t += D_ts f_n^s + D_nt f_t^s,      u_t^t += D_tn f_n^s + D_tt f_t^s,
 
@@ -71,7 +71,7 @@ from warpffrf.model.reduced.local_mass import LocalMass
 
 @dataclass(frozen=True, eq=False)
 class ContactSurface:
-    """A contact surface of a reduced body: its true shape, its hats, and their normal compliance (module docstring)."""
+    """A contact surface of a reduced body: its true shape, its grid, and the normal compliance (module docstring)."""
 
     name: str
     shape: Any  # resolved surface of revolution, see `warpffrf.model.surfaces`
@@ -82,10 +82,10 @@ class ContactSurface:
     tangential: Tangential | None = None
     local_mass: LocalMass | None = None  # inertia of the local modes, see `warpffrf.model.reduced.local_modes`
     sampling: Sampling | None = (
-        None  # few points for all, see `warpffrf.model.reduced.contact_surface`; None: none were chosen
+        None  # reduced quadrature points, see `warpffrf.model.reduced.contact_surface`; None: not chosen
     )
     slope_lags: np.ndarray | None = (
-        None  # what D gains where normals lean, `warpffrf.model.reduced.local_modes`; None: stiff bodies
+        None  # change of D with tilted normals, `warpffrf.model.reduced.local_modes`; None: stiff bodies
     )
     far: FarField | None = (
         None  # for patches finer than the mesh, see `warpffrf.model.reduced.far_field`; None: not computed
@@ -93,18 +93,18 @@ class ContactSurface:
 
     @property
     def local_modes(self) -> int:
-        """Number of normal local modes: one a hat."""
+        """Number of normal local modes: one per node."""
         return self.grid.columns * self.grid.rows
 
     @cached_property
     def splines(self) -> FarSplines:
-        """The splines of the far field, with what takes hats to them."""
+        """The splines of the far field, with the transformation from nodal coefficients."""
         return FarSplines(self.grid, self.shape, self._turn)
 
     @cached_property
     def tangential_splines(self) -> FarSplines:
-        """The same splines, with what takes the functions of tangential tractions to them. Raises `TypeError` without
-        any."""
+        """The same splines, with the transformation from the functions of tangential tractions. Raises `TypeError`
+        without any."""
         if self.tangential is None:
             raise TypeError(f"contact surface {self.name!r} has no tangential tractions")
         return FarSplines(self.tangential.grid, self.shape, self._turn)
@@ -119,7 +119,7 @@ class ContactSurface:
 
     @property
     def _turn(self) -> int:
-        """Columns of the full turn that the grid is part of, 0 of none."""
+        """Columns of the full revolution that the grid is part of, 0 if none."""
         turning = len(self.lags) > 1 or self.grid.periodic
         return len(self.lags) * self.grid.columns_per_sector if turning else 0
 
@@ -129,12 +129,12 @@ class ContactSurface:
         return self.grid.gram_z(self.shape)
 
     def recover(self, forces: np.ndarray) -> np.ndarray:
-        """Local displacement (n, 3) [m], user axes, of the display surface's points under outward hat forces
+        """Local displacement (n, 3) [m], user axes, of the display surface's points under outward nodal forces
         (columns, rows) [N]. Global modes are not included."""
         return self.recovery.apply(np.asarray(forces, dtype=np.float64), self.grid.columns_per_sector)
 
     def compliance(self, columns: np.ndarray) -> np.ndarray:
-        """D (w rows, w rows) [m/N] of the hats of the given grid `columns` (w,)."""
+        """D (w rows, w rows) [m/N] of the nodes of the given grid `columns` (w,)."""
         c, rows = self.grid.columns_per_sector, self.grid.rows
         sector, part = columns // c, columns % c
         lag = (sector[:, None] - sector[None, :]) % len(self.lags)
@@ -156,7 +156,7 @@ class Tangential:
     lags_tt: np.ndarray
     lags_nt: np.ndarray
     mode_tangent: np.ndarray  # (2, columns rows, m) m per unit modal coordinate
-    recovery: Recovery  # its transfer has 2 c r columns a sector
+    recovery: Recovery  # its transfer has 2 c r columns per sector
 
     def compliance(self, columns: np.ndarray) -> np.ndarray:
         """D_tt (2 w r, 2 w r) [m/N] of the given grid `columns` (w,), ordered by direction, column, row."""
@@ -187,12 +187,12 @@ class Tangential:
 
 @dataclass(frozen=True, eq=False)
 class Recovery:
-    """Displacement of the display points under hat forces: block-circulant, applied by FFT over the sectors.
+    """Displacement of the display points under nodal forces: block-circulant, applied by FFT over the sectors.
 
     `transfer` (N//2 + 1, 3 p, c rows) complex64: displacement of one sector's `p` display points, in that sector's own
-    axes, per harmonic amplitude of the hat forces. `axes` (3, 3): columns are the axes of sector 0 in user axes, the
-    third is the axis of rotation. A body without periodicity has one sector and a real transfer (1, 3 n, hats).
-    Grid column j is column `offset + j*stride` of the `c*N` columns that the harmonics count.
+    axes, per harmonic amplitude of the nodal forces. `axes` (3, 3): columns are the axes of sector 0 in user axes, the
+    third is the axis of rotation. A body without periodicity has one sector and a real transfer (1, 3 n, hats). Grid
+    column j is column `offset + j*stride` of the `c*N` columns that the harmonics count.
     """
 
     transfer: np.ndarray
@@ -202,7 +202,7 @@ class Recovery:
     stride: int = 1
 
     def apply(self, forces: np.ndarray, columns_per_sector: int) -> np.ndarray:
-        """Displacement (n, 3) [m], user axes, of hat forces (columns, rows) [N]."""
+        """Displacement (n, 3) [m], user axes, of nodal forces (columns, rows) [N]."""
         N = self.sectors
         columns, rows = forces.shape
         whole = np.zeros((columns_per_sector * N, rows)) if N > 1 else np.zeros((columns, rows))
@@ -219,7 +219,7 @@ class Recovery:
 def sector_to_user(u: np.ndarray, axes: np.ndarray) -> np.ndarray:
     """Vectors (N, p, 3) given in the axes of their own sectors -> (N p, 3) in user axes.
 
-    Sector s is sector 0 turned by `2 pi s/N` about the third of `axes` (3, 3, columns = axes of sector 0).
+    Sector s is sector 0 rotated by `2 pi s/N` about the third of `axes` (3, 3, columns = axes of sector 0).
     """
     N = len(u)
     angle = 2.0 * np.pi * np.arange(N)[:, None] / N
@@ -228,18 +228,18 @@ def sector_to_user(u: np.ndarray, axes: np.ndarray) -> np.ndarray:
     return turned.reshape(-1, 3) @ axes.T
 
 
-ALL_AROUND = 3  # Gauss points across a grid cell: the second grid's hats have kinks inside the cell
-ALL_ALONG = 2  # Gauss points along a grid cell: exact for products of two linear hats
+ALL_AROUND = 3  # Gauss points across a grid cell: the second grid's shape functions have kinks inside the cell
+ALL_ALONG = 2  # Gauss points along a grid cell: exact for products of two linear functions
 
 
 @dataclass(frozen=True, eq=False)
 class Sampling:
     """Points of a strip: `fraction` (n,) of a column in [0, 1), `row` (n,) int, `zeta` (n,) in [0, 1], `weight` (n,)
-    [m^2]; what they were trained for.
+    [m^2]; and their training data.
 
     `wanted_error`, `training_error`: of the integrals of a training family, against those by all points and over their
-    size; wanted, and the worst that was found. `mean_error`: root of the mean square over the families. `families`: how
-    many there were.
+    size; requested, and the largest found. `mean_error`: root of the mean square over the families. `families`: their
+    number.
     """
 
     fraction: np.ndarray
@@ -274,15 +274,15 @@ class Sampling:
         return float(self.weight.sum())
 
     def axial(self, z: np.ndarray) -> np.ndarray:
-        """Axial places (n,) [m] of the points between the rows z (rows,) [m] of the grid."""
+        """Axial positions (n,) [m] of the points between the rows z (rows,) [m] of the grid."""
         return z[self.row] + self.zeta * (z[self.row + 1] - z[self.row])
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """What of it is arrays, for a file."""
+        """Its arrays, for a file."""
         return {"fraction": self.fraction, "row": self.row, "zeta": self.zeta, "weight": self.weight}
 
     def facts(self) -> dict[str, Any]:
-        """What of it is numbers, for a file and a report."""
+        """Its scalars, for a file and a report."""
         return {
             "wanted_error": float(self.wanted_error),
             "training_error": float(self.training_error),
@@ -292,13 +292,13 @@ class Sampling:
 
     @classmethod
     def restore(cls, arrays: dict[str, np.ndarray], facts: dict[str, Any]) -> Sampling:
-        """The sampling that `arrays` and `facts` were taken of. Raises `InputError` as the constructor does."""
+        """The sampling stored in `arrays` and `facts`. Raises `InputError` as the constructor does."""
         return cls(**arrays, **facts)
 
 
 def gauss_points(rows: int, around: int, along: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
     """Tensor Gauss points of a strip between `rows` rows: fraction, row, zeta (n,) and the share (n,) of the area of a
-    cell of the chart, whose sum is 1 a cell. Evaluation "semi" has `ALL_AROUND` x `ALL_ALONG` of them."""
+    cell of the chart, whose sum is 1 per cell. Evaluation "semi" has `ALL_AROUND` x `ALL_ALONG` of them."""
     (x, wx), (z, wz) = ((0.5 * (p + 1.0), 0.5 * w) for p, w in map(np.polynomial.legendre.leggauss, (around, along)))
     cell = np.arange(rows - 1)
     row, zeta, fraction = (a.ravel() for a in np.meshgrid(cell, z, x, indexing="ij"))
@@ -318,9 +318,9 @@ class CrossCompliance:
 
         D[(j,k),(j',k')] = lags[(j//c_t - j'//c_s) mod sectors][(j%c_t) rows_t + k, (j'%c_s) rows_s + k'],
 
-    c_t, c_s columns of a sector of both grids, `columns = sectors c`. Two full turns of a periodic body whose columns
-    repeat alike keep their sectors; everywhere else `sectors` is 1 and c all columns. Tangential functions of a sector
-    are numbered by direction, column, row.
+    c_t, c_s columns of a sector of both grids, `columns = sectors c`. Two full revolutions of a periodic body with the
+    same column period keep their sectors; everywhere else `sectors` is 1 and c all columns. Tangential functions of a
+    sector are numbered by direction, column, row.
     """
 
     target: str

@@ -1,4 +1,4 @@
-"""What a reduced body holds, without what can be done with it: `ReducedBody` stands on top of this and of its file."""
+"""Data of a reduced body, without its methods: `ReducedBody` builds on this and on its file."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ from warpffrf.model.reduced.stress_field import StressField
 @dataclass(frozen=True, eq=False)
 class Interface:
     """An interface of kind "rigid", "average" or "free": `modes` (m, 6) is its translation [m] and rotation [rad] at
-    `point` (3,) [m] per unit modal coordinate, user axes; of the last two kinds the mean motion of its nodes.
+    `point` (3,) [m] per unit modal coordinate, user axes; for the last two kinds the mean motion of its nodes.
 
-    Local modes do not move it. A free one keeps its `nodes` (k, 3) [m], places in the user frame, and their
+    Local modes do not move it. A free one keeps its `nodes` (k, 3) [m], positions in the user frame, and their
     displacement `node_modes` (m, k, 3) [m]; local modes move none of them either.
     """
 
@@ -32,10 +32,10 @@ class Interface:
 
 @dataclass(frozen=True, eq=False)
 class DisplaySurface:
-    """Outer skin for pictures: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n, 3)
-    [m/N], what each of the N forces on the body's laps does beyond the global modes, user axes; None where there are no
-    laps, or where that was left out as too large; `second_order` (R, n, 3), the shapes of second-order motion
-    (`warpffrf.model.reduced.inertia`), None of a body without."""
+    """Outer skin for visualisation: points (n, 3) [m, user frame], triangles (t, 3), modes (m, n, 3), and `laps` (N, n,
+    3) [m/N], the residual displacement per force on the body's laps, beyond the global modes, user axes; None without
+    laps, or where it was omitted as too large; `second_order` (R, n, 3), the shapes of second-order motion
+    (`warpffrf.model.reduced.inertia`), None for a body without."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -46,7 +46,7 @@ class DisplaySurface:
 
 @dataclass(frozen=True, eq=False)
 class ReducedBodyData:
-    """Mass properties, global modes, interfaces, contact surfaces, skin, and how they were made.
+    """Mass properties, global modes, interfaces, contact surfaces, skin, and provenance.
 
     Modes are M-orthonormal (modal mass 1 kg), K-orthogonal and M-orthogonal to rigid motion (Tisserand frame).
     """
@@ -58,10 +58,10 @@ class ReducedBodyData:
     interfaces: dict[str, Interface]
     contact_surfaces: dict[str, ContactSurface]
     surface: DisplaySurface
-    stress: dict[str, StressField] = field(default_factory=dict)  # where stresses can be asked for, by name
+    stress: dict[str, StressField] = field(default_factory=dict)  # points of stress evaluation, by name
     report: dict[str, Any] = field(default_factory=dict)
     provenance: dict[str, Any] = field(default_factory=dict)
-    inertia_terms: InertiaTerms | None = None  # of the first modes; None: of a body without
+    inertia_terms: InertiaTerms | None = None  # of the first modes; None: without
     cross: tuple[CrossCompliance, ...] = ()  # one for each pair of contact surfaces
     laps: dict[str, LapSurface] = field(default_factory=dict)  # faces with cells, `model.laps`
     lap_compliance: np.ndarray | None = None  # (N, N) m/N of all forces of `laps`, in their order; None without laps
@@ -72,8 +72,8 @@ class ReducedBodyData:
         return sum(s.local_modes for s in self.contact_surfaces.values())
 
     def cross_compliance(self, target: str, source: str) -> CrossCompliance | None:
-        """What loads on contact surface `source` do to contact surface `target`; None of a body without.
-        Raises `InputError` for names that are not two contact surfaces."""
+        """Cross compliance from contact surface `source` to contact surface `target`; None for a body without. Raises
+        `InputError` for names that are not two contact surfaces."""
         if target == source or not {target, source} <= set(self.contact_surfaces):
             raise InputError(
                 f"cross_compliance: {target!r} and {source!r} are not two contact surfaces of this body; it has "

@@ -1,19 +1,18 @@
-r"""What a body adds to the half-space under a patch of contact: the far field, kept with each contact surface.
+r"""Difference of a body from the half-space under a contact patch: the far field, stored with each contact surface.
 
-Pressures on a grid that travels with the patch displace the surface by u = H p + P S P^T p: H the half-space of the
-body's material, exact on any grid, and S what is left of the body's compliance when the half-space is taken out of it,
-among the splines of `FarSplines`, which P evaluates. Both halves have the same half-space, which is
+Pressures on a contact-fixed grid displace the surface by u = H p + P S P^T p: H the half-space of the body's material,
+exact on any grid, and S the body's compliance minus the half-space, in the splines of `FarSplines`, which P evaluates.
+Both parts use the same half-space, which is
 
-- cut off by `cutoff` of the angle between outward normals, so that it does not go round the body;
+- cut off by `cutoff` of the angle between outward normals, so that it does not extend around the body;
 - a quarter space at the `ends` of the surface, see `warpffrf.offline.near_field.window`.
 
 Tangential tractions have a far field, too (`FarTangential`), among the same splines. Their half-space is Cerruti's with
-mirror images at the ends, of the same sign around and along, and of no part between these directions; what a free end
-adds to the images is in S, as far as splines follow it: not of tractions within about a spacing of the grid from an end
-(`warpffrf.offline.near_field.half_space`).
-What normal loads move along the surface is taken in the frame of the load: a near field that leaves the turning of the
-tangents out, as H of a flat patch does, lacks u_n/R of the half-space in its strain du/ds, and a strain from S has
-u_n/R of the rest in it.
+mirror images at the ends, of the same sign around and along, and without coupling of these directions; the effect of a
+free end beyond the images is in S, as far as splines resolve it: not of tractions within about a spacing of the grid
+from an end (`warpffrf.offline.near_field.half_space`). What normal loads move along the surface is taken in the frame
+of the load: a near field that leaves the turning of the tangents out, as H of a flat patch does, lacks u_n/R of the
+half-space in its strain du/ds, and a strain from S has u_n/R of the rest in it.
 """
 
 from __future__ import annotations
@@ -26,7 +25,7 @@ import numpy as np
 from warpffrf.model.half_space import QuarterSurface
 
 Array = np.ndarray
-# rad between the normals at two places: the half-space counts in full up to WHOLE, and not at all from NOTHING on.
+# rad between the normals at two places: the half-space has full weight up to WHOLE, and none from NOTHING on.
 # A patch spans less than WHOLE: at a half-width of R/4 Hertz's parabola is off by 2 % of the gap, too.
 WHOLE, NOTHING = 0.5, 1.3
 
@@ -39,7 +38,7 @@ def cutoff(cosine: Any) -> Array:
 
 # Spacings of a grid along over those across, from which patches of cells are refused: with 38 pressures err by 1.2 %,
 # with 61 by 8 to 18 %, or their compliance is not positive definite, although the far field is that of 38 to 1e-4 of
-# the whole (docs/studies/pressure_ends.md); why is not known.
+# the whole (docs/studies/pressure_ends.md); the cause is unknown.
 LONGEST = 40.0
 # Of `FarField.asymmetry`: beyond ASYMMETRIC the mesh's error near a load is no longer alike in both directions, beyond
 # UNUSABLE nobody knows what the far field is.
@@ -48,8 +47,8 @@ ASYMMETRIC, UNUSABLE = 0.02, 0.25
 
 @dataclass(frozen=True)
 class FreeEnd:
-    """An end face at the place `z` [m] along the meridian, at right angles to the surface; `side` +1 at the upper end,
-    -1 at the lower one."""
+    """An end face at `z` [m] along the meridian, at right angles to the surface; `side` +1 at the upper end, -1 at the
+    lower one."""
 
     z: float
     side: int
@@ -71,7 +70,7 @@ class FarTangential:
 @dataclass(frozen=True, eq=False)
 class FarField:
     """S among the splines of the surface's grid, `lags` [m/N] in the layout of `ContactSurface.lags`, symmetric; the
-    half-space that was taken out: `youngs_modulus` [Pa], `poisson_ratio`, `ends`.
+    subtracted half-space: `youngs_modulus` [Pa], `poisson_ratio`, `ends`.
 
     `asymmetry`: largest difference of the half-space on the body's mesh from its transpose, over its largest entry.
     """
@@ -85,7 +84,7 @@ class FarField:
     tangential: FarTangential | None = None  # None: of bodies without tangential tractions on cells
 
     def facts(self) -> dict[str, Any]:
-        """Everything but the arrays, plain data."""
+        """Everything except the arrays, plain data."""
         tangential = {} if self.tangential is None else {"tangential": {"asymmetry": self.tangential.asymmetry}}
         return {
             "youngs_modulus": self.youngs_modulus,

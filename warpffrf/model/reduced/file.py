@@ -1,9 +1,9 @@
 """One HDF5 file for one `ReducedBody`: schema version, arrays, a content hash, and a seal over the whole file.
 
 The body is flattened to `{path: array}` plus one JSON document for everything that is not an array; the content hash,
-which names a body, runs over both, without report and provenance. Damage is seen by the seal (`sealed_file`), which
-runs over every byte and is looked at before anything else. A file is written beside its target and renamed, so that an
-interrupted run leaves no half-written file.
+which identifies a body, covers both, without report and provenance. Damage is detected by the seal (`sealed_file`),
+which covers every byte and is checked first. A file is written to a temporary name next to its target and renamed, so
+that an interrupted run leaves no partial file.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from warpffrf.model.reduced.stress_field import StressField
 
 Body = TypeVar("Body", bound=ReducedBodyData)
 
-SCHEMA = 11  # goes up with every change of what a file holds; files of other schemas are refused
+SCHEMA = 11  # incremented with every change of the file contents; files of other schemas are refused
 MARK = "warpffrf reduced body"
 _COMPRESSED_FROM = 1 << 16  # bytes; below it a compressed chunk costs more than it saves
 _INERTIA = ("first", "second", "gyroscopic")
@@ -339,7 +339,7 @@ def _document(file: Any, name: str) -> dict[str, Any]:
 
 
 def _stored(file: Any) -> dict[str, np.ndarray]:
-    """Every array of a body's parts, by path; what is not one of them is not read."""
+    """Every array of a body's parts, by path; others are not read."""
     import h5py
 
     found: list[str] = []
@@ -355,8 +355,8 @@ def _stored(file: Any) -> dict[str, np.ndarray]:
 
 def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None, content: str | None = None) -> Body:
     """The body of class `kind` in the file `path`; raises `InputError` when the file is missing, damaged, no body's, of
-    another schema, or another body than the one with the content hash `content`. `subject`: what messages call it,
-    where a reader knows the file by another name."""
+    another schema, or another body than the one with the content hash `content`. `subject`: its name in messages, where
+    a reader knows the file by another name."""
     import h5py
 
     if not path.is_file():
@@ -380,6 +380,6 @@ def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None, 
         return body
     except InputError as error:
         raise error if subject in str(error) else InputError(f"{subject}: {error}; {cure}") from None
-    except Exception as error:  # a document that is not ours raises what it leads to
+    except Exception as error:  # a foreign document may raise anything
         reason = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"{subject} is damaged or not an HDF5 file ({reason}); {cure}") from None

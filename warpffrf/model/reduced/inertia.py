@@ -1,16 +1,16 @@
-r"""Inertia of a deforming body: the invariants of its modes, and the forces between turning and deforming.
+r"""Inertia of a deforming body: the invariants of its modes, and the coupling forces of rotation and deformation.
 
-A point X of the body (about the centre of mass, body axes) moves to `X + u`, `u = sum_i q_i phi_i(X)`; the body turns
-with w. Its velocity, in body axes, is `v + w x (X + u) + udot`. In a Tisserand frame the modes have no momentum,
-`int phi_i dm = 0`, `int X x phi_i dm = 0`, and with `int phi_i.phi_j dm = delta_ij` the kinetic energy is
+A point X of the body (about the centre of mass, body axes) moves to `X + u`, `u = sum_i q_i phi_i(X)`; the body rotates
+with w. Its velocity, in body axes, is `v + w x (X + u) + udot`. In a Tisserand frame the modes have no momentum, `int
+phi_i dm = 0`, `int X x phi_i dm = 0`, and with `int phi_i.phi_j dm = delta_ij` the kinetic energy is
 
     T = m v.v/2 + w.J(q) w/2 + w.h(q, qdot) + |qdot|^2/2,
     J(q) = J0 + sum_i q_i J1_i + sum_ij q_i q_j J2_ij,      h = int u x udot dm = sum_ij q_i qdot_j G_ij,
     J1_i = int 2 (X.phi_i) 1 - X phi_i^T - phi_i X^T dm,
     J2_ij = int (phi_i.phi_j) 1 - (phi_i phi_j^T + phi_j phi_i^T)/2 dm,      G_ij = int phi_i x phi_j dm = -G_ji,
 
-exactly: J is of second degree in q. What is called linear momentum is m v whatever q is. Lagrange's equations, with the
-angular momentum `L = J w + h`, forces f_j on the modes and M on the body:
+exactly: J is of second degree in q. The linear momentum is m v for any q. Lagrange's equations, with the angular
+momentum `L = J w + h`, forces f_j on the modes and M on the body:
 
     Ldot + w x L = M,        Ldot = J wdot + Jdot w + hdot,
     qddot_j + 2 sum_i (w.G_ij) qdot_i + sum_i (wdot.G_ij) q_i - w.J1_j w/2 - sum_i (w.J2_ij w) q_i + ... = f_j,
@@ -18,27 +18,26 @@ angular momentum `L = J w + h`, forces f_j on the modes and M on the body:
 the added terms of a mode being Coriolis, Euler and centrifugal forces. (Shabana, Dynamics of Multibody Systems, ch. 5,
 writes the same integrals as inertia shape integrals.) `w.J2_ij w` is the Gram matrix of `w x phi_i`, not negative.
 
-**Levels** leave out J1, J2 or G in T itself, and take forces from what is left. Each is therefore a mechanical system
+**Levels** omit J1, J2 or G in T itself, and derive the forces from the remainder. Each is therefore a mechanical system
 of its own, and conserves energy and angular momentum: "constant" keeps none, "deformed" J1 and J2, "gyroscopic" J1 and
-G, "full" all three. The terms are called "centrifugal" (J1), "deformed inertia" (J2) and "gyroscopic" (G).
-Limits: w = 0 leaves G's Euler forces alone, |q| = 0 the centrifugal load w.J1_j w/2; the terms compare with the elastic
-force as (w/omega_j)^2 (J2) and w/omega_j (G), so slow turning of a stiff body needs none.
+G, "full" all three. The terms are called "centrifugal" (J1), "deformed inertia" (J2) and "gyroscopic" (G). Limits: w =
+0 leaves G's Euler forces alone, |q| = 0 the centrifugal load w.J1_j w/2; the terms compare with the elastic force as
+(w/omega_j)^2 (J2) and w/omega_j (G), so slow rotation of a stiff body requires none.
 
 **Geometric stiffening.** A prestress sigma0 adds `sum_c int d_a phi_i^c sigma0_ab d_b phi_j^c dV` to the stiffness;
-sigma0 is linear in what causes it, the centrifugal load (products of w) and the loads F on the interfaces:
+sigma0 is linear in its causes, the centrifugal load (products of w) and the loads F on the interfaces:
 
     K_geo = sum_ab w_a w_b Kc_ab + sum over interfaces and components F_k Kf_k,      force on the modes - K_geo q.
 
 All arrays are in the axes of the user frame, moments about the centre of mass; modes have modal mass 1 kg, so that q is
-in m, J1 in kg m, J2 and G in kg. They cover the first k of the m modes; the others count as if without these terms.
+in m, J1 in kg m, J2 and G in kg. They cover the first k of the m modes; these terms are neglected for the others.
 
-Membrane. The membrane energy of a body: what its fibres are stretched by, of second order in its modes, and cannot
-evade.
+Membrane. The membrane energy of a body: the second-order stretching of its fibres that cannot be relieved.
 
 Deflections stretch fibres by w'^2/2. A beam whose ends may move, or a developable bend of a plate, relieves that by
-motion along itself; a plate held along its rim, or bent both ways, cannot. The energy left is the square of a strain
-that is quadratic in the modal coordinates q, and kept by its R largest principal parts (derived in
-`warpffrf.offline.inertia.membrane`):
+motion along itself; a plate clamped along its rim, or bent in both directions, cannot. The remaining energy is the
+square of a strain that is quadratic in the modal coordinates q, represented by its R largest principal parts (derived
+in `warpffrf.offline.inertia.membrane`):
 
     V4 = 1/2 sum_r e_r^2,        e_r = q.L_r q/2,        y_r = L_r q,
     dV4/dq = sum_r e_r y_r,      d2V4/dq2 = sum_r y_r y_r^T + e_r L_r.
@@ -46,31 +45,30 @@ that is quadratic in the modal coordinates q, and kept by its R largest principa
 It is never negative, and so is the first part of its tangent. q is in m at modal mass 1 kg, L_r in sqrt(J)/m^2, e_r in
 sqrt(J).
 
-Second order motion. Where deflections take the points of a body: its motion of second order in the modes, on few
-shapes.
+Second order motion. Displacement of the points of a body of second order in the modes, in few shapes.
 
-A body that deflects far moves by u = sum_i q_i phi_i + Theta(q, q): Theta is what bends shorten, and how the body
-evades stretching (derived in `warpffrf.offline.inertia.second_order`). Of the pairs of modes, each a field, the R
-principal ones in the mass are kept (`warpffrf.offline.inertia.second_order`),
+A body with large deflections moves by u = sum_i q_i phi_i + Theta(q, q): Theta is the shortening by bending and the
+motion that relieves stretching (derived in `warpffrf.offline.inertia.second_order`). Of the pairs of modes, each a
+field, the R principal ones in the mass are kept (`warpffrf.offline.inertia.second_order`),
 
     Theta(q, q) = sum_s g_s B_s,      g_s = q.S_s q/2,      dTheta = sum_s (q.S_s dq) B_s,
 
 with shapes B_s of modal mass 1 kg, as those of modes, orthogonal to one another: g_s is in m like q, S_s in 1/m. In the
-rates gd_s = q.S_s qd and with the overlap C_is = int phi_i.B_s dm the kinetic energy of a body that does not turn is
+rates gd_s = q.S_s qd and with the overlap C_is = int phi_i.B_s dm the kinetic energy of a body that does not rotate is
 
     T = |qd|^2/2 + qd.C gd + |gd|^2/2,
 
-of which simulations have the first part.
+of which simulations include the first part.
 
-Interface motion. How the modes move an interface: the one place on the host that says it.
+Interface motion. Motion of an interface by the modes: its only definition on the host.
 
 Components d_c of the translation and rotation (u, theta) in body axes follow from the mode shapes Phi_c and, of a body
 that loads stiffen, the geometric stiffness K_c of a unit load (`warpffrf.model.reduced.inertia.GeometricStiffness`),
 
     d_c = Phi_c.q - q.K_c q/2,      dd_c/dq = Phi_c - K_c q,
 
-as the constraint rows see it (`warpffrf_kernels.bodies.interfaces`). The second part is what deflections shorten: the
-work of a load F on it is the energy -F.d = F q.K q/2 of the prestress, so that one does not go without the other.
+as used by the constraint rows (`warpffrf_kernels.bodies.interfaces`). The second part is the shortening by deflection:
+the work of a load F on it is the energy -F.d = F q.K q/2 of the prestress, so that one does not go without the other.
 
 A *body* here is whatever has `reduced`, a reduced body, and `stiffening`, whether loads stiffen it: a body of a scene
 or a `BodyView` of results.
@@ -128,8 +126,7 @@ class GeometricStiffness:
 
     def matrix(self, w: Array, loads: Mapping[str, Array] | None = None) -> Array:
         """K_geo (k, k) at angular velocity `w` (3,) [rad/s] under interface `loads` name -> (6,) [N, N m], body axes.
-
-        Raises `InputError` for an interface that there is none of.
+        Raises `InputError` for an unknown interface.
         """
         total = np.tensordot([w[a] * w[b] for a, b in PRODUCTS], self.centrifugal, 1)
         for name, load in (loads or {}).items():
@@ -142,7 +139,7 @@ class GeometricStiffness:
 @dataclass(frozen=True, eq=False)
 class InertiaTerms:
     """Invariants of the first k modes: `first` J1 (k, 3, 3) [kg m], `second` J2 (k, k, 3, 3) [kg], `gyroscopic` G
-    (k, k, 3) [kg], and the `stiffening` where it was asked for. See the module docstring."""
+    (k, k, 3) [kg], and the `stiffening` if requested. See the module docstring."""
 
     first: Array
     second: Array
@@ -165,10 +162,10 @@ class InertiaTerms:
         return len(self.first)
 
     def kept(self, level: str, *, stiffened: bool = False) -> tuple[Array, Array, Array]:
-        """J1, J2, G with those that `level` leaves out set to zero; raises `InputError` for an unknown level.
+        """J1, J2, G with those that `level` omits set to zero; raises `InputError` for an unknown level.
 
         `stiffened`: J2 - Kc, the energy q.K_c q/2 of stiffening by rotation with its sign in w.J w/2; a mixed product
-        of w stands in two places of J2, half in each.
+        of w is split in halves over two entries of J2.
         """
         if level not in LEVELS:
             raise unknown_name("inertia level", level, LEVELS)
@@ -195,7 +192,7 @@ def momentum(terms: InertiaTerms, J0: Array, q: Array, qd: Array, w: Array, leve
 
 
 def kinetic_energy(terms: InertiaTerms, J0: Array, q: Array, qd: Array, w: Array, level: str = "full") -> float:
-    """w.J w/2 + w.h + |qd|^2/2 [J]: of turning and deforming; the m v.v/2 of the centre of mass is not in it."""
+    """w.J w/2 + w.h + |qd|^2/2 [J]: of rotation and deformation, without m v.v/2 of the centre of mass."""
     h = _cross(terms.kept(level)[2], q, qd)
     return float(0.5 * w @ inertia(terms, J0, q, level) @ w + w @ h + 0.5 * qd @ qd)
 
@@ -210,7 +207,7 @@ def body_torque(
     wdot: Array,
     level: str = "full",
 ) -> Array:
-    """dL/dt + w x L (3,) [N m]: the torque about the centre of mass that this motion needs, body axes."""
+    """dL/dt + w x L (3,) [N m]: the torque about the centre of mass required for this motion, body axes."""
     J1, J2, G = terms.kept(level)
     k = terms.modes
     q, qd, qdd = q[:k], qd[:k], qdd[:k]
@@ -223,8 +220,8 @@ def body_torque(
 
 
 def modal_forces(terms: InertiaTerms, q: Array, qd: Array, w: Array, wdot: Array, level: str = "full") -> Array:
-    """What stands beside qddot + c qdot + k q on the left of the modes' equations (m,) [N]: Coriolis, Euler and
-    centrifugal terms; zero for the modes beyond the first k. Geometric stiffening is not in it."""
+    """Terms added to qddot + c qdot + k q on the left of the modes' equations (m,) [N]: Coriolis, Euler and
+    centrifugal; zero for the modes beyond the first k. Geometric stiffening is not included."""
     J1, J2, G = terms.kept(level)
     k = terms.modes
     found = np.zeros(len(q))
@@ -250,7 +247,7 @@ def membrane_amplitudes(forms: Array, q: Array) -> Array:
 
 
 def membrane_forms(body: Any) -> Array | None:
-    """L (R, k, k) of a body that loads stiffen, None of others, and of one without membrane energy.
+    """L (R, k, k) of a body with stiffening, None for others, and for one without membrane energy.
 
     A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
     """
@@ -268,8 +265,7 @@ def membrane_energies(forms: Array, q: Array) -> Array:
 @dataclass(frozen=True, eq=False)
 class SecondOrderMotion:
     """Amplitudes of the shapes of second order: `forms` S (R, k, k) [1/m], symmetric, of the first k modes, and the
-    `overlap` C (k, R) of these modes with the shapes. The shapes themselves are with what is seen of them, as
-    `DisplaySurface.second_order`."""
+    `overlap` C (k, R) of these modes with the shapes. The shapes themselves are in `DisplaySurface.second_order`."""
 
     forms: Array
     overlap: Array
@@ -292,14 +288,14 @@ class SecondOrderMotion:
         return np.einsum("...i,sij,...j->...s", x[..., :k], self.forms, y[..., :k], optimize=True)
 
     def kinetic_energy(self, q: Array, qd: Array) -> Array:
-        """What T (...) [J] has beside |qd|^2/2, at q (..., m) [m] and rates qd (..., m) [m/s]."""
+        """Contribution to T (...) [J] in addition to |qd|^2/2, at q (..., m) [m] and rates qd (..., m) [m/s]."""
         gd = self.between(q, qd)
         along = np.einsum("...i,is,...s->...", qd[..., : len(self.overlap)], self.overlap, gd, optimize=True)
         return along + 0.5 * np.sum(gd * gd, axis=-1)
 
 
 def motion_of(body: Any) -> SecondOrderMotion | None:
-    """The second-order motion of a body that loads stiffen, None of others, and of one that was reduced without.
+    """The second-order motion of a body with stiffening, None for others, and for one reduced without.
 
     A *body* is whatever has `reduced` and `stiffening`, as in `warpffrf.model.reduced.inertia`.
     """
@@ -331,7 +327,7 @@ def interface_motion(body: Any, name: str, q: Array) -> Array:
 
 
 def interface_slope(body: Any, name: str, q: Array) -> Array:
-    """The derivative (m, 6) of `interface_motion` by the modal coordinates at q (m,): how modes move the interface."""
+    """The derivative (m, 6) of `interface_motion` by the modal coordinates at q (m,)."""
     slope = np.array(body.reduced.interfaces[name].modes, dtype=float)
     if body.stiffening:
         K = body.reduced.inertia_terms.stiffening.interfaces[name]
@@ -341,7 +337,7 @@ def interface_slope(body: Any, name: str, q: Array) -> Array:
 
 
 def second_order(body: Any, name: str, x: Array, y: Array) -> Array:
-    """x.K_c y (..., 6) for x, y (..., m) [m]; zeros of a body that loads do not stiffen."""
+    """x.K_c y (..., 6) for x, y (..., m) [m]; zeros for a body without stiffening."""
     if not body.stiffening:
         return np.zeros((*x.shape[:-1], 6))
     K = body.reduced.inertia_terms.stiffening.interfaces[name]

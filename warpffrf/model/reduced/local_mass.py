@@ -1,4 +1,4 @@
-"""Inertia of the local modes of a contact surface; what is made of it is in `local_modes`."""
+"""Inertia of the local modes of a contact surface; used in `local_modes`."""
 
 from __future__ import annotations
 

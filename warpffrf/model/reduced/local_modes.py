@@ -1,63 +1,62 @@
-r"""Local modes of a contact surface as dynamic modes: frequencies, traces, and the compliance of what is cut.
+r"""Local modes of a contact surface as dynamic modes: frequencies, traces, and the compliance of the truncated modes.
 
-Symbols: `Phi_g` global modes (M-orthonormal, K-orthogonal, frequencies `Omega_g`), `U` (n, hats) residual static
-responses to unit *hat forces* f [m/N], all matrices in that unit:
+Symbols: `Phi_g` global modes (M-orthonormal, K-orthogonal, frequencies `Omega_g`), `U` (n, nodes) residual static
+responses to unit *nodal forces* f [m/N], all matrices in that unit:
 
     D = U^T K U     compliance (`ContactSurface.lags`),      Phi_g^T K U = 0 for any Phi_g (residual responses),
     N = U^T M U     mass Gram matrix  [m^2 kg/N^2],
     W = Phi_g^T M U overlap with the global modes  [m kg/N].
 
-W is not zero: attachment modes in Phi_g are no vibration modes. It has as many independent directions as there are
-attachment modes (six a rigid interface; on periodic bodies only in the harmonics 0 and 1).
+W is not zero: attachment modes in Phi_g are not vibration modes. Its rank is the number of attachment modes (six per
+rigid interface; on periodic bodies only in the harmonics 0 and 1).
 
-**Which subspace.** The union span{Phi_g, U} holds the exact static response. Four ways to make it diagonal were looked
-at. (1) Eigenmodes of the union replace the global ones: exact, but then every local mode moves the interfaces, and
-joints would see thousands of modes. (2) `U - Phi_g W` is M-orthogonal to Phi_g and K-coupled with it, by
-`-Omega_g^2 W`: leaving this out makes the static response wrong. (3) All of U with W left out of the mass matrix: a
-kinetic energy that is not that of the displacement, by cosines of up to 0.8, and frequencies without a bound. (4)
-Local modes in
+**Which subspace.** The union span{Phi_g, U} holds the exact static response. Four ways to diagonalise it were compared.
+(1) Eigenmodes of the union replace the global ones: exact, but then every local mode moves the interfaces, and joints
+would couple thousands of modes. (2) `U - Phi_g W` is M-orthogonal to Phi_g and K-coupled with it, by `-Omega_g^2 W`:
+neglecting this makes the static response wrong. (3) All of U with W omitted from the mass matrix: a kinetic energy that
+is not that of the displacement, by cosines of up to 0.8, and frequencies without a bound. (4) Local modes in
 
     L = {U y : W y = 0},
 
-taken here, are K-orthogonal *and* M-orthogonal to Phi_g, M-orthogonal to rigid motion, and move no interface (see
-`global_basis`), all exactly. The global modes stay what they are. With `y_j` from
+used here, are K-orthogonal *and* M-orthogonal to Phi_g, M-orthogonal to rigid motion, and move no interface (see
+`global_basis`), all exactly. The global modes are unchanged. With `y_j` from
 
     N y = (1/omega^2) D y   on  W y = 0,      y_i^T N y_j = 1 if i = j, else 0
 
 the modes `phi_j = U y_j` are M-orthonormal, K-orthogonal, and Phi_g and they make mass and stiffness diagonal together.
-What is neglected is the inertia of the few directions of U (at most one an attachment mode) that are K-orthogonal to
+What is neglected is the inertia of the few directions of U (at most one per attachment mode) that are K-orthogonal to
 L: they follow their load statically, inside `D_rest`. The kinetic energy is that of the part that moves with inertia,
-so energy and momentum keep their laws, and the static response stays exact. The frequencies of Phi_g and L together are
+so energy and momentum are conserved, and the static response remains exact. The frequencies of Phi_g and L together are
 Rayleigh-Ritz values: each is at or above the mesh's own one of its number, and with r directions held the k-th is at or
-below the (k+r)-th of the union (Cauchy). More global modes make what is neglected smaller.
+below the (k+r)-th of the union (Cauchy). More global modes reduce the neglected part.
 
 They are responses to static loads, not eigenmodes: nearly exact in their inertia well below the lowest of them, 10 to
-30 % high in frequency themselves. Where a motion at those frequencies matters, ask for more global modes.
+30 % high in frequency themselves. Where a motion at those frequencies matters, use more global modes.
 
 **The online step.** With `t_j = D y_j` (`trace`, hat coefficients of the outward normal displacement, the same as
-`mode_normal`) a load of hat forces f drives mode j by `t_j^T f`, because `phi_j^T B s = t_j^T M_psi s`:
+`mode_normal`) a load of nodal forces f drives mode j by `t_j^T f`, because `phi_j^T B s = t_j^T M_psi s`:
 
     q_j'' + 2 zeta_j omega_j q_j' + omega_j^2 q_j = t_j^T f,       u_n = mode_normal q_g + trace q + D_rest f,
 
     D_rest = D - sum_kept t_j t_j^T / omega_j^2      (positive semidefinite).
 
 At rest `q_j = t_j^T f/omega_j^2` and `u_n` is the exact one at any cut. For a body of L equal sectors everything is
-done harmonic by harmonic; both real modes of a harmonic are kept or cut, so that D_rest stays block-circulant.
+computed per harmonic; both real modes of a harmonic are kept or truncated, so that D_rest stays block-circulant.
 
-**Displacement anywhere**: that of the modes is the one of hat forces `y`. Dynamic modes q and forces f together look
-like the hat forces `f + y (q - Omega^-2 t^T f)` (`DynamicModes.equivalent_forces`), to be used in place of f wherever a
-displacement, or the local modes' part of a stress, is recovered.
+**Displacement anywhere**: that of the modes is the one of nodal forces `y`. Dynamic modes q and forces f together are
+equivalent to the nodal forces `f + y (q - Omega^-2 t^T f)` (`DynamicModes.equivalent_forces`), to be used in place of f
+wherever a displacement, or the local modes' part of a stress, is recovered.
 
-Slopes. Contact surfaces whose normals lean as they are pressed: which compliance a scene takes for them.
+Slopes. Contact surfaces whose normals tilt under pressure: their compliance in a scene.
 
-Pressed together, two surfaces share one form in the patch. What that bends of each follows from how compliant it is: of
+Pressed together, two surfaces have one common shape in the patch. The bending of each follows from its compliance: of
 the relative curvature 1/R* a body takes the share s = c_A/(c_A + c_B), c = (1 - nu^2)/E (Johnson, Contact Mechanics,
-section 4.2), so that its normals lean by s x/R*, and its compliance becomes (`warpffrf.offline.contact.local_mass`)
+section 4.2), so that its normals tilt by s x/R*, and its compliance becomes (`warpffrf.offline.contact.local_mass`)
 
     D + s (R/R*) S.
 
 On a rigid plane, and between two equal rollers, s R/R* = 1: all of a patch is pressed in one direction. A pin in a
-bore of its own radius has R/R* = 0. A surface that serves several pairs takes their mean.
+bore of its own radius has R/R* = 0. A surface in several contacts uses their mean.
 """
 
 from __future__ import annotations

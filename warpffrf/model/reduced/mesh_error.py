@@ -1,16 +1,17 @@
-r"""What its mesh makes of a body's forces in contact, by the same body on another mesh.
+r"""Mesh error of a body's contact forces, by comparison with the same body on another mesh.
 
-Under contacts on cells that travel with the patch (`Contact(grid="contact_fixed")`) the half-space is exact, and the
-mesh errs in the far field and the global modes alone. For a unit force, spread over a strip as long as the surface
-(line contacts) or a square (others) of half-width b, u = near + far is the mean displacement of the loaded place, the
-interface held. With another mesh of the same body
+On a contact-fixed grid (`Contact(grid="contact_fixed")`) the half-space is exact, and mesh errors occur only in the far
+field and the global modes. For a unit force, spread over a strip as long as the surface (line contacts) or a square
+(others) of half-width b, u = near + far is the mean displacement of the loaded region, with the interface fixed. With
+another mesh of the same body
 
     (u - u')/u'
 
-is how much more the body yields on its own mesh, and the force at a given approach is less by that. Of hollow rollers
-with 4 and 8 mm elements of any kind this is the error of the force to 0.1 % of it (docs/studies/coarse_rollers.md).
-What the other mesh leaves of it the estimate misses: with elements of half the size about a quarter. The same elements
-of a higher degree are no cheaper way: of 4 mm tet4 and tet10 the errors are 0.7 and 0.5 %.
+is the excess compliance of the body on its own mesh, and the force at a given approach is smaller by this fraction. For
+hollow rollers with 4 and 8 mm elements of any kind this is the error of the force to 0.1 % of it
+(docs/studies/coarse_rollers.md). The estimate does not include the error of the other mesh: with elements of half the
+size about a quarter. Elements of the same size and a higher degree are not an alternative: of 4 mm tet4 and tet10 the
+errors are 0.7 and 0.5 %.
 """
 
 from __future__ import annotations
@@ -28,10 +29,10 @@ if TYPE_CHECKING:
     from warpffrf.model.reduced.body import ReducedBody
 
 Array = np.ndarray
-NARROW = 0.005  # of the smallest radius of curvature, or of the extent of a plane: the half-width where none is given
+NARROW = 0.005  # of the smallest radius of curvature, or of the extent of a plane: the default half-width
 PLACES = 5  # around the surface
 POINTS = 33  # of the load along it
-SAME = 1e-3  # of the size of a surface: two meshes of one body have it alike
+SAME = 1e-3  # of the size of a surface: two meshes of one body agree to this
 CUSP, BENDS = 1.0 / 12.0, 0.06  # `own_mesh_error`: of an approach of some twelve P'(1 - nu^2)/(pi E); measured
 
 

@@ -7,15 +7,15 @@ frame. At point x
 
 with `q` the global coordinates, `f` the forces `f_i = int psi_i t dA` [N] of the grid functions of a contact surface,
 outward normal ones (columns, rows) or tangential ones (2, columns, rows), `T` the response of the local modes, `s` the
-coefficients of the traction `t = sum_i psi_i s_i` that the forces stand for, and `M` the Gram matrix. `W` is the part
+coefficients of the traction `t = sum_i psi_i s_i` equivalent to the forces, and `M` the Gram matrix. `W` is the part
 that follows from the traction alone, without any deformation: see `warpffrf.offline.stress.operator`. It makes the
-traction on a contact surface the one that was applied. Forces s on the cells of laps add `sum_i laps_i(x) s_i`, the
+traction on a contact surface equal to the applied one. Forces s on the cells of laps add `sum_i laps_i(x) s_i`, the
 response of the residual flexibility to them; on the faces of a lap themselves it is the stress of the finite elements.
 Amplitudes e of the membrane energy (`warpffrf.model.reduced.inertia`) add `sum_r membrane_r(x) e_r`.
 
-On a rotationally periodic body `T` is kept for the `p0` distinct places of the points in one sector, in the axes of
-that sector, per harmonic: `sigma_j = Re sum_k w_k e^{i k s_j phi} T_k f_k` at the place of point j, turned into user
-axes, with `f_k` the harmonics of the forces and w_k = 1/N for k = 0 and N/2, else 2/N.
+On a rotationally periodic body `T` is stored for the `p0` distinct positions of the points in one sector, in the axes
+of that sector, per harmonic: `sigma_j = Re sum_k w_k e^{i k s_j phi} T_k f_k` at the position of point j, rotated into
+user axes, with `f_k` the harmonics of the forces and w_k = 1/N for k = 0 and N/2, else 2/N.
 
 Skin strain. Strains of a body's skin, from the motion of its nodes.
 
@@ -46,7 +46,7 @@ from warpffrf.model.reduced.inertia import motion_of, skin_displacement
 
 _PLACE = np.array([[0, 3, 5], [3, 1, 4], [5, 4, 2]])
 _FIRST, _SECOND = np.array([0, 1, 2, 0, 1, 2]), np.array([0, 1, 2, 1, 2, 0])
-SUMMED = 8  # points a place up to which a harmonic sum a point costs less than a fast transform over all sectors
+SUMMED = 8  # points per position up to which a harmonic sum per point costs less than a fast transform over all sectors
 
 
 @named_arguments
@@ -139,8 +139,8 @@ class GridSpan:
 class LoadStress:
     """Stress at the points under the normal forces on one contact surface, or under the `tangential` ones.
 
-    `transfer` [Pa/N] holds six rows a place, in the layout of `Recovery`; `own` (6 p, whole functions) sparse [-] acts
-    on the traction coefficients over `span`. Functions are numbered by direction, column, row.
+    `transfer` [Pa/N] holds six rows per position, in the layout of `Recovery`; `own` (6 p, whole functions) sparse [-]
+    acts on the traction coefficients over `span`. Functions are numbered by direction, column, row.
     """
 
     surface: Any  # ContactSurface
@@ -192,8 +192,7 @@ class StressField:
     """Stress recovery of one body at named points; see the module docstring.
 
     `points` (p, 3) [m, user frame]; `modes` (m, p, 6) [Pa] per unit modal coordinate; `normal` and `tangential` loads
-    by contact surface. `place` (p,) and `sector` (p,) say which row block of a transfer, and which sector, belongs to
-    each point.
+    by contact surface. `place` (p,) and `sector` (p,) give the row block of a transfer and the sector of each point.
     """
 
     name: str
@@ -288,7 +287,7 @@ class StressField:
         return found
 
     def facts(self) -> dict[str, Any]:
-        """What is no array, as JSON."""
+        """The data other than arrays, as JSON."""
         return {
             root: {
                 "transfer": [int(v) for v in (p.transfer.sectors, p.transfer.offset, p.transfer.stride)],

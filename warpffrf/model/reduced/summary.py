@@ -1,4 +1,4 @@
-"""The readable summary of a reduced body: what it is, how it was made, and its quality report."""
+"""The readable summary of a reduced body: contents, provenance, and quality report."""
 
 from __future__ import annotations
 
@@ -195,7 +195,7 @@ def _membrane(m: dict[str, Any]) -> str:
 
 
 def _percentages(values: list[float]) -> str:
-    # rounded down: 100 % is said only of what is complete
+    # rounded down: 100 % is shown only for complete data
     return ", ".join(f"{np.floor(v * 1e4 + 1e-6) / 1e2:.2f}" for v in values) + "%"
 
 

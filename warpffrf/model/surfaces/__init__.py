@@ -1,10 +1,10 @@
-"""True shapes of contact surfaces, one file a kind, given or fitted to nodes.
+"""True shapes of contact surfaces, one file per kind, given or fitted to nodes.
 
     outside   Cylinder  CrownedCylinder  ProfiledCylinder  Groove  Sphere  Cone  Plane
     inside    Bore      Ring (grooved)                             Cup     ConicalBore
 
-What they share is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES`
-has them by kind. A surface of one's own is a subclass of `RevolutionShape` with a `profile`, or of one of these.
+Their common base is in `base` (frame, fit), `revolution` (chart) and `profile` (the meridian's numbers). `SHAPES` lists
+them by kind. A user-defined surface is a subclass of `RevolutionShape` with a `profile`, or of one of these.
 """
 
 from __future__ import annotations

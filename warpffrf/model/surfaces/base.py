@@ -1,8 +1,8 @@
-"""What every contact surface has: a frame, a chart (theta, z), a normal away from the material, and a fit to nodes.
+"""Base of contact surfaces: a frame, a chart (theta, z), a normal away from the material, and a fit to nodes.
 
-The chart counts theta about e_a from e_0 towards e_1 = e_a x e_0 and z along e_a from the point c. With the unit normal
-n away from the material e_theta x t_z = n: `around` gives e_theta, `along` gives t_z, which points to greater z. On a
-surface with the material outside (side -1) e_theta points against increasing theta.
+The chart measures theta about e_a from e_0 towards e_1 = e_a x e_0 and z along e_a from the point c. With the unit
+normal n away from the material e_theta x t_z = n: `around` returns e_theta, `along` returns t_z, which points to
+greater z. On a surface with the material outside (side -1) e_theta points against increasing theta.
 """
 
 from __future__ import annotations
@@ -23,7 +23,8 @@ UNIT = 4.0 * np.finfo(float).eps  # round-off of a vector that was made a unit v
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Shape(ABC):
-    """A contact surface in the user frame of its body; what is None is fitted to the nodes of the facet set.
+    """A contact surface in the user frame of its body; parameters that are None are fitted to the nodes of the facet
+    set.
 
     fit_tolerance [m] is the largest distance of a node that is accepted, 1e-5 of the size where None. `deviation` [m],
     the largest distance there was, is set by `fitted`.
@@ -40,7 +41,7 @@ class Shape(ABC):
         if self.fit_tolerance is not None:
             self._keep_number("fit_tolerance", positive=True)
 
-    # --- what a kind of surface says of itself
+    # --- definition of a kind of surface
 
     @property
     def resolved(self) -> bool:
@@ -49,11 +50,11 @@ class Shape(ABC):
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """The arguments that are left to fit."""
+        """The arguments that remain to be fitted."""
         return tuple(name for name in self.required if getattr(self, name) is None)
 
     def without_nodes(self) -> Any:
-        """The shape as a rigid surface has it, which has no nodes to fit anything to: with what it can do without."""
+        """The shape for a rigid surface, which has no nodes to fit: with defaults for dispensable parameters."""
         return self
 
     @property
@@ -100,7 +101,7 @@ class Shape(ABC):
 
     @abstractmethod
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Shape:
-        """The shape with what was left open fitted to the points."""
+        """The shape with its open parameters fitted to the points."""
 
     # --- frame and directions
 
@@ -142,10 +143,10 @@ class Shape(ABC):
     def fitted(self, points: Any, normals: Any = None) -> Any:
         """The shape with every None fitted to `points` (n, 3) [m] and `deviation` set.
 
-        normals (n, 3), where given, are the outward normals of the facets at the points: they tell the side of a plane,
-        and that a surface with the material inside was not asked for on a bore. Raises `InputError` when the largest
-        distance of a point exceeds the tolerance, the points do not determine what is left open, or the normals say
-        that the material lies on the other side.
+        normals (n, 3), where given, are the outward normals of the facets at the points: they define the side of a
+        plane, and detect a surface with the material inside that was requested on a bore. Raises `InputError` when the
+        largest distance of a point exceeds the tolerance, the points do not determine what is left open, or the normals
+        show that the material lies on the other side.
         """
         points = require_array(points, f"surface {self.kind}: points", (None, 3))
         if normals is not None:

@@ -1,17 +1,17 @@
 r"""Deviations of a surface from its true shape, which add to the gap of a film: positive where material is missing.
 
-Places are those of the chart of the surface that has the form: theta [rad, of a plane m], z [m]. Forms add up:
-`LobedForm(5e-6, 2) + BarrelForm(3e-6, 0.03)`. One of your own is a subclass of `Form`.
+Coordinates are those of the chart of the surface with the form: theta [rad, of a plane m], z [m]. Forms add up:
+`LobedForm(5e-6, 2) + BarrelForm(3e-6, 0.03)`. A user-defined form is a subclass of `Form`.
 
 Round form. A form deviation around a rigid surface of revolution in lumped contact: waviness, ovality, a measured
 roundness.
 
-A form of `warpffrf.films` says by how much material is missing, w(theta) [m], and adds to the gap. Here it depends on
-the angle theta about the axis alone, and is kept as the periodic cubic spline through STEPS places: a wave of order 60
-has an error of 1e-5 of its amplitude, and of 0.1 % of its curvature. What the device makes of it, gap, normal and
-curvature of first order in the slope, is derived in `warpffrf_kernels.lumped.form`.
+A form of `warpffrf.films` is the missing material, w(theta) [m], which adds to the gap. Here it depends on the angle
+theta about the axis alone, and is kept as the periodic cubic spline through STEPS places: a wave of order 60 has an
+error of 1e-5 of its amplitude, and of 0.1 % of its curvature. Its effect on gap, normal and curvature, of first order
+in the slope, is derived in `warpffrf_kernels.lumped.form`.
 
-Two surfaces touch in one place only where the one curves more than the other follows: around the axis the relative
+Two surfaces touch at a single point only where the one curves more than the other follows: around the axis the relative
 curvature of the ideal surfaces must exceed -w''/rho^2, the hollow that a wave makes.
 """
 
@@ -32,17 +32,17 @@ TURN = 2.0 * np.pi
 
 
 class Form(ABC):
-    """A form deviation: a frozen dataclass with a `kind`, called with places."""
+    """A form deviation: a frozen dataclass with a `kind`, called with coordinates."""
 
     kind: ClassVar[str]
 
     @abstractmethod
     def __call__(self, theta: Any, z: Any) -> np.ndarray:
-        """What it adds to the gap [m] at places theta [rad, of a plane m], z [m], shapes that broadcast."""
+        """Contribution to the gap [m] at theta [rad, of a plane m], z [m]; arguments broadcast."""
 
     @property
     def turns(self) -> bool:
-        """Whether it repeats each turn, so that it has no sense on a plane."""
+        """Whether it is periodic over a revolution, and so not applicable to a plane."""
         return False
 
     def __add__(self, other: Any) -> CompositeForm:
@@ -103,7 +103,7 @@ class BarrelForm(Form):
 @named_arguments
 @dataclass(frozen=True)
 class WornForm(Form):
-    """A worn place, depth cos^2(pi/2 (angle from theta)/width) within the angle `width` [rad] to both sides of theta
+    """A worn region, depth cos^2(pi/2 (angle from theta)/width) within the angle `width` [rad] to both sides of theta
     [rad], along the whole length; depth [m]. Raises `InputError`."""
 
     depth: float
@@ -136,8 +136,8 @@ class MeasuredForm(Form):
     """MeasuredForm deviations, `values` (n, m) [m] at theta (n,) [rad, of a plane m] and z (m,) [m], both rising,
     straight between them; beyond the outermost z their value.
 
-    periodic: around the full turn, with the first theta again behind the last; otherwise beyond the outermost theta
-    their value too. Raises `InputError`.
+    periodic: over the full revolution, with the first theta after the last; otherwise constant beyond the outermost
+    theta too. Raises `InputError`.
     """
 
     theta: Any

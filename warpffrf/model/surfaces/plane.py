@@ -20,7 +20,7 @@ IN_LINE = 1e-9  # second singular value of the nodes over the first, below which
 @named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Plane(Shape):
-    """A plane; what is None is fitted to the nodes of the facet set.
+    """A plane; parameters that are None are fitted to the nodes of the facet set.
 
     origin (3,) [m]: a point of it, the middle of the nodes where None. outward (3,): its normal, away from the
     material; where None it is found from the nodes and from the facets' side. direction (3,): that of z, made to lie in

@@ -1,4 +1,4 @@
-r"""The meridian of a contact surface: the numbers that say what it is, and its radius, slope and distance.
+r"""The meridian of a contact surface: its parameters, radius, slope and distance.
 
 A surface of revolution is x = c + z e_a + R(z) e_r(theta) with
 
@@ -8,14 +8,14 @@ Rc > 0 is a crown, highest at z = 0 (a sphere is Rc = R_0), Rc < 0 a groove, low
 the table is a drop in cubic pieces. The material lies within R(z) on side +1 and beyond it on side -1. A plane is
 `planar`: theta is then a length and the metric radius is 1.
 
-Foot. The nearest point of the meridian to (rho, z) has the axial position z_f. Without table it is closed: of a cone of
-half angle alpha the distance is d = (rho - R(z)) cos(alpha) and z_f = z + d sin(alpha); of an arc with kappa = 1/Rc,
-e = rho - R_0 and h = sqrt((1 + kappa e)^2 + (kappa z)^2)
+Foot. The nearest point of the meridian to (rho, z) has the axial position z_f. Without a table it has a closed form: of
+a cone of half angle alpha the distance is d = (rho - R(z)) cos(alpha) and z_f = z + d sin(alpha); of an arc with kappa
+= 1/Rc, e = rho - R_0 and h = sqrt((1 + kappa e)^2 + (kappa z)^2)
 
     d = (h - 1)/kappa = (e (kappa e + 2) + kappa z^2)/(h + 1),      z_f = z/h,
 
 free of cancellation for a flat arc, kappa -> 0. Where a point lies beyond the centre of a *hollow* arc (1 + kappa e <
-0) the nearest place is the end of the half circle, z_f = +-|Rc|. With a table F(s) = s - z + (R(s) - rho) R'(s) = 0 is
+0) the nearest point is the end of the half circle, z_f = +-|Rc|. With a table F(s) = s - z + (R(s) - rho) R'(s) = 0 is
 solved by Newton from the best of the table's nodes.
 """
 
@@ -41,7 +41,7 @@ class SurfaceProfile:
 
     side +1 or -1; radius R_0 [m] (1.0 of a plane); tangent t [-]; crown Rc [m], signed, 0.0 for none; table: `breaks`
     (n+1,) [m] and `coefficients` (n, 4) of the drop [m] in ascending powers of z - break; empty without one.
-    The first and the last piece go on beyond the table.
+    The first and the last piece are extrapolated beyond the table.
     """
 
     planar: bool

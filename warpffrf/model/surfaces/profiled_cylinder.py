@@ -2,16 +2,16 @@ r"""Surfaces of revolution: the chart that cylinder, crown, groove, sphere, cone
 
     x(theta, z) = c + z e_a + R(z) (cos(theta) e_0 + sin(theta) e_1),      n = side (e_r - R' e_a) / sqrt(1 + R'^2),
 
-with R(z) of the kind's profile. The distance of a point is that in its meridian half plane; `chart` gives theta of the
-point and z of the nearest place. Principal curvatures, positive where the material is convex:
+with R(z) of the kind's profile. The distance of a point is that in its meridian half plane; `chart` returns theta of
+the point and z of the nearest point. Principal curvatures, positive where the material is convex:
 
     around   side / (R sqrt(1 + R'^2)),      along   -side R'' / (1 + R'^2)^(3/2).
 
 Profiled cylinder. Outside of a cylinder with a profile by a table: R(z) = R_0 - table(z), cubic pieces with continuous
 slope.
 
-The pieces are Hermite polynomials through the drops: with the slopes that the table gives, else with those of PCHIP
-(Fritsch and Carlson 1980), which overshoot nowhere. Beyond the table the profile goes straight on.
+The pieces are Hermite polynomials through the drops: with the slopes of the table, else with those of PCHIP (Fritsch
+and Carlson 1980), which overshoot nowhere. Beyond the table the profile is extrapolated linearly.
 
 Logarithmic profile (Lundberg 1939; the form with a finite end is that of Fujiwara and Kawase 2007)
 
@@ -22,7 +22,7 @@ pressure without edges in the limit of a large end drop e. Its slope is closed t
 
 Refused: z that does not increase, so that the profile folds over itself; a slope above 80 degrees; a drop of more than
 the radius; a hollow so narrow that normals of the profile cross within its own depth, curvature times depth above 1:
-places in it would then be nearest to several points.
+its points would then be nearest to several points.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ ROUND_OFF = 1e-9  # of the radius
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class RevolutionShape(Shape):
-    """A surface of revolution; what is None is fitted to the nodes of the facet set.
+    """A surface of revolution; parameters that are None are fitted to the nodes of the facet set.
 
     radius [m] at `axis_point` (3,) [m], where z = 0; axis_direction (3,); user frame of the body. theta = 0 is +x made
     perpendicular to the axis, or +y where the axis is near x. fit_tolerance [m]: 1e-5 of the radius where None.

@@ -6,8 +6,8 @@ Crowned cylinder. Outside of a cylinder with a circular crown: R(z) = R_0 - (Rc 
 
 Cone. Outside of a circular cone: R(z) = R_0 + tan(alpha) z.
 
-Radius and place along the axis are one unknown, R_0 = R at `axis_point`: where the point is to be fitted it is put
-where R is the given radius, or in the middle of the nodes.
+Radius and axial position are one unknown, R_0 = R at `axis_point`: if the point is fitted, it is placed where R is the
+given radius, or at the middle of the nodes.
 
 Conical bore. Inside of a circular cone: R(z) = R_0 + tan(alpha) z, the material outside.
 
@@ -40,7 +40,7 @@ from warpffrf.model.surfaces.profiled_cylinder import RevolutionShape
 @named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cylinder(RevolutionShape):
-    """Outside of a circular cylinder; what is None is fitted to the nodes of the facet set.
+    """Outside of a circular cylinder; parameters that are None are fitted to the nodes of the facet set.
 
     radius [m], axis_point (3,) [m], axis_direction (3,), user frame of the body; fit_tolerance [m] is the largest
     distance of a node that is accepted, 1e-5 of the radius where None.
@@ -96,10 +96,10 @@ STRAIGHT = 1e-9  # tangent below which points show no cone: round-off of nodes o
 @named_arguments
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Cone(RevolutionShape):
-    """Outside of a cone; what is None is fitted to the nodes of the facet set.
+    """Outside of a cone; parameters that are None are fitted to the nodes of the facet set.
 
     half_angle [rad] between axis and generatrix, positive where the radius grows along `axis_direction`; radius [m] at
-    `axis_point`, which is not the tip. Beyond 80 degrees, as faces of ribs are, it is for lumped contacts alone.
+    `axis_point`, which is not the tip. Beyond 80 degrees, as for faces of ribs, it is restricted to lumped contacts.
     Raises `InputError` for an angle of 0 or beyond 89.99 degrees.
     """
 
@@ -120,7 +120,7 @@ class Cone(RevolutionShape):
 
     @property
     def steep(self) -> bool:
-        """Whether it is for lumped contacts alone."""
+        """Whether it is restricted to lumped contacts."""
         return self.half_angle is not None and abs(self.half_angle) >= STEEPEST
 
     def fitted(self, points: Any, normals: Any = None) -> Any:

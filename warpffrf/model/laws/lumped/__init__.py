@@ -1,6 +1,6 @@
-"""Laws of lumped contacts: force against the approach of two rigid surfaces. `base` has what they share.
+"""Laws of lumped contacts: force against the approach of two rigid surfaces. `base` defines their common base.
 
-With the approach a [m] of the undeformed surfaces, which is how deep they lie in one another, and the force F [N]
+With the approach a [m] of the undeformed surfaces, i.e. their penetration, and the force F [N]
 
     HertzPoint      F = K a^1.5, K from the curvatures where they touch and the moduli of both
     PalmgrenLine    F = (a l^0.8/3.84e-5)^(1/0.9) in N and mm, steel rollers of length l, by laminae

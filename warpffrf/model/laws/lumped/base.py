@@ -1,10 +1,10 @@
-r"""What all laws of lumped contacts have in common.
+r"""Common base of the laws of lumped contacts.
 
 **Damping** is that of Hunt and Crossley: the elastic force times 1 + chi a_dot, cut at zero. chi is given, or follows
-from the restitution wanted at an impact speed (`warpffrf.model.laws.hunt_crossley`): it holds for every law here, as
-the force of all is an elastic one times that factor.
+from the restitution at a given impact speed (`warpffrf.model.laws.hunt_crossley`): it holds for every law here, as the
+force of all is an elastic one times that factor.
 
-**Tangential stiffness.** A patch that sticks all over yields sideways with k_t = kappa k_n, k_n = dF/da. Of two
+**Tangential stiffness.** A fully sticking patch has the tangential stiffness k_t = kappa k_n, k_n = dF/da. Of two
 half-spaces and a circular patch k_n = 2 b E*, k_t = 8 b G* (Mindlin 1949), b the radius of the patch, so that
 
     kappa = 4 G*/E*,      1/G* = sum (2 - nu)/G,      1/E* = sum (1 - nu^2)/E,
@@ -37,8 +37,8 @@ STEEL_SHEAR = 2.0 * (1.0 - 0.3) / (2.0 - 0.3)  # kappa of like materials with nu
 
 @dataclass(frozen=True)
 class Meeting:
-    """What a law may need to know of a contact: its name, the relative principal curvatures [1/m] where the surfaces
-    are nearest, the smaller one first, and the radius [m] of the first surface."""
+    """Contact data for a law: its name, the relative principal curvatures [1/m] where the surfaces are nearest, the
+    smaller one first, and the radius [m] of the first surface."""
 
     label: str
     curvatures: tuple[float, float]
@@ -64,10 +64,10 @@ class Approach:
 
 @dataclass(frozen=True, kw_only=True)
 class LumpedLaw(ABC):
-    """A law of lumped contacts: a frozen dataclass with a `kind` and `approach`. Those in
-    `warpffrf.model.laws.lumped.LUMPED_LAWS` are known to scene files by their kind.
+    """A law of lumped contacts: a frozen dataclass with a `kind` and `approach`. Scene files refer to those in
+    `warpffrf.model.laws.lumped.LUMPED_LAWS` by their kind.
 
-    damping [s/m], chi, not negative; or restitution (0 < e <= 1) with the impact_speed [m/s] at which it is wanted.
+    damping [s/m], chi, not negative; or restitution (0 < e <= 1) with the impact_speed [m/s] for which it is specified.
     Raises `InputError`.
     """
 
@@ -101,8 +101,7 @@ class LumpedLaw(ABC):
 
     @abstractmethod
     def approach(self, meeting: Meeting) -> Approach:
-        """The law between two surfaces that meet as `meeting` says. Raises `InputError` where it does not hold for
-        them."""
+        """The law between two surfaces with the contact data `meeting`. Raises `InputError` where it does not apply."""
 
     def patch(self, meeting: Meeting) -> Patch | None:
         """Size of the patch of each place between two surfaces that meet as `meeting` says, None of a law that is not

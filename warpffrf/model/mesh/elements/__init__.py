@@ -1,4 +1,4 @@
-"""Reference cells and facets: one file a cell kind, and the registries that everything else asks.
+"""Reference cells and facets: one file per cell kind, and the registries.
 
 A new kind is one new file with a `CELL` and a line below. Node orders are those of VTK's file formats and of meshio,
 with one exception: of a wedge the first triangle's normal points *into* the cell, as in meshio, Abaqus and Gmsh.

@@ -33,14 +33,14 @@ LINEAR = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)])
 
 
 def hex_rule(points: int) -> tuple[Array, Array]:
-    """Gauss rule with `points` a direction on [-1, 1]^3."""
+    """Gauss rule with `points` per direction on [-1, 1]^3."""
     x, w = gauss(points)
     xi = np.array(np.meshgrid(x, x, x, indexing="ij")).reshape(3, -1).T
     return xi, np.einsum("i,j,k->ijk", w, w, w).ravel()
 
 
 def wedge_rule(points: int) -> tuple[Array, Array]:
-    """Duffy rule on the triangle times Gauss along the axis, `points` a direction."""
+    """Duffy rule on the triangle times Gauss along the axis, `points` per direction."""
     (flat, area), (x, w) = triangle_rule(points), gauss(points)
     xi = np.concatenate([np.repeat(flat, points, axis=0), np.tile(x, len(flat))[:, None]], axis=1)
     return xi, np.outer(area, w).ravel()

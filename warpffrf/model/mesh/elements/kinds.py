@@ -1,13 +1,13 @@
-r"""What a kind of cell or facet is: reference nodes and the monomials that its shape functions combine.
+r"""Definition of a cell or facet kind: reference nodes and the monomials of its shape functions.
 
 With as many monomials `m_i(xi)` as nodes `xi_a`, the shape functions follow from `N_a(xi_b) = delta_ab`: with the
 Vandermonde matrix `V_bi = m_i(xi_b)`,
 
     N_a(xi) = sum_i (V^-1)_ia m_i(xi),      dN_a/dxi likewise from the derivatives of the monomials.
 
-Tensor-product, simplex and serendipity elements differ in nothing but these two tables. A face is named by its corners,
-in an order whose right-hand normal points outwards; the nodes in the middle of its edges, and of the face itself, are
-found as the reference nodes at the mean of the corners.
+Tensor-product, simplex and serendipity elements differ only in these two tables. A face is named by its corners, in an
+order whose right-hand normal points outwards; the nodes in the middle of its edges, and of the face itself, are found
+as the reference nodes at the mean of the corners.
 """
 
 from __future__ import annotations

@@ -1,13 +1,13 @@
 """Gmsh's .msh files, versions 2.x and 4.1, as text and binary, read here and strictly.
 
-meshio reads the numbers of a file as one long row, loses groups of entities that are turned round, refuses groups on
-some of the entities and stops at partitions. Here each line has as many numbers as its kind needs (Gmsh reference
-manual, "MSH file format"), and what a file counts is held against what it has.
+meshio reads the numbers of a file as one long row, loses groups of reversed entities, refuses groups on some of the
+entities and stops at partitions. Here each line has as many numbers as its kind needs (Gmsh reference manual, "MSH file
+format"), and declared counts are compared with the contents.
 
 Elements get the names of the physical groups of their entity (in version 2 those in their line; an element that is
 there once for each of its groups is one element): `surface_<tag>` and `volume_<tag>` where a group has no name. Of a
-partition without groups those of the entity that it was cut from count. A group's number is negative where an entity
-is turned round in it. Points, curves and what is stored with nodes and elements are left out and counted in notes.
+partition without groups those of the entity that it was cut from count. A group's number is negative where an entity is
+reversed in it. Points, curves and data stored with nodes and elements are omitted and counted in notes.
 
 Gmsh scanner. The numbers of a .msh file, line by line of a text or one behind the other in a binary file.
 """
