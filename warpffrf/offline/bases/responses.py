@@ -280,7 +280,7 @@ class Krylov(Basis):
             object.__setattr__(self, "expansion_points", points)
 
     def check_limits(self, max_frequency: float | None, modes: int | None) -> None:
-        """Raises `InputError` for `modes`, and for `max_frequency` together with user-defined expansion points."""
+        """Raises `InputError` for `modes`, and for `max_frequency` [Hz] together with expansion points of the user."""
         super().check_limits(max_frequency, modes)
         if max_frequency is not None and self.expansion_points is not None:
             raise InputError("basis 'krylov': max_frequency only sets default expansion points; give one or the other")
