@@ -14,7 +14,7 @@ from references.small_sliding.sheets import ROOT, one_body, stack
 from warpffrf.model.errors import InputError
 from warpffrf.model.mesh.facets import rigid_modes
 from warpffrf.offline import bases, reduce
-from warpffrf.offline.bases.responses import joint_modes, node_pairs
+from warpffrf.offline.bases.trial_vector_derivatives import joint_modes, node_pairs
 from warpffrf.offline.elastic import free_model
 
 LOWER, UPPER = "sheet0_z_max", "sheet1_z_min"

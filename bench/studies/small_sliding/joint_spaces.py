@@ -14,7 +14,7 @@ from references.small_sliding.quasi_static import Followed, StaticLap, follow
 from references.small_sliding.sheets import stack
 from warpffrf.model.material import Material
 from warpffrf.offline.bases.modes import lowest_modes
-from warpffrf.offline.bases.responses import joint_modes
+from warpffrf.offline.bases.trial_vector_derivatives import joint_modes
 from warpffrf.offline.elastic import ElasticModel
 from warpffrf.offline.products import Limits
 

@@ -14,7 +14,8 @@ from typing import Any
 from warpffrf.model.errors import unknown_name
 from warpffrf.offline.bases.basis import Basis
 from warpffrf.offline.bases.modes import BasisProblem, RawBasis
-from warpffrf.offline.bases.responses import POD, Balanced, Krylov, TrialVectorDerivatives
+from warpffrf.offline.bases.responses import POD, Balanced, Krylov
+from warpffrf.offline.bases.trial_vector_derivatives import TrialVectorDerivatives
 from warpffrf.offline.bases.vibrations import CraigBampton, CraigChang, FreeFree
 
 BASES: dict[str, type[Basis]] = {
