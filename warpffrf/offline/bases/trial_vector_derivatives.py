@@ -40,7 +40,7 @@ from warpffrf.offline.bases.vibrations import FreeFree
 from warpffrf.offline.elastic import Array, ElasticModel
 from warpffrf.offline.fe import FACET_DEGREE, rule
 
-ROUND_OFF = 1e-14  # of the largest eigenvalue: directions below it are noise
+ROUND_OFF = 1e-14  # of the largest energy or eigenvalue: the noise of a Gram matrix is 1e-16
 ASIDE = 0.5  # of the side of a node's share of the face: nodes further away along the face are not partners
 MOSTLY_THERE = 0.5  # energy that must remain of a vector after a second orthogonalisation: round-off shrinks
 
