@@ -37,9 +37,7 @@ CELLS = wp.constant(wp.float64(0.1))
 NO_FORCE = wp.constant(wp.float64(1.0e-29))
 STILL = wp.constant(wp.float64(1.0e-11))  # of the increments of a load step, and ...
 ROUNDED = wp.constant(wp.float64(1.0e-15))  # ... of the coordinates: smaller motion between rounds counts as rest
-CLOSER = wp.constant(
-    wp.float64(100.0)
-)  # factor by which joint interface forces are converged more tightly, as other forces finally are
+CLOSER = wp.constant(wp.float64(100.0))  # joint interface forces converge more tightly, as other forces finally do
 NONE = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite where bodies have almost no mass
 
 

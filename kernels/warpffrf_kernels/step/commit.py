@@ -204,9 +204,8 @@ def decide(
         run.ctl[w].rejected = run.ctl[w].rejected + 1
         run.ctl[w].reason = run.ctl[w].reason | failure
         slides = loading and deep and run.ctl[w].round >= SLIDES and system.hold_force[w] > DRAGS
-        if (
-            slides
-        ):  # shorter steps do not increase friction; the failure mode of a body that slides away is not informative
+        # shorter steps do not increase friction; the failure mode of a body that slides away is not informative
+        if slides:
             failure = k.RESTLESS
         if loading and deep and run.ctl[w].careful < MOST_CAREFUL and not slides:
             run.ctl[w].careful = run.ctl[w].careful + 1
@@ -259,9 +258,8 @@ def decide(
         if model.elements[0].films[0].count > 0 and touching == 0 and struck == 0:
             quiet = event == 0
         if run.clk[w].error > real(0.0):  # halved only for its error
-            quiet = (
-                event == 0 and run.clk[w].error <= real(0.5) * QUIET
-            )  # at twice the step it would be half of the allowed error
+            # at twice the step it would be half of the allowed error
+            quiet = event == 0 and run.clk[w].error <= real(0.5) * QUIET
         if share > QUIET:
             quiet = False
         if loading:

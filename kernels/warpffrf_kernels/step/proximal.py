@@ -47,9 +47,7 @@ MOST = wp.constant(60)  # rounds: a motion with omega tau = 0.7 is then reduced 
 PULLED = wp.constant(wp.float64(1.0e-8))  # see `warpffrf.online.start.free_motions`
 TURNED = wp.constant(wp.float64(1.0e-5))
 MOST_HELD = wp.constant(5)  # rounds in which motions that friction resists are constrained far more than by inertia
-WEAKEST = wp.constant(
-    wp.float64(1.0e-6)
-)  # of the initial value: constraints this weak are negligible compared with tau
+WEAKEST = wp.constant(wp.float64(1.0e-6))  # of the initial value: weaker constraints are negligible compared with tau
 STANDS = wp.constant(wp.float64(1.0e-6))  # of a motion's square: translational part where a body rotates
 GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
 
