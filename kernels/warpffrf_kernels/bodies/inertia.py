@@ -229,8 +229,7 @@ def couple_modes(run: Run, trial: Trial, loads: LoadState, residuals: Residuals,
 
 @kernel
 def shorten_interfaces(run: Run, q1: wp.array(dtype=real), slope: wp.array(dtype=real)):
-    """Lanes over interfaces: derivative of their motion with respect to the modes, Phi - K_k q if loads stiffen the
-    body."""
+    """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q if loads stiffen the body."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:

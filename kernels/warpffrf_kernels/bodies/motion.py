@@ -7,8 +7,8 @@ kinds of coordinates
     d = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1),      v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1),
     (1 - alpha_m) a_1 + alpha_m a_0 = (1 - alpha_f) vdot_1 + alpha_f vdot_0,
 
-so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VEL = gamma/(beta h)` and `ACC = (1 -
-alpha_m)/(beta h^2 (1 - alpha_f))`. Five other uses of the same formulas:
+so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VEL = gamma/(beta h)` and
+`ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Five other uses of the same formulas:
 
 * STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state;
   motions that must not change get an inertia of their own (`hold_motions`).

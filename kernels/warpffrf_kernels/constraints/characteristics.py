@@ -62,8 +62,7 @@ def characteristic(model: Model, n: int, x: real) -> vec3:
 
 @wp.func
 def firm(model: Model, row: int, force: vec3, acc: real, stiffness: real) -> real:
-    """k_e of a row with characteristics whose force per unit of lambda is `force`, bounded away from zero, see the
-    module."""
+    """k_e, bounded away from zero, of a row with characteristics; `force` per unit of lambda, see the module."""
     least = real(0.0)
     for side in range(2):
         b = model.markers.body[marker_of(model, row, side)]

@@ -282,8 +282,7 @@ def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, syst
 
 @kernel
 def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: OuterSystem):
-    """Per world, in static steps: add the geometric stiffness of the point forces and torques to the retained
-    matrix."""
+    """Per world, in static steps: add the geometric stiffness of point forces and torques to the retained matrix."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or not is_static(run.ctl, w):

@@ -1,5 +1,4 @@
-"""Scratch arrays of joint interfaces: tableaus of their groups, cell states and values, and loads on bodies and
-modes."""
+"""Scratch arrays of joint interfaces: tableaus of groups, cell states and values, loads on bodies and modes."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic
 from warpffrf_kernels.core.laps import WORDS as LAP_WORDS

@@ -1,5 +1,4 @@
-"""Constant data of a scene on the device, by topic; filled by `warpffrf.online.compile.scene`, listed in
-docs/arrays.md.
+"""Constant data of a scene on the device, by topic; `warpffrf.online.compile.scene` fills it, docs/arrays.md lists it.
 
 Absent indices are -1. The origin of a body frame is the centre of mass (Tisserand frame). Axes whose names end in
 "_entry" belong to concatenated tables.

@@ -1,5 +1,4 @@
-"""Intermediate quantities of a step, by topic: bodies, joints, the retained system; see
-`warpffrf.online.arrays.scratch`."""
+"""Intermediate quantities of a step: bodies, joints, the retained system; see `warpffrf.online.arrays.scratch`."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, topic, vectors
 

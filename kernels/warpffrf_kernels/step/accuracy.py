@@ -154,8 +154,7 @@ def project_velocities(
 
 @kernel
 def correct_algorithmic(run: Run, system: OuterSystem, state: MotionState):
-    """One block per world: the algorithmic accelerations of an accepted step, consistent with its projected
-    velocities."""
+    """One block per world: algorithmic accelerations of an accepted step, consistent with its projected velocities."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or run.ctl[w].mode != k.DYNAMIC or run.project[w] == 0:

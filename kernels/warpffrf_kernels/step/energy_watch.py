@@ -1,5 +1,4 @@
-"""Spurious energy: the energy that the pairs and the integrator have created so far, and the termination of a run in
-which it grows.
+"""Spurious energy: energy created so far by the pairs and the integrator, and the end of a run in which it grows.
 
 When a pair is open, all energy stored in its contact has been returned, and the energy that it has `created`
 (`impulsive_means.judge_pairs`) is known. While it is closed, its energy also changes with the phases of the grids, and

@@ -54,8 +54,7 @@ GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
 
 @wp.func
 def weaken(model: Model, w: int, hold_firm: int, hold_count: int, by: real, system: OuterSystem):
-    """Multiplies the constraints of motions that are not held firmly by by^2: 4^-r in round r, and back, without
-    round-off."""
+    """Multiplies the constraints of motions not held firmly by by^2: 4^-r in round r, and back, without round-off."""
     h = hold_firm
     while h < hold_count:
         i = int(0)

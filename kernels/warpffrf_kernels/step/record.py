@@ -49,8 +49,7 @@ def record_motion(run: Run, state: MotionState, loads: LoadState, residuals: Res
 
 @kernel
 def close_row(run: Run, saved: SavedBooks):
-    """Per world: time, step, counts and energies of the row that the other kernels have written; starts the next
-    row."""
+    """Per world: time, step, counts and energies of the row written by the other kernels; starts the next row."""
     w = wp.tid()
     if run.ctl[w].record == 0:
         return
