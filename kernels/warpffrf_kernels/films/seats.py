@@ -17,8 +17,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Seat:
-    """Lower nodes of both columns of a cell, counted within B; coordinates of a point in it, beyond 0 and 1 at an
-    end."""
+    """Lower nodes of both columns of a cell, counted within B; position in it, beyond 0 and 1 at an end."""
 
     low: int
     right: int
@@ -90,8 +89,7 @@ def seat_part(places: wp.array3d(dtype=real), w: int, seat: int, c: int) -> real
 
 @wp.func
 def opened_at_seat(model: Model, film: int, w: int, seat: int, oil: FilmScratch, opened: wp.array(dtype=real)) -> vec3:
-    """Opening by B at a seat [m], and its slopes with respect to theta and z of B's chart; `opened`: at its nodes,
-    flat."""
+    """Opening by B at a seat [m], and its slopes by theta and z of B's chart; `opened`: at its nodes, flat."""
     first = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
     first += model.elements[0].films[0].second_hat_start[film]
     rows = model.elements[0].films[0].second_grid[film, 1]

@@ -20,8 +20,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Sides:
-    """Both bodies in the world: axes, centre of mass of A relative to that of B, velocities (the angular one of A in
-    its axes)."""
+    """Both bodies in the world: axes, centre of mass of A from that of B, velocities (rotation of A in its axes)."""
 
     turn_a: mat33
     turn_b: mat33
@@ -148,8 +147,7 @@ def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.v
 def opened_with_second(
     model: Model, w: int, film: int, sides: Sides, place: vec3, seat: int, oil: FilmScratch
 ) -> wp.vec4d:
-    """`opened_by_motion` plus the opening by a deformable second surface; seat: of the point, counted within the
-    film."""
+    """`opened_by_motion` plus the opening by a deformable second surface; seat: of the point, within the film."""
     found = opened_by_motion(model, film, sides, place)
     if model.elements[0].films[0].second_hats[film] == 0:
         return found

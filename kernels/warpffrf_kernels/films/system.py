@@ -98,8 +98,7 @@ def put_rigid(matrix: wp.array(dtype=real), at: int, n: vec3, first: vec3, secon
 
 @wp.func
 def is_thin(model: Model, w: int, film: int, i: int, films: FilmState, oil: FilmScratch) -> bool:
-    """Whether the column of unknown i has almost no entries outside its own line: a cavity, or asperities without
-    contact."""
+    """Whether the column of unknown i is almost empty outside its own line: a cavity, or asperities out of contact."""
     n = model.elements[0].films[0].unknowns[film]
     if i >= n:
         return oil.film_rough[w, model.elements[0].films[0].hat_start[film] + i - n] == 0

@@ -17,8 +17,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Push:
-    """Elastic force [N] of a point, its first and second derivative with respect to the approach, and the energy
-    [J]."""
+    """Elastic force [N] of a point, its first and second derivative by the approach, and the energy [J]."""
 
     force: real
     slope: real

@@ -333,8 +333,7 @@ def answer_to(
     coordinate: int,
     vel: real,
 ) -> Answer:
-    """For a unit of a coordinate of body `moves` (0 the first): 0 to 2 translation, 3 to 5 rotation about its own
-    axes."""
+    """For a unit of a coordinate of body `moves` (0 the first): 0 to 2 translation, 3 to 5 rotation, own axes."""
     zero = vec3(real(0.0))
     unit = zero
     unit[coordinate % 3] = real(1.0)

@@ -50,8 +50,7 @@ PIVOTING = wp.constant(1)
 
 @wp.struct
 class Moment:
-    """Moment on the first body at a point, and the quantities of its tangent: omega, and which parts are at their
-    bound."""
+    """Moment on the first body at a point, and data of its tangent: omega, and which parts are at their bound."""
 
     total: vec3
     turning: vec3

@@ -250,8 +250,7 @@ def foot_of(model: Model, s: int, x: vec3) -> Foot:
 
 @wp.func
 def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
-    """Derivative [1/m] of `gradient_of` with respect to x: symmetric, and 0 along the normal. On the axis it has no
-    circumferential part."""
+    """Derivative [1/m] of `gradient_of` by x: symmetric, 0 along the normal; no circumferential part on the axis."""
     if model.surfaces.planar[s] != 0:
         return mat33()
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
