@@ -97,7 +97,7 @@ class Clock:
     most: real  # largest energy of the run so far [J] of all lines except the potential
     made: real  # spurious energy, see `energy_watch`
     least: real  # minimum so far of the energy created by the pairs
-    noise: real  # its round-off
+    noise: real  # round-off level of the created energy
     outer: Coefficients  # bodies and the modes integrated with them
     local: Coefficients  # local modes integrated separately
 
