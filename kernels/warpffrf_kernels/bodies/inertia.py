@@ -1,4 +1,4 @@
-"""Inertia of a deforming body: what turning and deforming do to each other, for the modes that carry it.
+"""Inertia of a deforming body: coupling of rotation and deformation, for the modes that carry it.
 
 With the body frame in the centre of mass and modes without linear or angular momentum (Tisserand) the kinetic energy is
 
@@ -16,12 +16,13 @@ the angular momentum is L = J w + h, h = sum_j g_j qdot_j, and (Lagrange) these 
     mode j    2 w.g'_j + wdot.g_j - w.P_j w/2          (Coriolis, Euler, centrifugal).
 
 Their change with dw = VEL dpsi, dwdot = ACC dpsi, dqdot = VEL dq, dqddot = ACC dq gives the blocks of the tangent;
-modes that carry inertia are therefore unknowns of the outer system beside the rigid ones, "dense", with zero
-receptance. So are those of a body that is loaded on several surfaces; the others stay diagonal and are condensed.
+modes that carry inertia are therefore retained unknowns in addition to the rigid ones, "dense", with zero receptance.
+So are those of a body that is loaded on several surfaces; the others stay diagonal and are condensed.
 
-Which of J1, J2, G a body has is its inertia level: the tables of the others are zero. Geometric stiffening by rotation
-enters as J2 - K_c (the shortening of a bent body moves its mass), that by loads at an interface as the second-order
-motion -q.K_k q/2 of the interface: its derivative is `slope`, the force of a row on the modes then contains -F_k K_k q.
+The inertia level of a body states which of J1, J2, G it has: the tables of the others are zero. Geometric stiffening by
+rotation is included as J2 - K_c (the shortening of a bent body moves its mass), that by loads at an interface as the
+second-order motion -q.K_k q/2 of the interface: its derivative is `slope`, and the force of a row on the modes then
+contains -F_k K_k q.
 """
 
 import warp as wp
@@ -60,8 +61,8 @@ def triple(a: wp.array3d(dtype=real), w: int, d: int, at: int) -> vec3:
 
 @kernel
 def uncondense(run: Run, system: OuterSystem, receptance: wp.array2d(dtype=real)):
-    """Lanes over dense modes: their lines and columns of their body's block of the tangent, a diagonal as yet; nothing
-    of them is condensed."""
+    """Lanes over dense modes: their lines and columns of their body's block of the tangent, diagonal at this point;
+    none of them is condensed."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -116,7 +117,7 @@ def sum_modes(run: Run, trial: Trial, qd1: wp.array(dtype=real), qd1_rate: wp.ar
 
 @kernel
 def add_inertia(run: Run, trial: Trial, residuals: Residuals, system: OuterSystem, q1: wp.array2d(dtype=real)):
-    """Lanes over bodies: unbalanced torque and modal forces, the dense blocks of the tangent but their pair terms
+    """Lanes over bodies: unbalanced torque and modal forces, the dense blocks of the tangent except their pair terms
     (`couple_modes`), and the kinetic energy of these terms.
     """
     w, lane = wp.tid()
@@ -220,7 +221,7 @@ def couple_modes(run: Run, trial: Trial, loads: LoadState, residuals: Residuals,
                     begin = model.interfaces.stiffening_start[f] + (d - model.bodies.dense_start[b]) * count
                     for c in range(6):
                         pull = -loads.lam[w, row] * residuals.row_pull[w, 2 * row + side, c]
-                        if pull != real(0.0):  # most are, along the axes of the body
+                        if pull != real(0.0):  # most are zero along the axes of the body
                             axpy(count, pull, model.interfaces.stiffening, begin + c * stride, tangent, line)
             row += 1
         d += 1
@@ -228,7 +229,7 @@ def couple_modes(run: Run, trial: Trial, loads: LoadState, residuals: Residuals,
 
 @kernel
 def shorten_interfaces(run: Run, q1: wp.array(dtype=real), slope: wp.array(dtype=real)):
-    """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q where loads stiffen the body."""
+    """Lanes over interfaces: derivative of their motion by the modes, Phi - K_k q if loads stiffen the body."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:

@@ -1,12 +1,12 @@
-"""Flexible interfaces: how the modes move them, and what a load on them is to the modes.
+"""Flexible interfaces: their motion by the modes, and the modal load due to a load on them.
 
 The motion (u, theta) of an interface, translation and rotation in body axes, is `(Phi + slope) q / 2`: linear in the
-modes with slope = Phi, and with the second-order part `-q.K q / 2` besides where loads stiffen the body, slope = Phi -
-K q being its derivative (`inertia.shorten_interfaces`). It is taken once for each evaluation; rows and forces read it.
-A force and torque (f, t) at the interface's point is the load `slope^T (f, t)` on the modes.
+modes with slope = Phi, and with the second-order part `-q.K q / 2` in addition if loads stiffen the body, slope = Phi -
+K q being its derivative (`inertia.shorten_interfaces`). It is computed once per evaluation; rows and forces read it. A
+force and torque (f, t) at the interface's point is the load `slope^T (f, t)` on the modes.
 
-`slope` lies flat as (worlds, interfaces, 6, interface_width), `interface_modes` as (interfaces, 6, interface_width), so
-that every sum over modes is contiguous; only the first `global_count` entries of a line are in use.
+`slope` is stored flat as (worlds, interfaces, 6, interface_width), `interface_modes` as (interfaces, 6,
+interface_width), so that every sum over modes is contiguous; only the first `global_count` entries of a line are used.
 """
 
 import warp as wp
@@ -23,12 +23,12 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def line_of(model: Model, w: int, interface: int) -> int:
-    """Where the six lines of an interface begin in `slope`."""
+    """Start of the six lines of an interface in `slope`."""
     return (w * model.interfaces.count + interface) * 6 * model.interfaces.width
 
 
-# y[at_y : at_y + n] += sign slope^T (force, torque), `at` from `line_of`; by one lane. Components that are zero, most
-# of a joint's along the axes of its body, cost nothing.
+# y[at_y : at_y + n] += sign slope^T (force, torque), `at` from `line_of`; by one lane. Zero components, the majority
+# for a joint aligned with its body's axes, cost nothing.
 @wp.func_native("""
     double* __restrict out = y.data + at_y;
     for (int c = 0; c < 6; ++c) {
@@ -95,7 +95,7 @@ def arm_on_interface(model: Model, i: int, motion: wp.array3d(dtype=real), w: in
 
 @wp.func
 def axes_on_interface(model: Model, i: int, motion: wp.array3d(dtype=real), w: int) -> mat33:
-    """Axes of marker i in its body frame, turned with its interface."""
+    """Axes of marker i in its body frame, rotated with its interface."""
     f = model.markers.interface[i]
     if f < 0:
         return model.markers.axes[i]
@@ -112,7 +112,7 @@ def marker_of(model: Model, row: int, side: int) -> int:
 
 @wp.func
 def side_of(model: Model, row: int, side: int) -> int:
-    """Body whose modes a row pulls at on its side a (0) or b (1); -1 for none, and for one that side a has named."""
+    """Body whose modes a row loads on its side a (0) or b (1); -1 for none, and on side b for the body of side a."""
     a = model.rows.a[row]
     b = model.rows.b[row]
     body = model.markers.body[a]
@@ -127,13 +127,13 @@ def side_of(model: Model, row: int, side: int) -> int:
 
 @wp.func
 def modal_line(model: Model, w: int, row: int, b: int) -> int:
-    """Where the entries of body b begin in a row's line of C_modal, flat."""
+    """Start of the entries of body b in a row's line of C_modal, flat."""
     return (w * model.rows.count + row) * model.modes.count + model.bodies.modal_start[b]
 
 
 @wp.func
 def pulled(model: Model, w: int, row: int, residuals: Residuals, load: wp.array(dtype=real)) -> real:
-    """C_m sigma^-1 load of a row, over the global modes of the bodies that it ends on."""
+    """C_m sigma^-1 load of a row, over the global modes of the bodies at its ends."""
     total = real(0.0)
     for side in range(2):
         b = side_of(model, row, side)
@@ -146,7 +146,7 @@ def pulled(model: Model, w: int, row: int, residuals: Residuals, load: wp.array(
 
 @wp.func
 def compliance(model: Model, w: int, row: int, other: int, residuals: Residuals) -> real:
-    """C_m sigma^-1 C_m^T of two rows, over the global modes of the bodies that both end on."""
+    """C_m sigma^-1 C_m^T of two rows, over the global modes of the bodies at the ends of both."""
     total = real(0.0)
     for side in range(2):
         b = side_of(model, row, side)

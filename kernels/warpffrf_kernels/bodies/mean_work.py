@@ -1,33 +1,34 @@
-r"""Forces through quadratic coordinates, whose mean over a step does the work of their potential exactly.
+r"""Forces along quadratic coordinates, whose mean over a step does the work of their potential exactly.
 
 A coordinate c(q) = a.q + q.B q/2 with gradient g = a + B q, and a force f along it, load the modes with f g. Over a
 step from q_0 to q_1, with d = q_1 - q_0,
 
     c_1 - c_0 = (g_0 + g_1)/2 . d,
 
-so that the force (f_0 + f_1)/2 (g_0 + g_1)/2 does the work (f_0 + f_1)/2 (c_1 - c_0): the change of c^2/2 where f = c
-(the squares of the membrane energy, c = e_r, g = y_r), that of the energy of a linear spring, and nothing where a joint
-holds c. It is a discrete gradient (O. Gonzalez, J. Nonlinear Sci. 6, 1996) in closed form, as only quadratic
-coordinates are about. The mean of the forces themselves, which a step has, misses it by
+so that the force (f_0 + f_1)/2 (g_0 + g_1)/2 does the work (f_0 + f_1)/2 (c_1 - c_0): the change of c^2/2 if f = c (the
+squares of the membrane energy, c = e_r, g = y_r), that of the energy of a linear spring, and zero if a joint constrains
+c. It is a discrete gradient (O. Gonzalez, J. Nonlinear Sci. 6, 1996) in closed form, since only quadratic coordinates
+occur. The mean of the forces themselves, which the integrator uses, differs from it by
 
     C = (f_0 + f_1)/2 (g_0 + g_1)/2 - (f_0 g_0 + f_1 g_1)/2 = -(f_1 - f_0) (g_1 - g_0)/4,
 
-of second order in the step: without C a plate that vibrates at twice its thickness gains and loses some per cent of
-its energy in turn at thirty steps a period.
+of second order in the step: without C the energy of a plate that vibrates at twice its thickness oscillates by some per
+cent at thirty steps per period.
 
-**The step with it.** A force Y, and y in the algorithmic acceleration that goes with it, are added so that the mean of
-the increment of velocity, v_1 - v_0 = h ((1 - gamma) a_0 + gamma a_1), has C in it (`motion`):
+**Modified step.** A force Y, and the corresponding y in the algorithmic acceleration, are added so that the mean of the
+increment of velocity, v_1 - v_0 = h ((1 - gamma) a_0 + gamma a_1), contains C (`motion`):
 
     (1 - gamma) y_0 + gamma y_1 = C,      (1 - alpha_f) Y_1 + alpha_f Y_0 = (1 - alpha_m) y_1 + alpha_m y_0.
 
-Where the method has the mean of the forces at both ends (generalized-alpha with rho_inf = 1, the trapezoidal rule),
-d = h (v_0 + v_1)/2, and the energy of a body without gyroscopic terms is kept to the tolerance of the iteration. Where
-it dissipates, the gain is that of a linear oscillator's oscillating error.
+If the method uses the mean of the forces at both ends (generalized-alpha with rho_inf = 1, the trapezoidal rule), d = h
+(v_0 + v_1)/2, and the energy of a body without gyroscopic terms is conserved to the tolerance of the iteration. If it
+dissipates, the gain is the oscillating error of a linear oscillator.
 
-Coordinates here are those of bodies that loads stiffen: the squares of the membrane energy, and the motion of
-interfaces under the forces of rows (joints, drives, springs). What else is not linear, turning above all, and applied
-forces that change are as the integrator has them. The tangent of Y_1 makes u_r y_r^T + s_r L_r of y_r y_r^T + e_r L_r,
-u = y_1 - KAPPA (y_1 - y_0)/4 and s alike, KAPPA = dY_1/dC; of interfaces it has the part by multipliers.
+The coordinates here are those of bodies stiffened by loads: the squares of the membrane energy, and the motion of
+interfaces under the forces of rows (joints, drives, springs). Other nonlinear terms, above all rotation, and applied
+forces that change are integrated without this correction. The tangent of Y_1 makes u_r y_r^T + s_r L_r of y_r y_r^T +
+e_r L_r, u = y_1 - KAPPA (y_1 - y_0)/4 and s alike, KAPPA = dY_1/dC; for interfaces it contains the part due to
+multipliers.
 """
 
 import warp as wp
@@ -48,7 +49,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def pull_of_rows(model: Model, w: int, interface: int, c: int, loads: LoadState, residuals: Residuals) -> real:
-    """Component c of what all rows pull at an interface with, body axes."""
+    """Component c of the load of all rows on an interface, body axes."""
     total = real(0.0)
     row = int(0)
     while row < model.rows.count:
@@ -61,7 +62,7 @@ def pull_of_rows(model: Model, w: int, interface: int, c: int, loads: LoadState,
 
 @kernel
 def change_pulls(run: Run, loads: LoadState, residuals: Residuals, trial: Trial):
-    """Lanes over interfaces: what their pulls have changed by in the attempt."""
+    """Lanes over interfaces: change of their row loads in the attempt."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -75,7 +76,7 @@ def change_pulls(run: Run, loads: LoadState, residuals: Residuals, trial: Trial)
 
 @kernel
 def add_mean_work(run: Run, trial: Trial, loads: LoadState, residuals: Residuals):
-    """Lanes over dense modes: y_1 and Y_1, and Y_1 among the unbalanced forces; none but in steps in time that remember
+    """Lanes over dense modes: y_1 and Y_1, and Y_1 added to the unbalanced forces; only in time steps that use old
     accelerations."""
     w, lane = wp.tid()
     model = run.models[w]
@@ -120,7 +121,7 @@ def add_mean_work(run: Run, trial: Trial, loads: LoadState, residuals: Residuals
 
 @kernel
 def couple_pulls(run: Run, trial: Trial, residuals: Residuals, system: OuterSystem):
-    """Lanes over dense modes: dY_1 by the multipliers of rows."""
+    """Lanes over dense modes: dY_1 with respect to the multipliers of rows."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
@@ -139,7 +140,7 @@ def couple_pulls(run: Run, trial: Trial, residuals: Residuals, system: OuterSyst
                 if f >= 0 and model.markers.body[marker] == b and model.interfaces.stiffening_start[f] >= 0:
                     for c in range(6):
                         pull = residuals.row_pull[w, 2 * row + side, c]
-                        if pull != real(0.0):  # most are, along the axes of the body
+                        if pull != real(0.0):  # most are zero along the axes of the body
                             at = line_of(model, w, f) + c * model.interfaces.width + i
                             total += pull * (trial.slope[at] - trial.slope0[at])
             if total != real(0.0):
@@ -165,7 +166,7 @@ def keep_lags(run: Run, trial: Trial, loads: LoadState):
 
 @kernel
 def keep_pulls(run: Run, loads: LoadState, residuals: Residuals):
-    """Lanes over interfaces: what rows pull with at the end of an accepted attempt."""
+    """Lanes over interfaces: load of the rows at the end of an accepted attempt."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:

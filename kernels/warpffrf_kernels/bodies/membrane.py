@@ -1,10 +1,10 @@
-"""The membrane energy of bodies: what their fibres are stretched by of second order in the modes, as squares.
+"""The membrane energy of bodies: the stretch of their fibres of second order in the modes, as squares.
 
     V4 = 1/2 sum_r e_r^2,      y_r = L_r q,      e_r = q.y_r/2,
     unbalanced force on the modes   sum_r e_r y_r,      tangent   sum_r y_r y_r^T + e_r L_r,
 
-the L_r symmetric forms over the modes of a body that carry inertia, dense unknowns of the outer system (`inertia`). A
-square is one form of one body; its y_r is a line of `membrane_slope`. Neither the force nor the first part of the
+the L_r symmetric forms over the modes of a body that carry inertia, dense unknowns of the retained system (`inertia`).
+A square is one form of one body; its y_r is a line of `membrane_slope`. Neither the force nor the first part of the
 tangent is ever that of a spring that pushes.
 """
 
@@ -41,7 +41,7 @@ def add_lines(
 
 @wp.func
 def slope_line(model: Model, w: int, square: int) -> int:
-    """Where y_r of a square begins in `membrane_slope`, flat."""
+    """Start of y_r of a square in `membrane_slope`, flat."""
     return w * model.membrane.lines + model.membrane.line_start[square]
 
 
@@ -66,7 +66,7 @@ def stretch_fibres(
             membrane_slope[line + i] = real(0.0)
             i += 1
         i = int(0)
-        while i < count:  # the form is symmetric: whole lines are added, which no sum has to wait for
+        while i < count:  # the form is symmetric: whole lines are added, without dependent sums
             form = model.membrane.table_start[s] + i * count
             axpy(count, q1[modes + i], model.membrane.table, form, membrane_slope, line)
             i += 1
@@ -98,7 +98,7 @@ def add_membrane_forces(run: Run, trial: Trial, residuals: Residuals):
 
 @kernel
 def stiffen_membranes(run: Run, trial: Trial, tangent: wp.array(dtype=real)):
-    """Lanes over dense modes: their lines of the tangent, with that of the mean work (`mean_work`)."""
+    """Lanes over dense modes: their lines of the tangent, including the mean work (`mean_work`)."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:

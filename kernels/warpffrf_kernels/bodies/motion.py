@@ -11,23 +11,23 @@ so that `a_1`, `v_1`, `vdot_1` are affine in `d` with slopes `1/(beta h^2)`, `VE
 `ACC = (1 - alpha_m)/(beta h^2 (1 - alpha_f))`. Five other uses of the same formulas:
 
 * STATIC (beta = 1, gamma = 0, alphas 0, all rates zero): `vdot_1 = d/h^2`, a proximal step towards the static state;
-  motions that are to stay where they are get an inertia of their own (`hold_motions`).
+  motions that must not change get an inertia of their own (`hold_motions`).
 * PROJECT (beta = gamma = 1, alphas 0): one tiny implicit Euler step; its velocity is the given one made consistent with
   joints and drives, in the mass metric.
 * START (beta = 1/2, gamma = 1, alphas 0): one tiny step of constant acceleration gives `vdot`, `lambda` and pressures
-  (`warpffrf.online.start.accelerations` then takes out the round-off of its size).
-* LOADING (a load step, `warpffrf_kernels.step.proximal`): the same of d less what the proximal step before has come to,
-  d counted from the beginning of the load step.
-* A step that forgets (alphas 0, beta = gamma = 1, no part of a_0 in d): the implicit Euler method, `d = h v_1`, where
-  friction in a joint becomes another within the step (`warpffrf_kernels.constraints.joint_friction`).
+  (`warpffrf.online.start.accelerations` then removes the round-off of its size).
+* LOADING (a load step, `warpffrf_kernels.step.proximal`): the same with d minus the result of the previous proximal
+  step, d measured from the start of the load step.
+* A step without old accelerations (alphas 0, beta = gamma = 1, no part of a_0 in d): the implicit Euler method,
+  `d = h v_1`, where friction in a joint changes its state in the step (`warpffrf_kernels.constraints.joint_friction`).
 
 Modes of kind 1 (HHT) have coefficients of their own in a dynamic step, those of kind 2 the exact step for a linear load
-(`exact_step`), in which the load at the end plays the part of the residual and D that of the receptance. The
-load of contact keeps no memory where it is impulsive: `impulsive_contact`.
+(`exact_step`), in which the load at the end corresponds to the residual and D to the receptance. An impulsive contact
+load has no history: `impulsive_contact`.
 
 Balance of a body in the floating frame with origin in its centre of mass and constant inertia (linear momentum in world
 axes, angular in body axes): `m rddot = F`, `J wdot + w x J w = M`; a mode of unit mass: `qddot + 2 zeta omega qdot +
-omega^2 q = f`. What a deforming body adds to these: `inertia`.
+omega^2 q = f`. Additional terms of a deforming body: `inertia`.
 """
 
 import warp as wp
@@ -120,7 +120,7 @@ def begin_step(run: Run):
     run.ctl[w].turned = 0
     if run.ctl[w].mode == k.LOADING:
         run.clk[w].outer = coefficients_from(am, af, beta, gamma, first_tau(run, w))
-        run.ctl[w].forget = 1  # friction of joints may become another within the step
+        run.ctl[w].forget = 1  # the friction state of joints may change in the step
     if run.ctl[w].mode == k.DYNAMIC and run.ctl[w].forget != 0:
         run.clk[w].outer = forgetful(h)
     if run.ctl[w].mode == k.DYNAMIC:
@@ -134,7 +134,7 @@ def begin_step(run: Run):
 @wp.func
 def write_exact(stiffness: real, damping: real, h: real, table: wp.array3d(dtype=real), w: int, m: int):
     """Coefficients of `exact_step` for mode m: h, then A, B, C, D of the displacement and those of the velocity. They
-    are kept until the step changes."""
+    are stored until the step changes."""
     one = real(1.0)
     omega = wp.sqrt(stiffness)
     zeta = real(0.5) * damping / omega
@@ -167,7 +167,7 @@ def exact_step(table: wp.array3d(dtype=real), w: int, m: int, q0: real, v0: real
 
 @wp.func
 def driven_step(run: Run, trial: Trial, w: int, m: int, q0: real, v0: real, f0: real):
-    """`exact_step`, and where contact is impulsive the same for the load f1 all through the step."""
+    """`exact_step`, and if contact is impulsive the same for the load f1 throughout the step."""
     held, D, slid, S = exact_step(trial.exact, w, m, q0, v0, f0)
     if run.ctl[w].impulsive == k.IMPULSIVE:
         held -= trial.exact[w, m, 3] * f0
@@ -180,7 +180,7 @@ def driven_step(run: Run, trial: Trial, w: int, m: int, q0: real, v0: real, f0: 
 @kernel
 def predict_bodies(run: Run, state: MotionState, impulses: ImpulsiveContact, trial: Trial):
     w, lane = wp.tid()
-    if run.ctl[w].run == 0 or run.ctl[w].again != 0:  # an attempt that repeats one starts from where that has led
+    if run.ctl[w].run == 0 or run.ctl[w].again != 0:  # a repeated attempt starts from the result of the previous one
         return
     h = run.clk[w].h
     rule = run.clk[w].outer
@@ -205,7 +205,7 @@ def predict_modes(run: Run, state: MotionState, impulses: ImpulsiveContact, load
                 run.clk[w].h, rule, vec3(state.qd[w, m]), vec3(impulses.qd_rate0[w, m]), vec3(impulses.qd_alg0[w, m])
             )
             trial.dq[w, m] = p[0]
-        if rule_of(model, run, w, m) == EXACT:  # the load of before, kept
+        if rule_of(model, run, w, m) == EXACT:  # the previous load, held constant
             f0 = loads.modal_load[w, 0, m]
             if trial.exact[w, m, 0] != run.clk[w].h:
                 write_exact(model.modes.stiffness[m], model.modes.damping[m], run.clk[w].h, trial.exact, w, m)
@@ -268,7 +268,7 @@ def move_bodies(
 
 @kernel
 def hold_motions(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals):
-    """Per world, in static steps: the force n (n.d) of each held motion n."""
+    """Per world, in static steps: the force n (n.d) of each constrained motion n."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not is_static(run.ctl, w):

@@ -1,17 +1,17 @@
-"""Springs and dampers whose force is not in proportion: one function for all kinds of characteristics.
+"""Nonlinear springs and dampers: one function for all kinds of characteristics.
 
 A characteristic is a table of pieces (`Model.characteristics`), on each of them with xi = x - origin
 
     F = sum_k c_k xi^k + a sgn(xi) |xi|^p,      V = V_i + sum_k c_k xi^(k+1)/(k+1) + a |xi|^(p+1)/(p+1),
 
-as `warpffrf.model.forces.characteristics` has it. A row with them has the law
+as defined in `warpffrf.model.forces.characteristics`. A row with characteristics has the law
 
     lambda = k c + F(c) + d cdot + G(cdot) + preload,      k_e = k + F' + (d + G') VEL,
 
-and is solved like that of a linear spring, as a constraint with the compliance 1/k_e (`rows`). k_e can be negative, and
-zero: in the play of a stop, where a power begins. As a compliance cannot be infinite, a |k_e| below LIMP of what the
-inertia of the lightest body resists, m ACC, is taken as that much; the law itself stays exact, and Newton's method,
-whose matrix is then wrong by LIMP, gains a factor of LIMP an iteration instead of converging quadratically.
+and is solved like a linear spring, as a constraint with the compliance 1/k_e (`rows`). k_e can be negative, and zero:
+in the clearance of a stop, at the start of a power law. As a compliance cannot be infinite, |k_e| has the lower bound
+LIMP times m ACC, the inertial resistance of the lightest body. The law itself stays exact; Newton's method, whose
+matrix then has an error of LIMP, gains a factor of LIMP per iteration instead of converging quadratically.
 """
 
 import warp as wp
@@ -22,7 +22,7 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# of m ACC: a compliance 1/LIMP times that of the inertia beside it leaves ten digits to the inverse of the outer matrix
+# of m ACC: a compliance of 1/LIMP times that of the inertia leaves ten digits for the inverse of the retained matrix
 LIMP = wp.constant(wp.float64(1.0e-6))
 
 
@@ -31,7 +31,7 @@ def characteristic(model: Model, n: int, x: real) -> vec3:
     """Force, slope and potential of characteristic n at x."""
     low = model.elements[0].characteristics.start[n]
     high = model.elements[0].characteristics.start[n + 1] - 1
-    while low < high:  # the last piece that begins at x or below
+    while low < high:  # the last piece that begins at or below x
         middle = (low + high + 1) / 2
         if x >= model.elements[0].characteristics.begin[middle]:
             low = middle
@@ -62,7 +62,7 @@ def characteristic(model: Model, n: int, x: real) -> vec3:
 
 @wp.func
 def firm(model: Model, row: int, force: vec3, acc: real, stiffness: real) -> real:
-    """k_e of a row with characteristics that pulls with `force` per unit of lambda, kept off zero, see the module."""
+    """k_e, bounded away from zero, of a row with characteristics; `force` per unit of lambda, see the module."""
     least = real(0.0)
     for side in range(2):
         b = model.markers.body[marker_of(model, row, side)]

@@ -1,18 +1,18 @@
 """Springs whose rows share matrices, torques, and loads that are constant in body axes.
 
 A group of spring rows with values c, gradient C and matrices K, D has `lambda = K c + D cdot + preload`. With the
-effective stiffness `K_e = K + VEL D` (VEL = d(velocity)/d(displacement) of the step) the linearised law
-`K_e C dx - dlam = -(law - lambda)` becomes, multiplied by the flexibility F = K_e^-1, rows of the same form as those of
-single springs and constraints,
+effective stiffness `K_e = K + VEL D` (VEL = d(velocity)/d(displacement) of the step) the linearised law `K_e C dx -
+dlam = -(law - lambda)` becomes, multiplied by the flexibility F = K_e^-1, rows of the same form as those of single
+springs and constraints,
 
     C dx - F dlam = -F (law - lambda),
 
-so a full matrix costs a block of F instead of one entry on the diagonal, and modes and contact see nothing new. Rows
-that have no stiffness are dampers; at rest (VEL = 0, static steps) they carry no force: F = 1 and the defect -lambda.
-The host has chosen the rows so that K_e has full rank (`warpffrf.model.forces.laws.split_directions`).
+so a full matrix requires a block of F instead of one diagonal entry, and modes and contact are unaffected. Rows without
+stiffness are dampers; at rest (VEL = 0, static steps) they carry no force: F = 1 and the defect -lambda. The host has
+chosen the rows so that K_e has full rank (`warpffrf.model.forces.laws.split_directions`).
 
-Ledger of a group: `1/2 c^T K_s c` is stored (K_s the symmetric part), `cdot^T D cdot` is taken by the dampers, and the
-skew part K_a works, `-1/2 (K_a (c_0 + c_1)) . (c_1 - c_0)` a step.
+Ledger of a group: `1/2 c^T K_s c` is stored (K_s the symmetric part), `cdot^T D cdot` is dissipated by the dampers, and
+the work of the skew part K_a is `-1/2 (K_a (c_0 + c_1)) . (c_1 - c_0)` per step.
 """
 
 import warp as wp
@@ -116,7 +116,7 @@ def couple_springs(run: Run, loads: LoadState, residuals: Residuals):
 
 @wp.func
 def law(model: Model, w: int, g: int, i: int, residuals: Residuals, loads: LoadState) -> real:
-    """lambda of row i of group g by its law."""
+    """lambda of row i of group g from its law."""
     first = model.groups.start[g]
     total = model.rows.preload[first + i]
     j = int(0)
@@ -130,7 +130,7 @@ def law(model: Model, w: int, g: int, i: int, residuals: Residuals, loads: LoadS
 
 @wp.func
 def group_energy(model: Model, w: int, h: real, residuals: Residuals, loads: LoadState) -> vec3:
-    """Stored energy of all groups, what their dampers took in the step, and the work of the skew parts."""
+    """Stored energy of all groups, dissipation of their dampers in the step, and work of the skew parts."""
     half = real(0.5)
     stored = real(0.0)
     taken = real(0.0)
@@ -165,7 +165,7 @@ def apply_loads(
     load_on_modes: wp.array(dtype=real),
 ):  # fmt: skip
     """Per world: point torques and body loads as generalised forces (force in world axes, torque in body axes, modal),
-    subtracted from the residuals and kept for the ledger; `applied_torque`: each by itself, body axes.
+    subtracted from the residuals and stored for the ledger; `applied_torque`: each separately, body axes.
     """
     w = wp.tid()
     model = run.models[w]

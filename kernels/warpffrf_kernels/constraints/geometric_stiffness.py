@@ -1,33 +1,31 @@
-"""How the forces of rows, and applied forces, turn and shift with bodies and modes: their geometric stiffness.
+"""Geometric stiffness: change of the forces of rows, and of applied forces, with the motion of bodies and modes.
 
-A row pulls on marker b with the force P = lambda f at x_b and the couple Q = lambda t, on marker a with the opposite at
-the same place. With d_b = x_b - r_b, c_a = x_b - r_a, c = x_b - x_a the residuals of rigid coordinates and modes
-contain
+A row exerts the force P = lambda f at x_b and the couple Q = lambda t on marker b, and the opposite at the same point
+on marker a. With d_b = x_b - r_b, c_a = x_b - r_a, c = x_b - x_a the residuals of rigid coordinates and modes contain
 
     b:   P,   A_b^T M_b,   M_b = d_b x P + Q,          B_b^T (A_b^T P, A_b^T Q),
     a:  -P,   A_a^T M_a,   M_a = -(c_a x P + Q),      -B_a^T (A_a^T P, A_a^T (c x P + Q)),
 
-B the motion, translation at the marker's point and rotation, by the modes (body axes). A coordinate moves the markers'
-points by dx, turns them by dT and the bodies by dTheta. For fixed lambda
+with B the motion, translation at the marker's point and rotation, by the modes (body axes). A coordinate moves the
+markers' points by dx and rotates them by dT and the bodies by dTheta. For fixed lambda
 
     dP = P_a dT_a + P_x (dx_b - dx_a),      dQ = Q_a dT_a + Q_b dT_b,
 
-    TRANSLATION, BUSHING   f turns with a:            P_a = -P^,  BUSHING also Q_a = Q_b = -Q^/2 (to first order in phi)
+    TRANSLATION, BUSHING   f rotates with a:          P_a = -P^,  BUSHING also Q_a = Q_b = -Q^/2 (to first order in phi)
     DISTANCE               f = (x_b - x_a)/l:         P_x = lambda (1 - f f^T)/l
     DIRECTION              t = w x u:                 Q_a = -lambda w^ u^,   Q_b = lambda u^ w^
-    ANGLE, SECOND_ANGLE    t = e x n/N, n = (q.e) p - (p.e) q, N = (p.e)^2 + (q.e)^2, e turning with one body, p and q
+    ANGLE, SECOND_ANGLE    t = e x n/N, n = (q.e) p - (p.e) q, N = (p.e)^2 + (q.e)^2, e rotating with one body, p and q
                            with the other, d(p.e) = (dTheta_e - dTheta_pq).(e x p), likewise q
     TWIST                  t = (u + w)/N, N = 1 + u.w:   Q_a = -lambda (u^ + t (u x w)^T)/N, Q_b likewise, u and w
                            exchanged
 
-and d(A^T v) = A^T (dv + v x dTheta). An applied force F is half a row: the residual has -F at its place, dF = 0, or
-dTheta x F where it turns with the body; a torque likewise. What B itself changes by with the modes is in
-`inertia.couple_modes`, for rows, and here for applied forces.
+and d(A^T v) = A^T (dv + v x dTheta). An applied force F is half a row: the residual has -F at its point, dF = 0, or
+dTheta x F if it rotates with the body; a torque likewise. The change of B itself with the modes is in
+`inertia.couple_modes` for rows, and here for applied forces.
 
-The residual does not depend on any of this, only how fast it is brought to zero: without it a static state under a load
-whose arm moves was found with a contraction of (geometric over elastic stiffness), 0.3 for a soft mount. The part by
-modes is taken in static steps, of the modes that are unknowns of the outer system: in a step in time inertia outweighs
-it.
+The residual is independent of these terms; they only affect the convergence rate: without them a static state under a
+load with a moving arm had a contraction of (geometric over elastic stiffness), 0.3 for a soft mount. The modal part is
+included in static steps, for modes that are retained unknowns: in a step in time inertia dominates.
 """
 
 import warp as wp
@@ -49,7 +47,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Change:
-    """What one coordinate does to a marker and its body: `point` dx, `marker` dT, `body` dTheta, `origin` dr; world."""
+    """Motion of a marker and its body by one coordinate: `point` dx, `marker` dT, `body` dTheta, `origin` dr; world."""
 
     point: vec3
     marker: vec3
@@ -79,7 +77,7 @@ def modes_here(model: Model, ctl: wp.array(dtype=Control), w: int, body: int, in
 
 @wp.func
 def mode_slope(model: Model, slope: wp.array(dtype=real), w: int, interface: int, i: int, lever: vec3):
-    """Translation of the place at `lever` from the interface's point, and rotation, by mode i; body axes."""
+    """Translation of the point at `lever` from the interface's point, and rotation, by mode i; body axes."""
     at = line_of(model, w, interface) + i
     width = model.interfaces.width
     turn = vec3(slope[at + 3 * width], slope[at + 4 * width], slope[at + 5 * width])
@@ -97,7 +95,7 @@ def change_by(
     lever: vec3,
     coordinate: int,
 ) -> Change:
-    """Of coordinate 0 to 2 (translation), 3 to 5 (turn about the body's axes) or 6 + i (mode i) of the marker's
+    """By coordinate 0 to 2 (translation), 3 to 5 (rotation about the body's axes) or 6 + i (mode i) of the marker's
     body."""
     out = Change()
     if coordinate < 3:
@@ -116,7 +114,7 @@ def change_by(
 
 @wp.func
 def column_of(model: Model, body: int, coordinate: int) -> int:
-    """Outer column of a coordinate of `change_by`."""
+    """Retained column of a coordinate of `change_by`."""
     if coordinate < 6:
         return 6 * body + coordinate
     return 6 * model.bodies.count + model.bodies.dense_start[body] + coordinate - 6
@@ -127,8 +125,8 @@ def add_change(
     model: Model, trial: Trial, w: int, body: int, interface: int, modes: int, A: mat33, lever: vec3, turned: vec3,
     P: vec3, dP: vec3, M: vec3, dM: vec3, N: vec3, dN: vec3, column: int, system: OuterSystem,
 ):  # fmt: skip
-    """Adds to a column what a body's residuals change by: force P, moment M about its origin, couple N at the marker
-    (all world axes) and their changes; the body turns by `turned`."""
+    """Adds the change of a body's residuals to a column: force P, moment M about its origin, couple N at the marker
+    (all world axes) and their changes; the body rotates by `turned`."""
     moment = wp.transpose(A) * (dM + wp.cross(M, turned))
     row = 6 * body
     for i in range(3):
@@ -147,7 +145,7 @@ def add_change(
 
 @wp.func
 def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: int, j: int, length: real) -> Pull:
-    """Of a row of multiplier `pull` and wrench (f, t) on markers with the axes R_a, R_b."""
+    """For a row of multiplier `pull` and wrench (f, t) on markers with the axes R_a, R_b."""
     out = Pull()
     out.P = pull * f
     out.Q = pull * t
@@ -200,7 +198,7 @@ def pull_of(kind: int, pull: real, f: vec3, t: vec3, R_a: mat33, R_b: mat33, i: 
 
 @kernel
 def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: OuterSystem):
-    """Per world: add the geometric stiffness of all rows to the outer matrix."""
+    """Per world: add the geometric stiffness of all rows to the retained matrix."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
@@ -284,7 +282,7 @@ def stiffen(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, syst
 
 @kernel
 def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residuals, system: OuterSystem):
-    """Per world, in static steps: add the geometric stiffness of the point forces and torques to the outer matrix."""
+    """Per world, in static steps: add the geometric stiffness of point forces and torques to the retained matrix."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or not is_static(run.ctl, w):
@@ -349,7 +347,7 @@ def stiffen_applied(run: Run, trial: Trial, loads: LoadState, residuals: Residua
 def bend_modes(
     model: Model, w: int, body: int, interface: int, f: vec3, lever: vec3, torque: vec3, tangent: wp.array3d(dtype=real)
 ):
-    """What B of an interface changes by with the modes, times a force at `lever` and a torque there (body axes)."""
+    """Change of B of an interface with the modes, times a force at `lever` and a torque there (body axes)."""
     count = model.bodies.inertia_count[body]
     t = wp.cross(lever, f) + torque
     first = model.interfaces.stiffening_start[interface]

@@ -1,17 +1,17 @@
-r"""Dry friction in joints, with stick, and steps that forget.
+r"""Dry friction in joints, with stick, and steps without old accelerations.
 
-A joint that rubs has one row s (turning, sliding) or two (a pin that does both), spring rows without stiffness whose
+A joint with friction has one row s (rotation, sliding) or two (a pin with both), spring rows without stiffness whose
 multipliers are its friction. With W = diag(weights), v = W s' is the velocity of the surfaces and f = W^-1 lambda the
-force that brakes them,
+braking force,
 
     |f| <= b,    v = 0 where |f| < b (stick),    f = b v/|v| where v != 0 (slip),
     b = preload + mu (radial (|N_1| + |N_2|) + axial |R_z| + spin |M_z|),     N = R_xy/2 +- bending e_z x M,
 
-R and M the reactions of the joint's own rows at the end of the step: all of it is implicit. A regularised law has
-f = b v/max(|v|, v_slip) instead and never sticks.
+R and M the reactions of the joint's own rows at the end of the step: all of it is implicit. A regularised law has f = b
+v/max(|v|, v_slip) instead and never sticks.
 
-**In the outer system** a row that sticks is a constraint, s = s_0, counted from where it came to rest, so that nothing
-creeps. One that slips asks for f = b n, n = v/|v|, linearised
+**In the retained system** a sticking row is a constraint, s = s_0, measured from the point where it came to rest, so
+that nothing creeps. A slipping row requires f = b n, n = v/|v|, linearised
 
     df = n db + (b/|v|) (1 - n n^T) dv,        db = mu (...) dlambda of the joint's rows,
 
@@ -19,33 +19,33 @@ which, multiplied by the softness E = (|v|/(b VEL)) (1 - n n^T) + E_n n n^T, bec
 
     W C dx - E df + E_n n db = -E (b n - f),
 
-but for C dx along n, which should not be there: with E_n = SOFT times the compliance of the row it is a millionth of
-the rest, and an iteration loses no more than that by it. What solves the equations is exact either way.
+except for C dx along n, which should be absent: with E_n = SOFT times the compliance of the row it is a millionth of
+the rest, which is also the relative error of an iteration. The converged solution is exact.
 
-**Which of both.** A step of second order remembers accelerations (`motion`), and with them the friction of before. So a
-row stays what it was, stick, or slip in its direction, for the whole of an attempt, which is then as smooth as one
-without friction. If it cannot stay (|f| > b of one that sticks; one that slips is moved or ends against its direction),
-the attempt is taken again as one that *forgets*: by the implicit Euler method,
+**Choice of the state.** A step of second order uses old accelerations (`motion`), and with them the previous friction.
+So a row keeps its state, stick, or slip in its direction, for the whole of an attempt, which is then as smooth as one
+without friction. If it cannot persist (|f| > b of a sticking row; a slipping row is moved or ends against its
+direction), the attempt is repeated *without old accelerations*: by the implicit Euler method,
 
     s_1 - s_0 = h v_1 (of coordinates linear in the motion),      v_1 = v_0 + h a_1,
 
-where v_1 = 0 means s_1 = s_0 and f is the mean force of the step. In it a row may be what it likes at the end of the
-step, found by an active set: one that sticks with |f| > b slips from then on along f, one that slips with v.n <= 0
-sticks. The step after it forgets as well, since the mean force of the one is not the friction that goes on. Each such
-step moves a body by a h^2/2 too much or too little, and a stop is up to a h^2/2 too early: of second order, as they are
-as many as the friction changes. The time of a change is known to h.
+where v_1 = 0 means s_1 = s_0 and f is the mean force of the step. In it the state of a row at the end of the step is
+free and found by an active set: a sticking row with |f| > b then slips along f, a slipping row with v.n <= 0 sticks.
+The next step uses no old accelerations either, since the mean force of this step is not the friction that follows. The
+error of each such step in the motion of a body is up to a h^2/2, and a stop is up to a h^2/2 too early: of second
+order, as their number is that of the friction changes. The time of a change is known to h.
 
-**Dissipation.** A step loses lambda . (s_1 - s_0), the mean of lambda_0 and lambda_1 where it slips all through, of
-which neither is against it; lambda_1 where it forgets, where f.v_1 >= 0 makes it no less than zero, and 0 where it
-sticks.
+**Dissipation.** A step dissipates lambda . (s_1 - s_0), with the mean of lambda_0 and lambda_1 if it slips throughout,
+neither of which opposes the slip direction; with lambda_1 in a step without old accelerations, where f.v_1 >= 0 ensures
+that it is not negative; and 0 if it sticks.
 
-Where joints that stick close a loop their forces are not determined by the motion. A stuck row has HELD times its
-compliance as softness, with the defect s - s_0, which makes the matrix regular and changes no solution: of all forces
-the iteration then finds one near that of the step before.
+If sticking joints close a loop, their forces are not determined by the motion. A sticking row has HELD times its
+compliance as softness, with the defect s - s_0, which makes the matrix regular and changes no solution: among all
+forces the iteration then finds one near that of the previous step.
 
-**Load steps** (`warpffrf_kernels.step.proximal`) are steps that forget, with (s_1 - s_0)/h for the velocity, h what the
-loads take to change. Friction does not act in the first equilibrium of a scene; how it begins in a run in time:
-`warpffrf.online.start.accelerations`.
+**Load steps** (`warpffrf_kernels.step.proximal`) are steps without old accelerations, with (s_1 - s_0)/h for the
+velocity, h the time in which the loads change. Friction does not act in the first equilibrium of a scene; for its start
+in a run in time see `warpffrf.online.start.accelerations`.
 """
 
 import warp as wp
@@ -62,23 +62,23 @@ from warpffrf_kernels.core.state import JointFrictionState, LoadState
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SOFT = wp.constant(wp.float64(1.0e6))  # of a row's compliance: an iteration is wrong by its inverse
+SOFT = wp.constant(wp.float64(1.0e6))  # of a row's compliance: the relative error of an iteration is its inverse
 HELD = wp.constant(wp.float64(1.0e-5))  # of a row's compliance, likewise
-# the same of load steps, whose proximal steps let a body move by far more than the structure that holds it does
+# the same for load steps, whose proximal steps allow far more motion of a body than the structure that constrains it
 HELD_AT_REST = wp.constant(wp.float64(1.0e-13))
-SLACK = wp.constant(wp.float64(1.0e-9))  # of the bound: what Newton's method leaves of forces
+SLACK = wp.constant(wp.float64(1.0e-9))  # of the bound: the remaining force error of Newton's method
 NOTHING = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite
 
 
 @wp.func
 def acts(run: Run, w: int) -> bool:
-    """Whether the evaluation is part of a step; gamma is 0 where the host evaluates a state by itself."""
+    """Whether the evaluation is part of a step; gamma is 0 if the host evaluates a single state."""
     return run.ctl[w].mode == k.LOADING or (run.ctl[w].mode == k.DYNAMIC and run.clk[w].outer.gamma > real(0.0))
 
 
 @wp.func
 def slip_rate(run: Run, w: int, row: int, residuals: Residuals, loads: LoadState) -> real:
-    """Rate of a row; in a load step the mean over it."""
+    """Rate of a row; in a load step its mean over the step."""
     if run.ctl[w].mode == k.LOADING:
         return (residuals.coordinate[w, row] - loads.stretch[w, row]) / run.clk[w].h
     return loads.drive_rate[w, 1, row]
@@ -137,7 +137,7 @@ def bound_of(model: Model, e: int, axis: vec3, R: vec3, M: vec3) -> real:
 
 @wp.func
 def bound_slope(model: Model, e: int, axis: vec3, R: vec3, M: vec3, dR: vec3, dM: vec3) -> real:
-    """What the bound changes by with R and M."""
+    """Change of the bound with R and M."""
     bending = model.elements[0].joint_frictions.bending[e]
     across = real(0.5) * (R - wp.dot(R, axis) * axis)
     couple = bending * wp.cross(axis, M)
@@ -155,8 +155,8 @@ def bound_slope(model: Model, e: int, axis: vec3, R: vec3, M: vec3, dR: vec3, dM
 
 @wp.func
 def row_compliance(model: Model, run: Run, w: int, row: int, residuals: Residuals) -> real:
-    """About what a unit of the row's force moves its coordinate by in a step, bodies taken as free; modes that are
-    outer unknowns, whose receptance is 0, by their own inertia and stiffness."""
+    """Approximate displacement of a row's coordinate per unit of its force in a step, for free bodies; modes that are
+    retained unknowns, whose receptance is 0, contribute by their own inertia and stiffness."""
     total = compliance(model, w, row, row, residuals)
     for side in range(2):
         b = side_of(model, row, side)
@@ -259,7 +259,7 @@ def rub(run: Run, loads: LoadState, residuals: Residuals, joints: JointFrictionS
 
 @kernel
 def renew(run: Run):
-    """Per world: the outer matrix is made anew where stick has become slip, or slip stick, since the last time."""
+    """Per world: renews the retained matrix if stick has become slip, or slip stick, since it was assembled."""
     w = wp.tid()
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].turned == 0:
         return
@@ -269,8 +269,8 @@ def renew(run: Run):
 
 @kernel
 def couple_friction(run: Run, loads: LoadState, residuals: Residuals, system: OuterSystem):
-    """Lanes over joints with friction: what couples their rows to each other and to those that press, in the outer
-    matrix."""
+    """Lanes over joints with friction: coupling of their rows with each other and with the rows of the normal load, in
+    the retained matrix."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or not acts(run, w):
@@ -305,7 +305,7 @@ def couple_friction(run: Run, loads: LoadState, residuals: Residuals, system: Ou
 
 @kernel
 def end_slips(run: Run, loads: LoadState, residuals: Residuals, joints: JointFrictionState):
-    """Per world: what each joint has lost in the attempt, and whether one could not stay what it was."""
+    """Per world: dissipation of each joint in the attempt, and whether the state of one could not persist."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:
@@ -349,7 +349,7 @@ def end_slips(run: Run, loads: LoadState, residuals: Residuals, joints: JointFri
 
 @kernel
 def keep_slips(run: Run, residuals: Residuals, joints: JointFrictionState):
-    """Lanes over joints with friction: what an accepted attempt has found."""
+    """Lanes over joints with friction: stores the result of an accepted attempt."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].commit == 0 or not acts(run, w):
@@ -366,7 +366,7 @@ def keep_slips(run: Run, residuals: Residuals, joints: JointFrictionState):
 def record_slips(
     run: Run, loads: LoadState, joints: JointFrictionState, residuals: Residuals, saved: SavedJointFriction
 ):
-    """Lanes over joints with friction. One whose law has no stick is said to stick below its slip velocity."""
+    """Lanes over joints with friction. A law without stick is recorded as sticking below its slip velocity."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0:

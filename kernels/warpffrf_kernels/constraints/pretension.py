@@ -1,19 +1,20 @@
-"""Pretension: a joint coordinate that is pulled by a given force, and held where it is from some time on.
+"""Pretension: a joint coordinate pulled by a given force, and locked at its current value from a given time on.
 
-Each has one row s, a spring row without stiffness. Until it is locked its law is lambda = F(t), which does not ask for
-s: in the form of springs (`rows`), multiplied by a softness E,
+Each has one row s, a spring row without stiffness. Until it is locked its law is lambda = F(t), independent of s: in
+the form of springs (`rows`), multiplied by a softness E,
 
     C dx - E dlambda = -E (F - lambda),
 
-where C dx should not be. With E SOFT times the compliance of the row it is a millionth of the rest, and an iteration of
-Newton's method loses no more than that by it. Locked it is a constraint, s = s_lock, with HELD times its compliance as
-softness, which changes no solution and makes the matrix regular where several hold the same (as in `joint_friction`;
-HELD_AT_REST in static steps, whose inertia is far below what holds the body).
+where C dx should be absent. With E SOFT times the compliance of the row it is a millionth of the rest, which is also
+the relative error of an iteration of Newton's method. When locked it is a constraint, s = s_lock, with HELD times its
+compliance as softness, which changes no solution and makes the matrix regular if several rows constrain the same
+coordinate (as in `joint_friction`; HELD_AT_REST in static steps, whose inertia is far below the stiffness that
+constrains the body).
 
-The attempt that begins at the time `lock_at` or later, and ends later, is the first with s_lock, the value of s where
-it begins: so whatever a state is, static or in motion, its length does not jump. If s moves there, locking stops it, as
-an impact does, and if it is about to move its acceleration jumps: the attempt and the one after it remember no
-accelerations (`joint_friction`), else the force would alternate from step to step.
+The attempt that begins at the time `lock_at` or later, and ends later, is the first with s_lock, the value of s at its
+start: so in any state, static or in motion, the length does not jump. If s moves there, locking stops it like an
+impact, and if it is about to move its acceleration jumps: the attempt and the next one use no old accelerations
+(`joint_friction`), otherwise the force would alternate from step to step.
 """
 
 import warp as wp
@@ -30,13 +31,12 @@ from warpffrf_kernels.core.state import LoadState, PretensionState
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SAME_TIME = wp.constant(wp.float64(1.0e-9))  # of the step: what sums of steps leave of times that were meant to agree
+SAME_TIME = wp.constant(wp.float64(1.0e-9))  # of the step: accumulated round-off of times that should agree
 
 
 @kernel
 def tighten(run: Run, loads: LoadState, residuals: Residuals, pretension: PretensionState):
-    """Lanes over pretensions: whether they hold their length in this attempt, and the defect and softness of their
-    rows."""
+    """Lanes over pretensions: whether they are locked in this attempt, and the defect and softness of their rows."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -73,7 +73,7 @@ def tighten(run: Run, loads: LoadState, residuals: Residuals, pretension: Preten
 
 @kernel
 def stop_lengths(run: Run, pretension: PretensionState, residuals: Residuals):
-    """Per world: an attempt that locks a length asks to be one that forgets, and the next with it."""
+    """Per world: an attempt that locks a length requires steps without old accelerations, itself and the next."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
@@ -87,7 +87,7 @@ def stop_lengths(run: Run, pretension: PretensionState, residuals: Residuals):
 
 @kernel
 def keep_lengths(run: Run, residuals: Residuals, pretension: PretensionState):
-    """Lanes over pretensions: what an accepted attempt has locked."""
+    """Lanes over pretensions: stores the lengths that an accepted attempt has locked."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0:

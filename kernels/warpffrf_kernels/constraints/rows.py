@@ -5,28 +5,28 @@ x_a, x_b:
 
     TRANSLATION   c = u_i . (x_b - x_a) - s(t)
     DIRECTION     c = u_i . w_j
-    ANGLE         c = angle of w_j about u_i from u_j, minus s(t), in (-pi, pi]: needs no counting of turns
-    SECOND_ANGLE  the same of the other side's axes: angle of w_j about w_i against u_j (universal joints)
-    TWIST         c = turn of b against a about the axis i, whatever tilts, minus s(t), in (-pi, pi]
+    ANGLE         c = angle of w_j about u_i from u_j, minus s(t), in (-pi, pi]: no counting of revolutions required
+    SECOND_ANGLE  the same with the axes of the other side: angle of w_j about w_i from u_j (universal joints)
+    TWIST         c = rotation of b relative to a about the axis i, for any tilt, minus s(t), in (-pi, pi]
     DISTANCE      c = |x_b - x_a| - s(t)
 
 with s the signal of the row (0 without one). Every variation has the form `f.(dx_b - dx_a) + t.(dTheta_b - dTheta_a)`,
-where dx are material displacements of the point x_b carried by either body and dTheta their turns, so a row pulls with
+where dx are material displacements of the point x_b carried by either body and dTheta their rotations, so a row exerts
 the wrench (f, t) at x_b on b and the opposite on a: action equals reaction by construction.
     TRANSLATION: f = u_i, t = 0;  DIRECTION: f = 0, t = w_j x u_i;  DISTANCE: f = (x_b - x_a)/|x_b - x_a|, t = 0;
     ANGLE: f = 0, t = u_i where w_j is perpendicular to it (in general, and for SECOND_ANGLE and TWIST:
                   `model/joints/base.py`).
     BUSHING       c = v.d + z.phi of the row's vector (v, z), with d = A_a^T (x_b - x_a) and exp(phi^) = A_a^T A_b:
-                  f = A_a v, t = A_a T(phi)^-1 z, since phi turns by T(phi)^-T A_a^T (dTheta_b - dTheta_a).
-An angle that is a spring counts its turns.
+                  f = A_a v, t = A_a T(phi)^-1 z, since dphi = T(phi)^-T A_a^T (dTheta_b - dTheta_a).
+An angle of a spring counts its revolutions.
 
-A constraint row demands c = 0 and carries the multiplier lambda, generalized force -C^T lambda. A spring row has
+A constraint row requires c = 0 and has the multiplier lambda, generalized force -C^T lambda. A spring row has
 `lambda = k c + d cdot + preload`; divided by its effective stiffness `k_e = k + d VEL` it is a constraint row with the
 compliance 1/k_e on its diagonal, so that springs on flexible interfaces need no special treatment (the modes stay
-diagonal). What is not in proportion adds to it: `characteristics`.
+diagonal). Nonlinear parts are added: `characteristics`.
 
-A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)),
-axes A exp(theta^) L, with (u, theta) = Phi_if q, and -q.K q/2 in addition where loads stiffen the body (`interfaces`).
+A marker on a flexible rigid interface moves with the interface: x = r + A (X + u + theta x (X - X_if)), axes A
+exp(theta^) L, with (u, theta) = Phi_if q, plus -q.K q/2 if loads stiffen the body (`interfaces`).
 """
 
 import warp as wp
@@ -85,7 +85,7 @@ def write_side(
     trial: Trial, residuals: Residuals,
 ):  # fmt: skip
     """Enter the wrench (force at x, torque), world axes, into the row's entries of the body that carries the marker;
-    `row_pull` keeps what acts on its interface, body axes."""
+    `row_pull` stores the load on its interface, body axes."""
     b = model.markers.body[marker]
     if b < 0:
         return
@@ -97,7 +97,7 @@ def write_side(
     f = model.markers.interface[marker]
     if f < 0:
         return
-    # the interface turns about its undeformed point: du = Phi_t dq + (Phi_r dq) x (X - X_if)
+    # the interface rotates about its undeformed point: du = Phi_t dq + (Phi_r dq) x (X - X_if)
     fb = At * force
     tb = At * (wp.cross(x - x_marker, force) + torque)
     tb += wp.cross(model.markers.point[marker] - model.interfaces.point[f], fb)
@@ -202,7 +202,7 @@ def evaluate_rows(run: Run, trial: Trial, loads: LoadState, residuals: Residuals
             value = wp.length(gap) - s
             force = gap / wp.max(value + s, real(1.0e-300))
         if kind == k.ANGLE or kind == k.SECOND_ANGLE or kind == k.TWIST:
-            if model.rows.rigid[row] == 0:  # a spring counts turns from the last accepted state
+            if model.rows.rigid[row] == 0:  # a spring counts revolutions from the last accepted state
                 value += TURN * wp.round((loads.stretch[w, row] - value) / TURN)
         if kind == k.BUSHING:
             along = vec3(model.rows.vector[row, 0], model.rows.vector[row, 1], model.rows.vector[row, 2])
@@ -270,9 +270,8 @@ def row_rate(
 
 @kernel
 def apply_forces(run: Run, trial: Trial, residuals: Residuals, loads: LoadState, modal_residual: wp.array(dtype=real)):
-    """Per world: subtract the point forces from the residuals; their world components and points are kept for the
-    ledger.
-    """
+    """Per world: subtract the point forces from the residuals; their world components and points are stored for the
+    ledger."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:

@@ -1,1 +1,1 @@
-"""What all kernels are made of: scalars, rotations, the model, control words, declarations, formulas of the step."""
+"""Basis of all kernels: scalars, rotations, the model, control words, declarations, time-integration formulas."""

@@ -1,4 +1,4 @@
-"""Scratch arrays of pairs in contact and lumped contacts, by topic."""
+"""Scratch arrays of contact pairs and lumped contacts, by topic."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic
 from warpffrf_kernels.core.scratch import FORCE
@@ -34,7 +34,7 @@ class ContactGeometry:
 
 @topic
 class PatchScratch:
-    """Cells that travel with the patch, see the kernels of `patch`."""
+    """Contact-fixed cells, see the kernels of `patch`."""
 
     patch_place: DeviceArray = reals("world", "patch_pair", 4, note="column and z [m] of A, W [m], column of B")
     patch_buffer: DeviceArray = reals("world", "patch_pair", "patch_hat", unit="Pa")
@@ -83,8 +83,8 @@ class PatchScratch:
 
 @topic
 class RollingScratch:
-    """Friction on cells that travel with the patch, see the kernels of `rolling`; [A, B] are the sides, [1, 2] the
-    directions of each."""
+    """Friction on contact-fixed cells, see the kernels of `rolling`; [A, B] are the sides, [1, 2] the directions of
+    each."""
 
     shear_laid: DeviceArray = reals("world", "rolling_pair", 1, unit="m", note="W of the next", carried=True)
     shear_near: DeviceArray = reals("world", "rolling_pair", "shear_number", unit="m3/Pa", carried=True, flat=True)
@@ -126,7 +126,7 @@ class RollingScratch:
 
 @topic
 class ContactFields:
-    """Displacements that open gaps, and loads on the second grids."""
+    """Displacements that open gaps, and loads on the grids of the second surfaces."""
 
     gap: DeviceArray = reals("world", "pair", "hat", unit="m")
     opened: DeviceArray = reals("world", "pair", "hat", unit="m", note="the gap without the pressures")
@@ -148,7 +148,7 @@ class ContactFields:
 
 @topic
 class ContactSolve:
-    """The system of the hats in play."""
+    """The system of the active nodes."""
 
     lasting: DeviceArray = integers("world", 6, note="see `normal.lasting`", carried=True)
     slot_of: DeviceArray = integers("world", "pair", "hat", carried=True)
@@ -185,7 +185,7 @@ class ContactSolve:
 
 @topic
 class LayerScratch:
-    """Layers whose yield is no constant, see `weak_layer`."""
+    """Layers whose compliance is not constant, see `weak_layer`."""
 
     layer_past: DeviceArray = reals("world", "pair", "layer_point", unit="m")
     layer_past_drag: DeviceArray = reals("world", "pair", "layer_point", unit="Pa")
@@ -203,7 +203,7 @@ class LayerScratch:
 
 @topic
 class LumpedContacts:
-    """Places of lumped contacts, see `lumped.forces`."""
+    """Contact points of lumped contacts, see `lumped.forces`."""
 
     lumped_taken: DeviceArray = reals(
         "world", "lumped_place", 4, unit="J", note="damped, rubbed, given by the step; of a bounce", zero_without=True

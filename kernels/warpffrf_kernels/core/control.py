@@ -1,4 +1,4 @@
-"""Control words and clock of a world, the failure bits, and the kinds of rows and lines of the ledger."""
+"""Control words and clock of a world, failure bits, kinds of rows and columns of the energy ledger."""
 
 import warp as wp
 
@@ -7,66 +7,66 @@ from warpffrf_kernels.core.scalars import real
 
 @wp.struct
 class Control:
-    """What a world is about: flags and counts."""
+    """State of a world: flags and counts."""
 
-    run: int  # 1 while the Newton loop of this world goes on
-    moved: int  # 1 when the outer coordinates changed since the last evaluation
-    reassemble: int  # 1 when the grids moved against each other, so that every row of G is new
+    run: int  # 1 while the Newton loop of this world runs
+    moved: int  # 1 if the retained coordinates changed since the last evaluation
+    reassemble: int  # 1 if the grids moved relative to each other, so that every row of G is new
     iteration: int  # Newton iterations of this attempt
     inner: int  # active-set solves of this attempt
-    changes: int  # hats that changed sides in the last solve
+    changes: int  # nodes whose contact status changed in the last solve
     failure: int  # failure bits of this attempt
     slots: int  # rows of G in use
     fresh: int  # first row of G not yet assembled
-    active: int  # active hats
+    active: int  # active nodes
     mode: int  # DYNAMIC, STATIC, PROJECT, START or LOADING
-    status: int  # failure bits that stopped this world for good
-    level: int  # the step in use is the user's step / 2**level
-    sub: int  # how many such steps of the current user step are done
+    status: int  # failure bits that stopped this world permanently
+    level: int  # the current step is the user's step / 2**level
+    sub: int  # such steps done of the current user step
     step: int  # user steps done
     target: int  # user steps to do in this chunk
     saved: int  # rows written to the ring
     rejected: int  # rejected attempts so far
     worst: int  # largest number of iterations of an accepted step
-    touched: int  # active hats before the attempt, restored when it is rejected
-    iterations: int  # Newton iterations, all accepted steps
+    touched: int  # active nodes before the attempt, restored on rejection
+    iterations: int  # Newton iterations of all accepted steps
     steps: int  # accepted steps
     reason: int  # failure bits of all rejected attempts
     pending: int  # iterations since the last saved row
     pending_solves: int
-    spare: int  # capacity, or slots, that would do, where there are too few
-    edge: int  # 1 when a patch ran onto the end of a contact surface that covers an arc only
-    attempt: int  # 1 when this world takes part in the attempt
-    accept: int  # 1 when the attempt was accepted
-    commit: int  # 1 when what it has found is history from then on, friction above all: see `commit`
-    record: int  # 1 when the accepted state is to be saved
-    every: int  # save every so many user steps
-    refresh: int  # 1 when the outer matrix is to be inverted anew
-    recenter: int  # 1 when the windows are to be laid anew
-    coarse: int  # steps less accurate than asked for, taken as they could not be halved again
-    stale: int  # 1 when every cell slot is to be assembled anew
-    solves: int  # factorisations of stick and slip so far
-    factored: int  # free coordinates of the factorisation of stick and slip at hand, 0 without
-    impulsive: int  # how contact acts on dynamic local modes in this step and the next: see `impulsive_contact`
-    repeated: int  # attempts repeated because of what contact did in them
-    downhill: int  # 1 when a static step must not end higher than it began
-    again: int  # 1 when the attempt repeats one with more impulsive pairs
+    spare: int  # sufficient capacity or number of slots, if there are too few
+    edge: int  # 1 if a patch reached the end of a contact surface that covers only an arc
+    attempt: int  # 1 if this world takes part in the attempt
+    accept: int  # 1 if the attempt was accepted
+    commit: int  # 1 if its result becomes history, friction above all: see `commit`
+    record: int  # 1 if the accepted state is to be saved
+    every: int  # save interval in user steps
+    refresh: int  # 1 if the retained matrix is to be inverted again
+    recenter: int  # 1 if the windows are to be placed again
+    coarse: int  # steps less accurate than requested, accepted because they could not be halved again
+    stale: int  # 1 if every cell slot is to be assembled again
+    solves: int  # stick-slip factorisations so far
+    factored: int  # free coordinates of the current stick-slip factorisation, 0 without one
+    impulsive: int  # action of contact on dynamic local modes in this step and the next: see `impulsive_contact`
+    repeated: int  # attempts repeated because of their contact or friction
+    downhill: int  # 1 if a static step must not increase the energy
+    again: int  # 1 if the attempt repeats one with more impulsive pairs
     round: int  # rounds of the mean forces of impulsive pairs in this attempt
-    even: int  # 1 when these means give back the energy of their pairs
-    reweighed: int  # 1 when their weights have changed since the rows of G were assembled
+    even: int  # 1 if these means return the energy of their pairs
+    reweighed: int  # 1 if their weights have changed since the rows of G were assembled
     impulses: int  # accepted steps in which a pair was impulsive and touched
-    shaken: int  # 1 when the step before was impulsive, or halved after one that was
-    spell: int  # steps in a row with a numerical line too high, see `energy_watch`
-    trapezoidal: int  # 1 when the attempt acts by the trapezoidal rule from true accelerations
-    forget: int  # 1 when the attempt is to remember no acceleration, see `joint_friction`
-    turned: int  # 1 when friction in a joint has become another in the attempt: stick, slip, or its direction
-    forgotten: int  # accepted steps that remembered no acceleration
-    careful: int  # how much shorter the proximal steps of a load step begin, see `proximal`
+    shaken: int  # 1 if the previous step was impulsive, or halved after an impulsive one
+    spell: int  # consecutive steps with too high a numerical line, see `energy_watch`
+    trapezoidal: int  # 1 if the attempt uses the trapezoidal rule from true accelerations
+    forget: int  # 1 if the attempt uses no old acceleration, see `joint_friction`
+    turned: int  # 1 if the friction state of a joint (stick, slip or its direction) changed in the attempt
+    forgotten: int  # accepted steps that used no old acceleration
+    careful: int  # exponent that shortens the first proximal steps of a load step, see `proximal`
 
 
 @wp.struct
 class Coefficients:
-    """Of generalized-alpha, see `motion`."""
+    """Coefficients of generalized-alpha, see `motion`."""
 
     alpha_m: real
     alpha_f: real
@@ -74,12 +74,12 @@ class Coefficients:
     gamma: real
     acc: real  # d(acceleration)/d(displacement)
     vel: real  # d(velocity)/d(displacement)
-    forget: real  # 1: the old algorithmic acceleration has no part in the increment
+    forget: real  # 1: the old algorithmic acceleration does not enter the increment
 
 
 @wp.struct
 class Clock:
-    """Time and step of a world, and what a run has had of energy."""
+    """Time and step of a world, and energy bounds of a run."""
 
     start_time: real
     user_step: real
@@ -90,16 +90,16 @@ class Clock:
     done_step: real  # size of the last accepted step
     tau: real  # longest proximal step of a load step, see `proximal`
     force: real  # largest force of a load step
-    left: real  # inertia of the proximal step over the largest force: what a load step has not balanced
-    error: real  # local error of the attempt over the one allowed
-    gained: real  # energy gained in impacts so far, each over the energy at hand, losses taken off
-    rise: real  # what a static step gained in energy, over the largest change of a line of it
-    most: real  # largest energy of the run so far [J] of all lines but the potential
-    made: real  # energy that came from nowhere, see `energy_watch`
-    least: real  # least of what the pairs have made so far
-    noise: real  # of that: what is round-off
-    outer: Coefficients  # bodies and the modes that step like them
-    local: Coefficients  # local modes that step by themselves
+    left: real  # inertia of the proximal step over the largest force: residual of the statics in a load step
+    error: real  # local error of the attempt over the allowed one
+    gained: real  # energy gained in impacts so far, each relative to the current energy, minus losses
+    rise: real  # energy gained in a static step over the largest change of a ledger line
+    most: real  # largest energy of the run so far [J] of all lines except the potential
+    made: real  # spurious energy, see `energy_watch`
+    least: real  # minimum so far of the energy created by the pairs
+    noise: real  # round-off level of the created energy
+    outer: Coefficients  # bodies and the modes integrated with them
+    local: Coefficients  # local modes integrated separately
 
 
 # --- values of `Control.mode`
@@ -119,15 +119,15 @@ ENERGY = wp.constant(64)
 INDEFINITE = wp.constant(128)
 STENCIL = wp.constant(256)
 STEP_ERROR = wp.constant(512)
-GAIN = wp.constant(2048)  # more energy has come from nowhere than allowed, see `energy_watch`
+GAIN = wp.constant(2048)  # spurious energy exceeds the limit, see `energy_watch`
 PASSED = wp.constant(4096)  # a patch with friction has advanced by more than its own length
-LEAPT = wp.constant(8192)  # two surfaces have changed sides without a touch, see `leaps`
+LEAPT = wp.constant(8192)  # two surfaces have passed each other without contact, see `leaps`
 RESTLESS = wp.constant(16384)  # a load step that has not come to rest, see `proximal`
-ROOM = wp.constant(1024)  # more slots are in play than there is room for: `Engine` makes more and tries again
+ROOM = wp.constant(1024)  # more slots are needed than allocated: `Engine` allocates more and repeats the attempt
 
 # --- values of `Control.impulsive`
 SMOOTH = wp.constant(0)
-IMPULSIVE = wp.constant(1)  # its force keeps no memory
+IMPULSIVE = wp.constant(1)  # its force keeps no history
 
 # --- constraint row kinds
 TRANSLATION = wp.constant(0)
@@ -151,6 +151,6 @@ NUMERICAL = wp.constant(8)
 FRICTION = wp.constant(9)
 LINES = 10
 
-# --- sizes of local buffers in native snippets; the compiler of scenes refuses what does not fit
-MOST_COUPLED_COLUMNS = 512  # outer columns a gap depends on
-MOST_STENCIL = 256  # nodes of the second grid under a hat of the first
+# --- sizes of local buffers in native snippets; the scene compiler refuses what does not fit
+MOST_COUPLED_COLUMNS = 512  # retained columns a gap depends on
+MOST_STENCIL = 256  # nodes of the second grid under a node of the first

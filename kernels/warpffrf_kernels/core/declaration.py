@@ -1,11 +1,11 @@
-"""One declaration an array: axes, type, unit and what it holds.
+"""One declaration per array: axes, type, unit and content.
 
     @topic
     class Bodies:
         mass: DeviceArray = reals("body", unit="kg")
 
-An axis is a name, with a factor and a few entries more where that is needed: "6*body", "slot+1"; or a number. A `run`
-is read and written along contiguous stretches by index: its axes are one.
+An axis is a name, optionally with a factor and an offset, "6*body", "slot+1", or a number. A `run` array is read and
+written along contiguous stretches by index: its axes are merged into one.
 """
 
 import ast
@@ -25,7 +25,7 @@ Kind = TypeVar("Kind")
 
 
 class DeviceArray(Protocol):
-    """What the host uses of a Warp array."""
+    """Interface of a Warp array on the host."""
 
     shape: tuple[int, ...]
     ndim: int
@@ -39,17 +39,17 @@ class DeviceArray(Protocol):
 
 @dataclass(frozen=True)
 class Declaration:
-    """An array before it has a size."""
+    """Declaration of an array before its size is known."""
 
     axes: tuple[Axis, ...]
     dtype: Any
     unit: str
     note: str
     run: bool
-    carried: bool = False  # what stands there from before the attempt is used
-    zero_without: bool = False  # zero says what is to be said in a scene where no launch sets it
-    restored: bool = False  # a rejected attempt puts back what stood there before it
-    instead: str = ""  # array that takes its place in a scene without its axes
+    carried: bool = False  # contents from before the attempt are used
+    zero_without: bool = False  # zero is the correct value in a scene where no launch sets it
+    restored: bool = False  # a rejected attempt restores the contents from before it
+    instead: str = ""  # array that replaces it in a scene without its axes
     flat: bool = False  # kernels see one axis, the host all of them
 
     @property
@@ -62,7 +62,7 @@ class Declaration:
 
 
 def length(axis: Axis, sizes: Mapping[str, int]) -> int:
-    """Entries along `axis`, none where its name has none; raises KeyError for a name without a size."""
+    """Entries along `axis`, 0 if the size of its name is 0; raises KeyError for a name without a size."""
     if isinstance(axis, int):
         return axis
     factor, name, more = parts(axis)
@@ -70,7 +70,7 @@ def length(axis: Axis, sizes: Mapping[str, int]) -> int:
 
 
 def parts(axis: str) -> tuple[int, str, int]:
-    """Factor, name and entries more of an axis."""
+    """Factor, name and offset of an axis."""
     found = FORM.fullmatch(axis)
     if found is None:
         raise ValueError(f"{axis!r} is no axis: a name, with a factor and a number more at most, like '2*hat+1'")
@@ -89,12 +89,12 @@ def integers(*axes: Axis, note: str = "", **more: Any) -> Any:
 
 
 def vectors(*axes: Axis, unit: str = "", note: str = "", **more: Any) -> Any:
-    """Declare an array of vectors of three."""
+    """Declare an array of 3-vectors."""
     return Declaration(axes, vec3, unit, note, False, **more)
 
 
 def matrices(*axes: Axis, unit: str = "", note: str = "", **more: Any) -> Any:
-    """Declare an array of matrices of three by three."""
+    """Declare an array of 3x3 matrices."""
     return Declaration(axes, mat33, unit, note, False, **more)
 
 
@@ -114,8 +114,8 @@ def declared_in(topic: Any) -> dict[str, Declaration]:
 
 
 def topic(cls: type[Kind]) -> type[Kind]:
-    """A Warp struct of a class whose fields are numbers, other structs and declared arrays, with those of its bases; it
-    keeps the arrays as `declarations`. A class that derives from it gets these, and is no struct."""
+    """Warp struct of a class whose fields are numbers, other structs and declared arrays, including those of its bases;
+    the declarations are kept as `declarations`. A derived class inherits them, and is no struct."""
     own = {name: value for name, value in vars(cls).items() if isinstance(value, Declaration)}
     declared = {name: d for base in cls.__bases__ for name, d in getattr(base, "declarations", {}).items()} | own
     fields: dict[str, Any] = {name: wp.array(dtype=d.dtype, ndim=d.ndim) for name, d in declared.items()}
@@ -130,20 +130,20 @@ def topic(cls: type[Kind]) -> type[Kind]:
 
 
 def is_topic(kind: Any) -> bool:
-    """Whether it is a struct of declared arrays."""
+    """Whether `kind` is a struct of declared arrays."""
     return hasattr(kind, "declarations") and hasattr(kind, "vars")
 
 
 def kernel(function: Any) -> wp.Kernel:
-    """A Warp kernel whose topics are given by address, each in an array of one: a graph on the CPU looks up all arrays
-    of a launch each time, also those within structs. The body sees the structs."""
+    """Warp kernel whose topics are passed by address, each in an array of length one: a graph on the CPU looks up all
+    arrays of each launch, including those within structs. The body sees the structs."""
     topics = {name: kind for name, kind in inspect.get_annotations(function).items() if is_topic(kind)}
     function.__annotations__ |= {name: wp.array(dtype=kind) for name, kind in topics.items()}
     return wp.Kernel(function, code_transformers=[ByAddress(topics)])
 
 
 class ByAddress(ast.NodeTransformer):
-    """`run_ = run[0]` first, and `run_` instead of `run` in the body."""
+    """Prepends `run_ = run[0]` and replaces `run` by `run_` in the body."""
 
     def __init__(self, names: Iterable[str]) -> None:
         self.names = set(names)

@@ -2,17 +2,16 @@
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic, vectors
 
-LINE = 22  # numbers of a point, see `films.sampling`
+LINE = 22  # values per point, see `films.sampling`
 PULL = 13  # sums over the points
-HAT_LINE = 11  # numbers of a hat where there are asperities
-NUMBERS = 19  # of a film that are saved, see `films.keeping`
+HAT_LINE = 11  # values per node with asperities
+NUMBERS = 19  # saved values per film, see `films.keeping`
 
 
 @topic
 class Films:
-    """Oil films, see the kernels of `films`. Hats of the first surface, functions that a pressure is made of, and
-    points stand one film behind the other; numbers of hats and functions count within a film. Frames are those of the
-    first body."""
+    """Oil films, see the kernels of `films`. Nodes of the first surface, pressure shape functions and points are stored
+    film by film; indices of nodes and functions count within a film. Frames are those of the first body."""
 
     count: int
     first: DeviceArray = integers("film", note="surface, with the grid")

@@ -6,7 +6,7 @@ from warpffrf_kernels.core.scratch import FORCE, MODAL
 
 @topic
 class FrictionCells:
-    """Cells with friction: where they are, how far they slide, what bounds them."""
+    """Cells with friction: position, slip and traction bound."""
 
     cell_area: DeviceArray = reals("world", "pair", "friction_hat", unit="m2")
     cell_place: DeviceArray = reals("world", "pair", "friction_hat", 2, note="column and row on B")
@@ -46,7 +46,7 @@ class FrictionCells:
 
 @topic
 class FrictionSolve:
-    """The system of the cells in play."""
+    """The system of the active cells."""
 
     cell_slot_of: DeviceArray = integers("world", "pair", "friction_hat", carried=True)
     cell_slot: DeviceArray = integers("world", "friction_pair", "cell", note="which cell", carried=True)
@@ -129,7 +129,7 @@ class FrictionSolve:
 
 @topic
 class SlipSpeedSolve:
-    """The same system where coefficients depend on the slip speed: their slopes are condensed, see `slip_speed`."""
+    """The same system for coefficients that depend on the slip speed: their slopes are condensed, see `slip_speed`."""
 
     speed_D: DeviceArray = reals(
         "world", "speed_pair", "2*speed_cell", "2*speed_cell", unit="m/Pa", instead="cell_D", carried=True, flat=True

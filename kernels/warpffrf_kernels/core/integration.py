@@ -1,4 +1,4 @@
-"""Formulas of the step in time: generalized-alpha with the coefficients of bodies and of local modes (`motion`)."""
+"""Time-integration formulas: generalized-alpha with the coefficients of bodies and of local modes (`motion`)."""
 
 import warp as wp
 
@@ -10,9 +10,9 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-UNRESOLVED = wp.constant(wp.float64(9.869604401089358))  # pi^2, of (omega h)^2
+UNRESOLVED = wp.constant(wp.float64(9.869604401089358))  # pi^2, for (omega h)^2
 
-# --- how a coordinate steps
+# --- integration rule of a coordinate
 OUTER = wp.constant(0)
 LOCAL = wp.constant(1)
 EXACT = wp.constant(2)
@@ -20,7 +20,7 @@ EXACT = wp.constant(2)
 
 @wp.func
 def coefficients_from(am: real, af: real, beta: real, gamma: real, h: real) -> Coefficients:
-    """Of a step of length h."""
+    """Coefficients of a step of length h."""
     c = Coefficients()
     c.alpha_m = am
     c.alpha_f = af
@@ -33,7 +33,7 @@ def coefficients_from(am: real, af: real, beta: real, gamma: real, h: real) -> C
 
 @wp.func
 def forgetful(h: real) -> Coefficients:
-    """The implicit Euler method, which remembers no acceleration: d = h v_1, v_1 = v_0 + h a_1, vdot_1 = a_1."""
+    """The implicit Euler method, which uses no old acceleration: d = h v_1, v_1 = v_0 + h a_1, vdot_1 = a_1."""
     c = coefficients_from(real(0.0), real(0.0), real(1.0), real(1.0), h)
     c.forget = real(1.0)
     return c
@@ -41,13 +41,13 @@ def forgetful(h: real) -> Coefficients:
 
 @wp.func
 def of_old(c: Coefficients) -> real:
-    """Share of a_0 in the increment, 1/2 - beta, or none."""
+    """Weight of a_0 in the increment, 1/2 - beta, or 0."""
     return (real(0.5) - c.beta) * (real(1.0) - c.forget)
 
 
 @wp.func
 def coefficients_of(clk: wp.array(dtype=Clock), w: int, rule: int) -> Coefficients:
-    """Of the coordinates that step by `rule`; those that step EXACT need none."""
+    """Coefficients of the coordinates integrated by `rule`; EXACT requires none."""
     if rule == LOCAL:
         return clk[w].local
     return clk[w].outer
@@ -55,7 +55,7 @@ def coefficients_of(clk: wp.array(dtype=Clock), w: int, rule: int) -> Coefficien
 
 @wp.func
 def predicted(h: real, c: Coefficients, v0: vec3, rate0: vec3, a0: vec3) -> vec3:
-    """Increment that keeps the rate of the old state."""
+    """Increment for a constant rate of the old state."""
     a1 = (rate0 - c.alpha_m * a0) / (real(1.0) - c.alpha_m)
     return h * v0 + h * h * (of_old(c) * a0 + c.beta * a1)
 
@@ -67,19 +67,19 @@ def algorithmic(h: real, c: Coefficients, d: vec3, v0: vec3, a0: vec3) -> vec3:
 
 @wp.func
 def is_static(ctl: wp.array(dtype=Control), w: int) -> bool:
-    """Whether an attempt goes towards an equilibrium."""
+    """Whether an attempt seeks an equilibrium."""
     return ctl[w].mode == k.STATIC or ctl[w].mode == k.LOADING
 
 
 @wp.func
 def is_whole(ctl: wp.array(dtype=Control), w: int) -> bool:
-    """Whether an attempt is a step in time or a load step, with slip from one accepted state to the next."""
+    """Whether an attempt is a step in time or a load step, with slip measured between accepted states."""
     return ctl[w].mode == k.DYNAMIC or ctl[w].mode == k.LOADING
 
 
 @wp.func
 def acceleration_of(mode: int, h: real, c: Coefficients, d: vec3, centre: vec3, v0: vec3, a0: vec3) -> vec3:
-    """Algorithmic acceleration of the increment d; in a load step what the proximal step from `centre` has."""
+    """Algorithmic acceleration of the increment d; in a load step that of the proximal step from `centre`."""
     if mode == k.LOADING:
         return c.acc * (d - centre)
     return algorithmic(h, c, d, v0, a0)
@@ -99,9 +99,9 @@ def rate_of(c: Coefficients, rate0: vec3, a0: vec3, a1: vec3) -> vec3:
 
 @wp.func
 def share_of_miss(run: Run, w: int) -> real:
-    """What a force at the end of a step changes by with the mean over it, of forces whose mean is given (`mean_work`);
-    0 where none is: in all but steps in time that remember accelerations, and in evaluations that are no step, whose
-    velocities have no part of the accelerations (gamma = 0, `linearise`)."""
+    """Change of a force at the end of a step with its mean over the step, for forces whose mean is given (`mean_work`).
+    It is 0 except in time steps that use old accelerations, and in evaluations without a step, whose velocities do not
+    contain the accelerations (gamma = 0, `linearise`)."""
     c = run.clk[w].outer
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC or run.ctl[w].forget != 0 or c.gamma == real(0.0):
         return real(0.0)
@@ -110,11 +110,11 @@ def share_of_miss(run: Run, w: int) -> real:
 
 @wp.func
 def rule_of(model: Model, run: Run, w: int, m: int) -> int:
-    """How mode m steps: OUTER, like the bodies; LOCAL, by HHT; or EXACT for a linear load.
+    """Integration rule of mode m: OUTER, as for bodies; LOCAL, by HHT; or EXACT for a linear load.
 
-    The exact step is for modes that the step does not resolve, omega h >= pi. Contact asks for the load f1 that brings
-    the surface to a given place; with the load of before that makes a recursion f1 = -(C/D) f0, and |C/D| is 2 for
-    small omega h and at most 1 from pi on.
+    The exact step is for modes that the step does not resolve, omega h >= pi. Contact requires the load f1 that moves
+    the surface to a given position; with the previous load this is a recursion f1 = -(C/D) f0, and |C/D| is 2 for small
+    omega h and at most 1 from pi on.
     """
     if run.ctl[w].mode != k.DYNAMIC or model.modes.kind[m] == 0:
         return OUTER

@@ -1,4 +1,4 @@
-"""Scratch arrays of laps: the tableaus of their groups, states and numbers of cells, and what bodies and modes get."""
+"""Scratch arrays of joint interfaces: tableaus of groups, cell states and values, loads on bodies and modes."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic
 from warpffrf_kernels.core.laps import WORDS as LAP_WORDS
@@ -6,7 +6,7 @@ from warpffrf_kernels.core.laps import WORDS as LAP_WORDS
 
 @topic
 class LapScratch:
-    """Laps, see the kernels of `laps`."""
+    """Joint interfaces, see the kernels of `laps`."""
 
     lap_words: DeviceArray = integers("world", "lap_group", LAP_WORDS, note="see `laps.words`", carried=True)
     lap_z: DeviceArray = reals("world", "lap_column", note="coordinates of the motion that laps see", carried=True)

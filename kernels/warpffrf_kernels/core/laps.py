@@ -1,16 +1,16 @@
-"""Constants of laps, a topic of the model."""
+"""Constants of joint interfaces, a topic of the model."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, reals, topic, vectors
 
-WORDS = 14  # of a group of laps, see `laps.words`
-NUMBERS = 8  # of a cell that are saved, see `laps.keeping`
+WORDS = 14  # control words per group of interfaces, see `laps.words`
+NUMBERS = 8  # saved values per cell, see `laps.keeping`
 
 
 @topic
 class Laps:
-    """Joints that slide a little, see the kernels of `laps`. Laps that meet on a body make a group, which is solved as
-    one; cells, coordinates of motion and outer columns stand one group behind the other. Frames of the motion are those
-    of the first body."""
+    """Joint interfaces with small sliding, see the kernels of `laps`. Interfaces that share a body form a group, which
+    is solved as one system; cells, motion coordinates and retained columns are stored group by group. Frames of the
+    motion are those of the first body."""
 
     count: int  # groups
     laps: int

@@ -1,4 +1,4 @@
-"""Where a value stands in a table."""
+"""Search in a table."""
 
 import warp as wp
 
@@ -9,8 +9,8 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def piece_at(table: wp.array2d(dtype=real), first: int, count: int, column: int, value: real) -> int:
-    """Of `count` lines from `first` on, along which `column` rises: the last one at or below `value`, but the first one
-    at least and the last but one at most."""
+    """Last of `count` lines from `first` on whose entry in `column`, which increases, is at or below `value`, limited
+    to the range from the first line to the last but one."""
     i = int(first)
     last = first + count - 2
     while i < last:

@@ -2,13 +2,13 @@
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, reals, topic
 
-NUMBERS = 14  # of a place that are saved: place, force and friction on the first body, slip velocity; approach, force
+NUMBERS = 14  # saved values per point: position, force and friction on the first body, slip velocity; approach, force
 
 
 @topic
 class Lumped:
-    """Lumped contacts of two rigid surfaces, see `lumped`; their places, a point or the laminae of a roller, stand one
-    contact behind the other."""
+    """Lumped contacts of two rigid surfaces, see `lumped`; their contact points, one point or the laminae of a roller,
+    are stored contact by contact."""
 
     count: int
     places: int
@@ -39,8 +39,8 @@ class Lumped:
 
 @topic
 class Moments:
-    """Places of lumped contacts that resist rolling and pivoting, in this order, see `lumped.moments`: by
-    min(bound F^bound_power, slope F^slope_power w)."""
+    """Points of lumped contacts with rolling and pivoting resistance, in this order, see `lumped.moments`: min(bound
+    F^bound_power, slope F^slope_power w)."""
 
     count: int
     place: DeviceArray = integers("lumped_moment", note="of a lumped contact")

@@ -1,7 +1,7 @@
 """Constant data of a scene on the device, by topic; `warpffrf.online.compile.scene` fills it, docs/arrays.md lists it.
 
-Indices of absent things are -1. Body frames have their origin in the centre of mass (Tisserand frame). Axes whose names
-end in "_entry" are those of tables that stand one behind the other.
+Absent indices are -1. The origin of a body frame is the centre of mass (Tisserand frame). Axes whose names end in
+"_entry" belong to concatenated tables.
 """
 
 import warp as wp
@@ -12,15 +12,15 @@ from warpffrf_kernels.core.laps import Laps
 from warpffrf_kernels.core.lumped import Lumped, Moments
 from warpffrf_kernels.core.scalars import real, vec3
 
-# --- families of pairs, values of `Pairs.family`: where gaps are taken, and how
+# --- families of pairs, values of `Pairs.family`: kinematics of the gaps
 LINE_OF_CENTRES = wp.constant(0)
 AT_POINTS = wp.constant(1)
-PATCH = wp.constant(2)  # cells that travel with the patch
+PATCH = wp.constant(2)  # contact-fixed cells
 
 
 @topic
 class Bodies:
-    """Rigid parts, and where each body's modes begin."""
+    """Rigid parts, and the ranges of each body's modes."""
 
     count: int
     mass: DeviceArray = reals("body", unit="kg")
@@ -51,8 +51,8 @@ class Modes:
 
 @topic
 class Dense:
-    """Modes that are outer unknowns, the first ones of a body: those that carry inertia, see `inertia`, and all global
-    modes of a body that is loaded on several surfaces, by which its pairs feel each other."""
+    """Modes that are retained coordinates, the first ones of a body: those that carry inertia, see `inertia`, and all
+    global modes of a body loaded on several surfaces, through which its pairs are coupled."""
 
     count: int
     body: DeviceArray = integers("dense")
@@ -65,7 +65,7 @@ class Dense:
 
 @topic
 class Membrane:
-    """Squares of the membrane energy of bodies, each of one form L_r over the modes that carry inertia."""
+    """Squares of the membrane energy of bodies, each with one form L_r over the modes that carry inertia."""
 
     count: int
     lines: int  # entries of all lines L_r q
@@ -77,7 +77,7 @@ class Membrane:
 
 @topic
 class Outer:
-    """The outer unknowns: motions of bodies, modes that are not condensed, multipliers."""
+    """The retained unknowns: motions of bodies, modes that are not condensed, multipliers."""
 
     row_offset: int  # 6 * bodies + these modes
     count: int  # row_offset + rows
@@ -168,7 +168,7 @@ class JointFrictions:
 
 @topic
 class Pretensions:
-    """Coordinates of joints that are pulled, and held later, see `pretension`."""
+    """Joint coordinates that are pulled, and later locked, see `pretension`."""
 
     count: int
     row: DeviceArray = integers("pretension")
@@ -178,7 +178,7 @@ class Pretensions:
 
 @topic
 class Characteristics:
-    """Forces of springs and dampers over c or cdot, piece by piece, see `characteristics`."""
+    """Piecewise forces of springs and dampers over c or cdot, see `characteristics`."""
 
     start: DeviceArray = integers("characteristic+1", note="first piece")
     begin: DeviceArray = reals("piece_entry", unit="m, rad, m/s, rad/s", note="of each piece; of the first unused")
@@ -223,7 +223,7 @@ class Torques:
 
 @topic
 class BodyLoads:
-    """Loads that are constant in body axes but for a signal: surface and nodal loads."""
+    """Loads that are constant in body axes except for a signal: surface and nodal loads."""
 
     count: int
     body: DeviceArray = integers("body_load")
@@ -235,7 +235,7 @@ class BodyLoads:
 
 @topic
 class External:
-    """What acts on bodies from outside, where it lies: few kernels read it."""
+    """External loads, read in place because few kernels use them."""
 
     forces: Forces
     torques: Torques
@@ -244,7 +244,7 @@ class External:
 
 @topic
 class Surfaces:
-    """Contact surfaces, body frame; see `surface`. Fields that end in `_start` say where tables begin."""
+    """Contact surfaces, body frame; see `surface`. Fields that end in `_start` are the offsets of tables."""
 
     body: DeviceArray = integers("surface", note="-1 for the ground, whose frame is the world")
     modal_start: DeviceArray = integers("surface", note="first mode of its body, 0 where it has none")
@@ -287,9 +287,9 @@ class Surfaces:
 
 @topic
 class Responses:
-    """What loads on the contact surfaces of a body displace on them by its local modes, see `responses`: the loads on
-    each side (2 pair + side) of a pair, its own first, and tables (column of the block, source line, target column +
-    reach, target line), 2 rows lines a tangential column."""
+    """Displacement of the contact surfaces of a body due to loads on them by its local modes, see `responses`: the
+    loads on each side (2 pair + side) of a pair, its own first, and tables (column of the block, source line, target
+    column + reach, target line), 2 rows lines per tangential column."""
 
     load_start: DeviceArray = integers("side+1", note="into the loads on a side; a rigid surface has none")
     load_side: DeviceArray = integers("load_entry", note="whose load it is")
@@ -316,7 +316,7 @@ class Responses:
 
 @topic
 class Quadrature:
-    """Of a cell of the first grid of each pair."""
+    """Quadrature points of a cell of the first grid of each pair."""
 
     theta_points: int
     z_points: int
@@ -328,12 +328,12 @@ class Quadrature:
 
 @topic
 class Pairs:
-    """Pairs in contact."""
+    """Contact pairs."""
 
     count: int
     most_modes: int  # of a pair's two bodies
-    coupled_capacity: int  # largest of coupled_count
-    beside: int  # 1: some answer to each other by modes, so that G has blocks between pairs
+    coupled_capacity: int  # maximum of coupled_count
+    beside: int  # 1: some pairs are coupled by modes, so that G has blocks between pairs
     first: DeviceArray = integers("pair", note="surface")
     second: DeviceArray = integers("pair", note="surface")
     family: DeviceArray = integers("pair", note="0 LINE_OF_CENTRES, 1 AT_POINTS, 2 PATCH")
@@ -347,7 +347,7 @@ class Pairs:
 
 @topic
 class SlipSpeeds:
-    """Coefficients of friction that depend on the slip speed, see `slip_speed`."""
+    """Slip-speed-dependent friction coefficients, see `slip_speed`."""
 
     count: int  # pairs with one
     start: DeviceArray = integers("pair", note="first piece")
@@ -359,9 +359,9 @@ class SlipSpeeds:
 
 @topic
 class Points:
-    """Points of a column of the first grid, of the pairs of family 1 and of those of few points, sorted by row."""
+    """Points of a column of the first grid, for the pairs of family 1 and those with few points, sorted by row."""
 
-    most: int  # largest number of a pair, 0 without such pairs
+    most: int  # maximum number per pair, 0 without such pairs
     start: DeviceArray = integers("pair", note="first point")
     count: DeviceArray = integers("pair")
     row_start: DeviceArray = integers("pair", note="into row_at")
@@ -381,13 +381,13 @@ class Points:
 
 @topic
 class Window:
-    """How far the windows of all pairs reach, and how many cells of one grid lie under one of the other."""
+    """Extent of the windows of all pairs, and number of cells of one grid under one of the other."""
 
     half: int  # grid columns on each side of the line of centres
     columns: int  # 2 * half + 1
-    rows: int  # of the first surface, largest of all pairs
+    rows: int  # of the first surface, maximum of all pairs
     hats: int  # columns * rows
-    stencil_columns: int  # extent of a hat of the first surface on the grid of the second
+    stencil_columns: int  # extent of a node of the first surface on the grid of the second
     stencil_rows: int
     second_half: int
     second_columns: int
@@ -398,17 +398,17 @@ class Window:
 
 @topic
 class Capacity:
-    """Room for what is in play at once, all pairs."""
+    """Capacity for simultaneously active nodes and cells, all pairs."""
 
-    slots: int  # hats: rows of G
-    slot_limit: int  # the most that the capacities of the contacts allow
+    slots: int  # nodes: rows of G
+    slot_limit: int  # maximum allowed by the capacities of the contacts
     cells: int  # cells that can carry friction
 
 
 @topic
 class Layers:
-    """Layers whose yield is no constant, see `layer_laws`, and the points of a column of the first grid at which they
-    are evaluated, sorted by row."""
+    """Layers whose compliance is not constant, see `layer_laws`, and the points of a column of the first grid at which
+    they are evaluated, sorted by row."""
 
     count: int  # pairs with one
     kind: DeviceArray = integers("pair")
@@ -428,7 +428,7 @@ class Layers:
 
 @topic
 class Limits:
-    """Tolerances and counts at which an attempt ends."""
+    """Tolerances and iteration limits of an attempt."""
 
     residual_tolerance: real  # of the contact force
     max_iterations: int
@@ -436,19 +436,19 @@ class Limits:
     max_guarded: int
     max_level: int
     energy_tolerance: real
-    most_made: real  # of the largest energy of a run: what may come from nowhere; 0: any
+    most_made: real  # allowed spurious energy, relative to the largest energy of a run; 0: unlimited
 
 
 @topic
 class Patches:
-    """Pairs whose pressures stand on cells that travel with the patch, see the kernels of `patch`: family 2. Far fields
-    are numbered apart from surfaces, `far_of` says which a surface has."""
+    """Pairs with contact-fixed cells, see the kernels of `patch`: family 2. Far fields have their own numbering;
+    `far_of` gives the one of a surface."""
 
     count: int
-    far_nodes: int  # splines of a far window, the most, filled up to eights
-    places: int  # of the cells of a pair, the most: strips whose rows are filled up to eights
-    touching: int  # bodies' sides that carry several of these patches, counted by pairs of them
-    lasting: int  # 1: rows of G stand from step to step, see `normal.lasting`
+    far_nodes: int  # splines of a far window, maximum, padded to a multiple of 8
+    places: int  # cells of a pair, maximum: strips whose rows are padded to a multiple of 8
+    touching: int  # body sides with several of these patches, counted by pairs of them
+    lasting: int  # 1: rows of G persist between steps, see `normal.lasting`
     columns: DeviceArray = integers("pair", note="strips across")
     first: DeviceArray = integers("pair", note="surface with the mesh; pairs.first is the grid of cells on it")
     second: DeviceArray = integers("pair", note="likewise, or rigid")
@@ -504,12 +504,12 @@ class Patches:
 
 @topic
 class Rolling:
-    """Friction on cells that travel with the patch, see the kernels of `rolling`: near fields along the surface, and
-    the tangential part of far fields, numbered as in `Patches`."""
+    """Friction on contact-fixed cells, see the kernels of `rolling`: near fields along the surface, and the tangential
+    part of far fields, numbered as in `Patches`."""
 
     count: int  # pairs with it
-    shear_numbers: int  # of the near field of a pair at one W, the most
-    ring_cells: int  # cells with those around them, the most
+    shear_numbers: int  # of the near field of a pair at one W, maximum
+    ring_cells: int  # cells including surrounding ones, maximum
     ring_rows: DeviceArray = integers("pair", note="rows around the cells, 0 where rows stay on the material")
     coupled: DeviceArray = integers("pair", note="1: pressures move the half-spaces along, tractions open the gap")
     shear_start: DeviceArray = integers(
@@ -532,8 +532,8 @@ class Rolling:
 
 @topic
 class Elements:
-    """What few scenes have. Every kernel takes a copy of the model, and of one above 8 KiB the compiler of CUDA takes
-    minutes: so these are read where they lie."""
+    """Topics that few scenes use. Every kernel takes a copy of the model, and the CUDA compiler takes minutes for one
+    above 8 KiB: so these are read in place."""
 
     joint_frictions: JointFrictions
     pretensions: Pretensions
@@ -544,14 +544,13 @@ class Elements:
     moments: Moments
     patches: Patches
     rolling: Rolling
-    films: wp.array(dtype=Films)  # one, as these would make the elements larger than that
+    films: wp.array(dtype=Films)  # one, as these would exceed that size
     laps: wp.array(dtype=Laps)  # one
 
 
 @topic
 class Model:
-    """All of them, gravity [m/s2], and the length of the scene [m], which lengths of round-off size are fractions
-    of."""
+    """All topics, gravity [m/s2], and the length of the scene [m], the reference of lengths of round-off size."""
 
     gravity: vec3
     length: real

@@ -1,4 +1,4 @@
-"""Rows that are saved of a run, by topic: one ring an array, see `warpffrf.online.arrays.ring`.
+"""Saved rows of a run, by topic: one ring per array, see `warpffrf.online.arrays.ring`.
 
 Frames are those of the state: centres of mass, body axes.
 """
@@ -57,7 +57,7 @@ class SavedJointFriction:
 
 @topic
 class SavedContact:
-    """Pairs; wrenches are about the centre of mass of the first body."""
+    """Contact pairs; wrenches are about the centre of mass of the first body."""
 
     saved_center: DeviceArray = integers("world", "ring_row", "pair", 2, note="centre columns on A and B")
     saved_column: DeviceArray = reals("world", "ring_row", "pair", unit="columns", note="line of centres on A")
@@ -74,7 +74,7 @@ class SavedContact:
 
 @topic
 class SavedFriction:
-    """Pairs with friction; of two directions both stand together, cell by cell."""
+    """Pairs with friction; two directions are stored together, cell by cell."""
 
     saved_traction: DeviceArray = reals("world", "ring_row", "pair", "2*friction_hat", unit="Pa")
     saved_slip_velocity: DeviceArray = reals("world", "ring_row", "pair", "2*friction_hat", unit="m/s")
@@ -85,7 +85,7 @@ class SavedFriction:
 
 @topic
 class SavedLumped:
-    """Places of lumped contacts."""
+    """Points of lumped contacts."""
 
     saved_lumped: DeviceArray = reals(
         "world", "ring_row", "lumped_place", NUMBERS,
@@ -110,6 +110,6 @@ class SavedFilms:
 
 @topic
 class SavedLaps:
-    """Cells of laps."""
+    """Cells of joint interfaces."""
 
     saved_lap: DeviceArray = reals("world", "ring_row", "lap_cell", LAP_NUMBERS, note="see `laps.keeping`")

@@ -1,6 +1,6 @@
 """Rotation group: exponential map, its right Jacobian and their inverses.
 
-Derivation. For R(psi) = exp(psi^), a small change of psi turns the body by `T(psi) dpsi` about its own axes:
+Derivation. For R(psi) = exp(psi^), a small change of psi rotates the body by `T(psi) dpsi` about its own axes:
     exp((psi + dpsi)^) = exp(psi^) exp((T(psi) dpsi)^) + O(dpsi^2),
     T(psi)    = I - (1 - cos a)/a^2 psi^ + (a - sin a)/a^3 psi^2,           a = |psi|,
     T(psi)^-1 = I + psi^/2 + (1/a^2 - (1 + cos a)/(2 a sin a)) psi^2.
@@ -13,7 +13,7 @@ import warp as wp
 from warpffrf_kernels.core.scalars import mat33, quat, real, vec3
 
 SMALL = wp.constant(wp.float64(1.0e-4))  # rad: the next term of the series of `exponential` is below 1e-18
-SMALL_SQUARED = wp.constant(wp.float64(1.0e-4))  # rad^2: what the series of `tangent_inverse` drops is round-off
+SMALL_SQUARED = wp.constant(wp.float64(1.0e-4))  # rad^2: truncation of the series of `tangent_inverse` is round-off
 
 
 @wp.func
@@ -37,7 +37,7 @@ def exponential(psi: vec3) -> quat:
 
 @wp.func
 def tangent_inverse(psi: vec3) -> mat33:
-    """T(psi)^-1: from a turn about the body's own axes to the change of the rotation vector."""
+    """T(psi)^-1: maps a rotation about the body's own axes to the change of the rotation vector."""
     a2 = wp.dot(psi, psi)
     k = real(1.0) / real(12.0) + a2 / real(720.0)
     if a2 > SMALL_SQUARED:

@@ -1,4 +1,4 @@
-"""What every kernel takes: the models of the worlds, control words, clocks and energies, and the words of the run."""
+"""Arguments of every kernel: models of the worlds, control words, clocks and energies, and the words of the run."""
 
 import warp as wp
 
@@ -10,6 +10,6 @@ from warpffrf_kernels.core.state import Books
 
 @topic
 class Run(Books, RunWords):
-    """One model, one control word and one clock a world."""
+    """One model, one control word and one clock per world."""
 
     models: wp.array(dtype=Model)

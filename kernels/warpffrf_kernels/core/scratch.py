@@ -1,4 +1,4 @@
-"""What happens between two states, by topic: bodies, joints, the outer system; see `warpffrf.online.arrays.scratch`."""
+"""Intermediate quantities of a step: bodies, joints, the retained system; see `warpffrf.online.arrays.scratch`."""
 
 from warpffrf_kernels.core.declaration import DeviceArray, integers, matrices, quaternions, reals, topic, vectors
 
@@ -7,7 +7,7 @@ FORCE, MODAL = "N, N m", "N/kg^1/2"
 
 @topic
 class RunWords:
-    """What holds for a whole run, and the conditions of the loops of the graph."""
+    """Settings of a whole run, and the loop conditions of the graph."""
 
     coefficients: DeviceArray = reals("world", 4, note="of the integrator", carried=True)
     local_coefficients: DeviceArray = reals("world", 4, note="of local modes", carried=True)
@@ -69,7 +69,7 @@ class Residuals:
     residual: DeviceArray = reals("world", "6*body", unit=FORCE)
     modal_residual: DeviceArray = reals("world", "mode", unit=MODAL)
     receptance: DeviceArray = reals("world", "mode", unit="s2", note="d(dq)/d(modal load)", flat=True)
-    # places of bodies that a row does not touch stay zero
+    # entries of bodies that a row does not involve stay zero
     C: DeviceArray = reals("world", "row", "6*body", note="d(row)/d(dx, psi)", carried=True)
     C_modal: DeviceArray = reals("world", "row", "mode", note="d(row)/d(dq)", carried=True, flat=True)
     coordinate: DeviceArray = reals("world", "row", unit="m or rad")
@@ -96,7 +96,7 @@ class Residuals:
 
 @topic
 class OuterSystem:
-    """The outer linear system: bodies, modes that are not condensed, rows."""
+    """The retained linear system: bodies, modes that are not condensed, rows."""
 
     tangent: DeviceArray = reals("world", "outer", "outer")
     rhs: DeviceArray = reals("world", "outer")
@@ -124,7 +124,7 @@ class OuterSystem:
 
 @topic
 class ImpulsiveContact:
-    """Impulsive pairs: accelerations without them, and the mean forces that give back their energy."""
+    """Impulsive pairs: accelerations without them, and the mean forces that return their energy."""
 
     v_rate0: DeviceArray = vectors("world", "contact_body", unit="m/s2", instead="v_rate")
     v_alg0: DeviceArray = vectors("world", "contact_body", unit="m/s2", instead="v_alg")

@@ -1,4 +1,4 @@
-"""What a step takes and leaves, by topic: the accepted state of every world, see `warpffrf.online.arrays.state`."""
+"""Input and output of a step, by topic: the accepted state of every world, see `warpffrf.online.arrays.state`."""
 
 from warpffrf_kernels.core.control import Clock, Control
 from warpffrf_kernels.core.declaration import (
@@ -33,7 +33,7 @@ class MotionState:
 
 @topic
 class LoadState:
-    """Joints, springs and applied loads; of those with two entries: accepted, trial."""
+    """Joints, springs and applied loads; arrays with two entries: accepted, trial."""
 
     lam0: DeviceArray = reals("world", "row", unit="N or N m", note="multipliers at the last accepted state")
     lam: DeviceArray = reals("world", "row", unit="N or N m", note="multipliers")
@@ -76,7 +76,7 @@ class PretensionState:
 
 @topic
 class ContactState:
-    """Pairs: the active set in the contact frame, and what the integrator remembers of their forces."""
+    """Contact pairs: the active set in the contact frame, and the force history used by the integrator."""
 
     active: DeviceArray = integers("world", "pair", "hat", note="1 where the window is under pressure", restored=True)
     pressure: DeviceArray = reals("world", "pair", "hat", unit="Pa", restored=True)
@@ -106,7 +106,7 @@ class ContactState:
 
 @topic
 class FrictionState:
-    """Tractions in the contact frame, columns of (2, rows) of a window, and the history of slip."""
+    """Tractions in the contact frame, columns of (2, rows) of a window, and the slip history."""
 
     traction: DeviceArray = reals("world", "pair", "2*friction_hat", unit="Pa", restored=True)
     friction_offset: DeviceArray = reals(
@@ -162,7 +162,7 @@ class LayerState:
 
 @topic
 class LumpedState:
-    """Places of lumped contacts: accepted, trial; forces on the first body, world axes."""
+    """Points of lumped contacts: accepted, trial; forces on the first body, world axes."""
 
     lumped_force: DeviceArray = reals("world", 2, "lumped_place", unit="N", note="along the normal, 0 where apart")
     lumped_friction: DeviceArray = vectors("world", 2, "lumped_place", unit="N")
@@ -177,7 +177,7 @@ class LumpedState:
 
 @topic
 class FilmState:
-    """Oil films; of those with two entries: accepted, trial, of film_mass the accepted one and the one before."""
+    """Oil films; arrays with two entries: accepted, trial; of film_mass the accepted and the previous one."""
 
     film_pressure: DeviceArray = reals("world", 2, "film_function", unit="Pa")
     film_void: DeviceArray = reals("world", 2, "film_function", unit="m", note="volume of voids over area")
@@ -192,7 +192,7 @@ class FilmState:
 
 @topic
 class LapState:
-    """Laps: accepted forces, gaps, states and slips of their cells; forces on the second face."""
+    """Joint interfaces: accepted forces, gaps, states and slips of their cells; forces on the second face."""
 
     lap_force: DeviceArray = reals("world", "lap_cell", 3, unit="N", note="normal, along t1, t2")
     lap_gap: DeviceArray = reals("world", "lap_cell", unit="m")

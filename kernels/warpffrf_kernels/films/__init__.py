@@ -1,1 +1,1 @@
-"""Oil films between two surfaces: Reynolds' equation with cavities, on the grid of the first, and their forces."""
+"""Oil films between two surfaces: Reynolds' equation with cavitation, on the grid of the first, and their forces."""

@@ -1,4 +1,4 @@
-"""Laws of asperities beside a film, as `warpffrf.model.laws` has them: pressure against the depth -h."""
+"""Asperity contact laws of a film, as defined in `warpffrf.model.laws`: pressure as a function of the depth -h."""
 
 import warp as wp
 
@@ -9,8 +9,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 wp.set_module_options(MODULE_OPTIONS)
 
 SMOOTH = wp.constant(0)
-EXPONENTIAL = wp.constant(1)  # pressure at zero [Pa], decay length [m], what is taken off, where it ends [m]
-TABLE = wp.constant(2)  # straight pieces
+EXPONENTIAL = wp.constant(1)  # pressure at zero [Pa], decay length [m], subtracted offset, where it ends [m]
+TABLE = wp.constant(2)  # piecewise linear
 
 
 @wp.func

@@ -1,15 +1,16 @@
-r"""Balance of the oil of each function, and the forces of a film on both bodies.
+r"""Oil balance of each shape function, and the forces of a film on both bodies.
 
-Tested with the functions psi_i that the pressure is made of, with the points' weights, lumped voids of the area m_i,
-and T D the voids that leave with U, upwind across the faces between functions (an M-matrix):
+Tested with the pressure shape functions psi_i, with the points' weights, lumped cavities of the area m_i, and T
+D the cavity outflow with U, upwind across the faces between functions (an M-matrix):
 
     R_i = sum_k [psi_i,x f_x + psi_i,z f_z + psi_i delta_t(r h)] - m_i delta_t D_i - (T D)_i,    f = r (k grad p - U h).
 
-R vanishes where the pressure is unknown; where it is given, R is the oil that comes in there. With the *Reynolds* rule
-voids do not travel, and what D stands for is no void but a slack of the equation.
+R vanishes where the pressure is unknown; where it is given, R is the oil supplied there. With the *Reynolds* rule
+cavities are not convected, and D is not a cavity but a slack of the equation.
 
-Losses: the flow by pressure and the sliding take int k|grad p|^2 and int mu |u_B - u_A|^2/h, voids that close at a
-pressure take what they could have given, -sum p_i (m_i delta_t D_i + (T D)_i), and feeds bring in sum p_i R_i.
+Losses: pressure flow and sliding dissipate int k|grad p|^2 and int mu |u_B - u_A|^2/h, cavities that close at a
+pressure dissipate the work they could have returned, -sum p_i (m_i delta_t D_i + (T D)_i), and feeds supply sum p_i
+R_i.
 """
 
 import warp as wp
@@ -39,16 +40,16 @@ from warpffrf_kernels.films.sampling import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# of the scene's extent, over the step: what round-off of places leaves of a gap, some 1e-15 in axes that are oblique to
-# the world's, over the tolerance of the iteration
+# of the scene's extent, over the step: round-off of positions in a gap, some 1e-15 in axes that are oblique to the
+# world's, over the tolerance of the iteration
 ROUND_OFF = wp.constant(wp.float64(1.0e-6))
-SMALL_PRESSURE = wp.constant(wp.float64(1.0e4))  # Pa: asperities that press less carry nothing
-TAKEN = 2  # lines of the ledger: by pressure, voids and feeds; by sliding
+SMALL_PRESSURE = wp.constant(wp.float64(1.0e4))  # Pa: lower asperity pressures are negligible
+TAKEN = 2  # columns of the dissipation: by pressure, cavities and feeds; by sliding
 
 
 @wp.func
 def through(model: Model, w: int, first: int, i: int, way: int, film_carried: wp.array3d(dtype=real)) -> real:
-    """m2/s, half of the sliding through the face behind function i, times its width."""
+    """m2/s, half of the sliding through the face after function i, times its width."""
     other = model.elements[0].films[0].next_around[i]
     width = model.elements[0].films[0].face_around[i]
     if way == 1:
@@ -59,7 +60,7 @@ def through(model: Model, w: int, first: int, i: int, way: int, film_carried: wp
 
 @wp.func
 def neighbour(model: Model, i: int, n: int) -> int:
-    """The n-th of four functions around function i, in the film, -1 for none."""
+    """The n-th of four neighbours of function i, in the film, -1 for none."""
     found = model.elements[0].films[0].next_around[i]
     if n == 1:
         found = model.elements[0].films[0].before_around[i]
@@ -72,7 +73,7 @@ def neighbour(model: Model, i: int, n: int) -> int:
 
 @wp.func
 def leaving(model: Model, w: int, first: int, i: int, n: int, film_carried: wp.array3d(dtype=real)) -> real:
-    """m2/s, from function i through the face to its n-th neighbour, negative where it comes from there."""
+    """m2/s, from function i through the face to its n-th neighbour, negative for inflow."""
     other = neighbour(model, i, n)
     if other < 0:
         return real(0.0)
@@ -83,7 +84,7 @@ def leaving(model: Model, w: int, first: int, i: int, n: int, film_carried: wp.a
 
 @wp.func
 def outflow(model: Model, w: int, first: int, i: int, film_carried: wp.array3d(dtype=real)) -> real:
-    """m2/s, what voids of function i leave with over all faces: its own part of T."""
+    """m2/s, outflow of the cavities of function i over all faces: its own part of T."""
     total = real(0.0)
     for n in range(4):
         total += wp.max(leaving(model, w, first, i, n, film_carried), real(0.0))
@@ -92,13 +93,13 @@ def outflow(model: Model, w: int, first: int, i: int, film_carried: wp.array3d(d
 
 @wp.func
 def inflow(model: Model, w: int, first: int, i: int, n: int, film_carried: wp.array3d(dtype=real)) -> real:
-    """m2/s, with what the voids of the n-th neighbour of function i come to it."""
+    """m2/s, inflow of cavities from the n-th neighbour to function i."""
     return wp.max(-leaving(model, w, first, i, n, film_carried), real(0.0))
 
 
 @wp.func
 def holding(model: Model, w: int, film: int, i: int, oil: FilmScratch) -> real:
-    """m2/s: a_0 m_i and what leaves, the diagonal of what voids do."""
+    """m2/s: a_0 m_i plus the outflow, the diagonal for cavities."""
     first = model.elements[0].films[0].function_start[film]
     area = model.elements[0].films[0].area[i]
     return oil.film_rates[w, 0] * area + outflow(model, w, first, i, oil.film_carried)
@@ -106,7 +107,7 @@ def holding(model: Model, w: int, film: int, i: int, oil: FilmScratch) -> real:
 
 @kernel
 def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
-    """Per (world, film), lanes over functions, then over sums: R, how large it is beside the flows, and the forces."""
+    """Per (world, film), lanes over functions, then over sums: R, its size relative to the flows, and the forces."""
     w, film, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -180,7 +181,7 @@ def balance_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
                 taken -= p * (oil.film_rest[w, i] + oil.film_refill[w, i])
             sum += oil.film_rest[w, i]
             i += 1
-        apart = real(0.0)  # of asperities and their law, beside the largest pressure
+        apart = real(0.0)  # difference of asperity pressure and law, relative to the largest pressure
         most = SMALL_PRESSURE
         stored = oil.film_sums[w, film, STORED]
         if model.elements[0].films[0].second_hats[film] > 0:
@@ -273,7 +274,7 @@ def push_films(
 
 @kernel
 def book_films(run: Run, films: FilmState, oil: FilmScratch):
-    """Per world: energy [J] that films take in the attempt, by the trapezoidal rule."""
+    """Per world: energy [J] dissipated by films in the attempt, by the trapezoidal rule."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:

@@ -1,7 +1,7 @@
-"""Increments of films with those of bodies and modes, how far all may go, and the set that follows.
+"""Increments of films with those of bodies and modes, their common step length, and the active set.
 
-The set changes once an iteration: a full function whose pressure becomes negative has a void from then on, and a void
-one whose void does, a pressure. Nothing goes farther than to CLOSEST of the smallest gap.
+The set changes once per iteration: a full function whose pressure becomes negative is cavitated from then on, and a
+cavitated one whose cavity becomes negative is full. No gap may fall below CLOSEST of the smallest gap.
 """
 
 import warp as wp
@@ -28,13 +28,13 @@ from warpffrf_kernels.films.unknowns import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-CLOSEST = wp.constant(wp.float64(0.2))  # of the smallest gap: what an iteration leaves of it
-NO_VOID = wp.constant(wp.float64(1.0e-13))  # of the clearance: round-off of a void
+CLOSEST = wp.constant(wp.float64(0.2))  # of the smallest gap: lower bound after an iteration
+NO_VOID = wp.constant(wp.float64(1.0e-13))  # of the clearance: round-off of a cavity
 
 
 @kernel
 def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: OuterSystem):
-    """Per world: dx of all films with the outer increments, and how far all may go so that no gap closes."""
+    """Per world: dx of all films with the retained increments, and the step length for which no gap closes."""
     w, lane = wp.tid()
     model = run_of_run.models[w]
     if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].changes != 0:
@@ -54,6 +54,7 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
         lines = lines_of(model, film)
         run = system_at(model, w, film)
         rule = model.elements[0].films[0].rule[film]
+        # increments of the unknowns, and change of the pressures that deform
         i = lane
         while i < lines:
             change = -oil.film_solution[run + i]
@@ -75,6 +76,7 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
             i += wp.block_dim()
         sync()
         first_hat = model.elements[0].films[0].hat_start[film]
+        # opening of the first surface at its nodes
         m = lane
         while m < model.elements[0].films[0].hat_start[film + 1] - first_hat:
             line = model.elements[0].films[0].compliance_start[film] + m * lines
@@ -89,6 +91,7 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
         hats = model.elements[0].films[0].second_hats[film]
         start = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
         start += model.elements[0].films[0].second_hat_start[film]
+        # opening of the second surface at its nodes
         m = lane
         while m < hats:
             opened = dot(lines, oil.film_second_yield, loads_at(model, w, film) + m * lines, oil.film_acting, run)
@@ -103,6 +106,7 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
             oil.film_second_ahead[start + m] = opened
             m += wp.block_dim()
         sync()
+        # change of the gap at the points
         g = model.elements[0].films[0].point_start[film] + lane
         while g < model.elements[0].films[0].point_start[film + 1]:
             opened = at_point(model, g, oil.film_opening, w, first_hat)
@@ -116,6 +120,7 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
             oil.film_ahead[w, g] = opened
             g += wp.block_dim()
         sync()
+        # step length for which no gap falls below CLOSEST of the smallest one
         least = real(1.0e300)
         ahead = real(1.0e300)
         closing = real(0.0)
@@ -131,6 +136,7 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
     sync()
     if lane == 0:
         oil.film_part[w] = part
+    # all increments are reduced by the same factor
     if part < real(1.0):
         i = lane
         while i < model.outer.count:
@@ -144,7 +150,7 @@ def limit_films(run_of_run: Run, films: FilmState, oil: FilmScratch, system: Out
 
 @kernel
 def take_film(run_of_run: Run, oil: FilmScratch, films: FilmState):
-    """Per (world, film), lanes over unknowns: the part of dx that may be taken, and the set that follows."""
+    """Per (world, film), lanes over unknowns: the allowed part of dx, and the resulting set."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
     if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].changes != 0:

@@ -1,7 +1,7 @@
-"""What films keep of an accepted attempt, and what of them is saved.
+"""History of films after an accepted attempt, and saved values.
 
-Rates by BDF2 have the fillings r h and voids of the two accepted steps before; an attempt that is rejected leaves them.
-Equilibria and starts begin that history anew.
+Rates by BDF2 use the film content r h and the cavities of the two previous accepted steps; a rejected attempt leaves
+them unchanged. Equilibria and starts restart that history.
 """
 
 import warp as wp
@@ -27,23 +27,23 @@ from warpffrf_kernels.surfaces.surface import axes_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# --- numbers of a film that are saved: forces on A (world), moments about the centres of mass (world), then
+# --- saved values of a film: forces on A (world), moments about the centres of mass (world), then
 SMALLEST = wp.constant(9)  # gap at a point, m
 LARGEST = wp.constant(10)  # pressure, Pa
-BY_PRESSURE = wp.constant(11)  # power that the flow by pressure, voids and feeds take, W
-BY_SLIDING = wp.constant(12)  # that sliding takes, W
-FED = wp.constant(13)  # oil that comes in through feeds, m3/s at the density rho_0
+BY_PRESSURE = wp.constant(11)  # power dissipated by pressure flow, cavities and feeds, W
+BY_SLIDING = wp.constant(12)  # power dissipated by sliding, W
+FED = wp.constant(13)  # oil supplied by feeds, m3/s at the density rho_0
 ENDS = wp.constant(14)  # oil that leaves at the ends, m3/s
-VOIDS = wp.constant(15)  # volume of the voids over that of the gap
-OIL = wp.constant(16)  # volume of the oil, of the density rho_0, m3
+VOIDS = wp.constant(15)  # volume of the cavities over that of the gap
+OIL = wp.constant(16)  # volume of the oil, at the density rho_0, m3
 ROUGH = wp.constant(17)  # normal force of the asperities, N
-ROUGHEST = wp.constant(18)  # largest pressure of theirs, Pa
+ROUGHEST = wp.constant(18)  # their largest pressure, Pa
 
 
 @kernel
 def keep_film(run: Run, oil: FilmScratch, films: FilmState):
     """Per (world, film), lanes over functions and points: the trial film becomes the accepted one; the tiny step of
-    PROJECT leaves nothing, that of START its pressures."""
+    PROJECT is not stored, that of START stores its pressures."""
     w, film, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
@@ -78,7 +78,7 @@ def keep_film(run: Run, oil: FilmScratch, films: FilmState):
 
 @kernel
 def record_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch, saved: SavedFilms):
-    """Per (world, film), lanes over hats: fields at the hats, and NUMBERS of the film."""
+    """Per (world, film), lanes over nodes: fields at the nodes, and NUMBERS of the film."""
     w, film, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0:
@@ -165,7 +165,7 @@ def record_film(run: Run, trial: Trial, films: FilmState, oil: FilmScratch, save
 
 @kernel
 def record_second(run: Run, oil: FilmScratch, saved: SavedFilms):
-    """Per (world, film), lanes over hats of the second surface, where it yields: their loads."""
+    """Per (world, film), lanes over nodes of a deformable second surface: their loads."""
     w, film, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0:

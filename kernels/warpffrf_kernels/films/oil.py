@@ -1,4 +1,4 @@
-"""Viscosity and density of the oils of a film, as `warpffrf.model.oils` has them, with their derivatives."""
+"""Viscosity and density of the oils of a film, as defined in `warpffrf.model.oils`, with their derivatives."""
 
 import warp as wp
 
@@ -15,7 +15,7 @@ POLE_PRESSURE = wp.constant(wp.float64(196.2e6))  # Pa, of Roelands' law
 
 @wp.struct
 class Oil:
-    """At a pressure: mu [Pa s], mu'/mu [1/Pa], rho/rho_0 and its derivative [1/Pa]."""
+    """Properties at a pressure: mu [Pa s], mu'/mu [1/Pa], rho/rho_0 and its derivative [1/Pa]."""
 
     viscosity: real
     thickening: real
@@ -25,7 +25,7 @@ class Oil:
 
 @wp.func
 def oil_at(model: Model, film: int, pressure: real) -> Oil:
-    """Of a film; below the pressure of the cavity as at it."""
+    """Oil of a film; below the cavitation pressure the properties at it."""
     p = wp.max(pressure, real(0.0))
     found = Oil()
     found.viscosity = model.elements[0].films[0].oil[film, 0]

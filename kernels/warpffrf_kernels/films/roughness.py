@@ -1,6 +1,7 @@
-"""Flow factors of rough walls at a gap, as `warpffrf.model.films.roughness` has them: cubics between lines of a table.
+"""Flow factors of rough walls, as defined in `warpffrf.model.films.roughness`: cubics between lines of a table.
 
-A line has h [m], then phi_p around with its slope [1/m], along likewise, the lag l [m] and Phi in the same way.
+A line has h [m], then the circumferential phi_p with its slope [1/m], the axial one likewise, the lag l [m] and Phi in
+the same way.
 """
 
 import warp as wp
@@ -18,7 +19,7 @@ DRAG = wp.constant(9)
 
 @wp.struct
 class Factors:
-    """Around and along: phi_p and its slope [1/m], l [m] and its slope, Phi."""
+    """Circumferential and axial: phi_p and its slope [1/m], l [m] and its slope, Phi."""
 
     flow: wp.vec2d
     flow_slope: wp.vec2d
@@ -29,7 +30,7 @@ class Factors:
 
 @wp.func
 def cubic_at(model: Model, i: int, column: int, h: real) -> wp.vec2d:
-    """A value and its slope by h, behind line i."""
+    """A value and its slope with respect to h, after line i."""
     start = model.elements[0].films[0].factor[i, 0]
     length = model.elements[0].films[0].factor[i + 1, 0] - start
     u = (h - start) / length
@@ -45,7 +46,7 @@ def cubic_at(model: Model, i: int, column: int, h: real) -> wp.vec2d:
 
 @wp.func
 def factors_at(model: Model, film: int, h: real) -> Factors:
-    """Of a film at the gap h > 0 [m]."""
+    """Factors of a film at the gap h > 0 [m]."""
     found = Factors()
     found.flow = wp.vec2d(real(1.0), real(1.0))
     found.drag = wp.vec2d(real(1.0), real(1.0))

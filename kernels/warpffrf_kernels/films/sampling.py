@@ -1,38 +1,38 @@
 r"""Gaps, pressures and flows of a film at its points.
 
-A film stands on the grid of its first surface A, in A's frame. At a point x of A, fixed in A's material,
+A film is defined on the grid of its first surface A, in A's frame. At a point x of A, fixed in A's material,
 
     h = d_B(x) + forms - n.u_A + S(x).u,        grad h = n,
 
 d_B the signed distance from the second surface, u_A the displacement of A by its modes and by the pressure, in A's own
-normal, S u what a second surface that yields opens (`sides`, `second`); n has the slopes of its form and of S u, too.
-With U = (u_B - u_A)/2 half the sliding velocity, r = rho(p)/rho_0, k = h^3/(12 mu), the void volume per area D (of the
-density rho_0), and a rate of change by BDF2, delta_t f = a_0 f + a_1 f_(n-1) + a_2 f_(n-2),
+normal, S u the opening by a deformable second surface (`sides`, `second`); n includes the slopes of its form and of S
+u. With U = (u_B - u_A)/2 half the sliding velocity, r = rho(p)/rho_0, k = h^3/(12 mu), the cavity volume per area D (at
+the density rho_0), and a rate of change by BDF2, delta_t f = a_0 f + a_1 f_(n-1) + a_2 f_(n-2),
 
     delta_t (r h - D) + div(U (r h - D)) - div(r k grad p) = 0,      0 <= p  _|_  D >= 0.
 
-Half of the sliding velocity times h is what both walls carry; what of it lies across, the change of h, is in delta_t.
-Euler's rule (a_0 = 1/h) begins, and serves in static steps, which have no velocities: their walls slide with those that
-the scene begins with. What is steady there stands in space while A spins about its own axis, so in A's frame U has that
-turning beside the half of the sliding.
+Half of the sliding velocity times h is the flow carried by both walls; its normal part, the change of h, is in delta_t.
+Euler's rule (a_0 = 1/h) is used for the first step and in static steps, which have no velocities: their walls slide
+with the initial velocities of the scene. A steady state is fixed in space while A spins about its own axis, so in A's
+frame U contains that rotation in addition to half of the sliding.
 
-**Forces.** The pressure does p n dA on A at x and the opposite on B at the same x, so that it is the derivative of h by
-all coordinates times p, and has no moment about the axis of a B that is round. Then the shear must be that of B's wall,
-on A
+**Forces.** The pressure exerts p n dA on A at x and the opposite on B at the same x, so that it is the derivative of h
+with respect to all coordinates times p, and has no moment about the axis of a round B. Then the shear must be that of
+B's wall, on A
 
     tau = mu (u_B - u_A)(1 - D/h)/h + (h/2) grad p,
 
-and the opposite on B, at x again: action equals reaction in force and moment. The power of all of it into the bodies is
+and the opposite on B, at x again: action equals reaction in force and moment. The total power into the bodies is
 
-    - int mu |u_B - u_A|^2 (1 - D/h)/h dA - int k |grad p|^2 dA - (what closes voids) + (what feeds bring in),
+    - int mu |u_B - u_A|^2 (1 - D/h)/h dA - int k |grad p|^2 dA - (closing of cavities) + (supply by feeds),
 
-as Reynolds' equation tested with p itself tells (`flow`). **Asperities** press beside the film, at the hats, with a
-pressure a = P(-h) that deforms and pushes as p does, and rub with mu a against the sliding. **Rough walls**
-(`roughness`) have phi k in place of k, U h - l v/2 in place of U h with v = u_B - u_A, in the equation, and in tau
-Phi mu v/h and (h - l)/2 in place of h/2, each with factors around and along: the losses are then Phi mu v^2/h and
-phi k |grad p|^2, by the same identity. Voids travel with U as between smooth walls: they are where the film is thick,
-and l is below 1 % of a gap of ten deviations. Tangential displacements by the shear are left out, and so is what
-elastic motion adds to U.
+as follows from Reynolds' equation tested with p itself (`flow`). **Asperities** carry load in addition to the film, at
+the nodes, with a pressure a = P(-h) that deforms and loads as p does, and friction mu a against the sliding. **Rough
+walls** (`roughness`) have phi k in place of k, U h - l v/2 in place of U h with v = u_B - u_A, in the equation, and in
+tau Phi mu v/h and (h - l)/2 in place of h/2, each with circumferential and axial factors: the losses are then Phi mu
+v^2/h and phi k |grad p|^2, by the same identity. Cavities are convected with U as between smooth walls: they occur
+where the film is thick, and l is below 1 % of a gap of ten deviations. Tangential displacements by the shear are
+neglected, and so is the contribution of elastic motion to U.
 """
 
 import warp as wp
@@ -59,49 +59,49 @@ from warpffrf_kernels.films.sides import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# --- rules of the cavity, values of `Films.rule`
-MASS_CONSERVING = wp.constant(0)  # voids travel with the oil
-REYNOLDS = wp.constant(1)  # pressure or a slack in its place, which does not travel
-HALF = wp.constant(2)  # pressures below zero push nothing
-NONE = wp.constant(3)  # they pull
+# --- cavitation rules, values of `Films.rule`
+MASS_CONSERVING = wp.constant(0)  # cavities are convected with the oil
+REYNOLDS = wp.constant(1)  # pressure or a slack in its place, which is not convected
+HALF = wp.constant(2)  # negative pressures exert no load
+NONE = wp.constant(3)  # negative pressures exert tension
 
-# --- numbers of a point
+# --- values of a point
 GAP = wp.constant(0)
-FLOW_AROUND = wp.constant(1)  # weight r (phi k p_x - h U_x + l v_x/2), what a slope of a test function meets
+FLOW_AROUND = wp.constant(1)  # weight r (phi k p_x - h U_x + l v_x/2), multiplied by the slope of a test function
 FLOW_ALONG = wp.constant(2)
 FILLING = wp.constant(3)  # weight delta_t (r h)
-CONDUCTANCE = wp.constant(4)  # weight r phi k, around
+CONDUCTANCE = wp.constant(4)  # weight r phi k, circumferential
 AROUND_BY_PRESSURE = wp.constant(5)  # of both flows and the filling, at given slopes and gap
 ALONG_BY_PRESSURE = wp.constant(6)
 FILLING_BY_PRESSURE = wp.constant(7)
 AROUND_BY_GAP = wp.constant(8)
 ALONG_BY_GAP = wp.constant(9)
 FILLING_BY_GAP = wp.constant(10)
-PRESSURE = wp.constant(11)  # that pushes, times the weight
+PRESSURE = wp.constant(11)  # load-carrying pressure times the weight
 NORMAL = wp.constant(12)  # n, world
 MOMENT = wp.constant(15)  # of n at x about A's centre of mass, A's axes
 SECOND_MOMENT = wp.constant(18)  # of -n at x about B's centre of mass, B's axes
-EVENNESS = wp.constant(21)  # phi along over phi around
+EVENNESS = wp.constant(21)  # axial phi over circumferential phi
 
-# --- sums over the points, of forces with shear
+# --- sums over the points, forces including shear
 FORCE = wp.constant(0)  # on A, world
 FORCE_MOMENT = wp.constant(3)  # on A about its centre of mass, its axes
 SECOND_FORCE_MOMENT = wp.constant(6)  # on B likewise
-VISCOUS = wp.constant(9)  # power of the flow by pressure, W
+VISCOUS = wp.constant(9)  # power of the pressure flow, W
 SHEAR = wp.constant(10)  # of the sliding, W
 BY_ASPERITIES = wp.constant(11)  # normal force of asperities, N
 STORED = wp.constant(12)  # energy of the local modes of A, J
 
-# --- numbers of a hat where there are asperities: n (world), its moments on A and B, then
+# --- values of a node with asperities: n (world), its moments on A and B, then
 PRESSED = wp.constant(9)  # pressure of the law, Pa
 STIFFNESS = wp.constant(10)  # its slope, Pa/m
 
-GUARD = wp.constant(wp.float64(0.5))  # of the gaps where a step begins: what its prediction leaves of them
+GUARD = wp.constant(wp.float64(0.5))  # of the gaps at the start of a step: lower bound in its prediction
 
 
 @wp.func
 def at_point(model: Model, point: int, field: wp.array2d(dtype=real), w: int, first: int) -> real:
-    """A field over hats at a point; `first`: hat of the film."""
+    """A field over nodes at a point; `first`: first node of the film."""
     total = real(0.0)
     for c in range(4):
         total += (
@@ -112,8 +112,8 @@ def at_point(model: Model, point: int, field: wp.array2d(dtype=real), w: int, fi
 
 @kernel
 def open_film(run: Run, films: FilmState, oil: FilmScratch):
-    """Per (world, film), lanes over functions: an attempt begins with the accepted film, and with the coefficients of
-    its rates."""
+    """Per (world, film), lanes over functions: an attempt starts from the accepted film and the coefficients of its
+    rates."""
     w, film, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -146,8 +146,8 @@ def open_film(run: Run, films: FilmState, oil: FilmScratch):
 
 @kernel
 def guard_prediction(run: Run, state: MotionState, films: FilmState, oil: FilmScratch, trial: Trial):
-    """Per world, lanes over points, bodies, modes: increments that are foretold go no farther than to GUARD of the
-    gaps that the step begins with, and open none by more than the largest: what a light body has of acceleration may
+    """Per world, lanes over points, bodies, modes: predicted increments are limited so that the gaps stay above GUARD
+    of those at the start of the step, and none opens by more than the largest: the acceleration of a light body may
     throw it out of its film."""
     w, lane = wp.tid()
     model = run.models[w]
@@ -195,7 +195,7 @@ def guard_prediction(run: Run, state: MotionState, films: FilmState, oil: FilmSc
 
 @kernel
 def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmScratch):
-    """Per (world, film), lanes over unknowns, hats, functions, points: numbers of all points. An attempt in which the
+    """Per (world, film), lanes over unknowns, nodes, functions, points: values of all points. An attempt in which the
     surfaces touch has failed."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
@@ -215,6 +215,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
     first_hat = model.elements[0].films[0].hat_start[film]
     point = model.elements[0].films[0].point_start[film]
     points = model.elements[0].films[0].point_start[film + 1] - point
+    # pressures that deform: of asperities, then of the film
     i = lane
     while i < rough:
         film_now.film_acting[run + unknowns + i] = films.film_asperity[w, 1, first_hat + i]
@@ -232,6 +233,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
     A = model.elements[0].films[0].first[film]
     modes = model.elements[0].films[0].modes[film]
     modal = w * model.modes.count + model.surfaces.modal_start[A]
+    # opening of the first surface at its nodes; pressure law, normal and moments of the asperities there
     m = lane
     while m < hats:
         row = model.elements[0].films[0].compliance_start[film] + m * lines
@@ -258,6 +260,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
             film_now.film_hat_line[w, first_hat + m, STIFFNESS] = law[1]
             film_now.film_energy_now[w, first_hat + m] = law[2]
         m += wp.block_dim()
+    # velocity U at the functions
     i = first + lane
     while i < model.elements[0].films[0].function_start[film + 1]:
         carried = carried_at(model, film, sides, model.elements[0].films[0].place[i])
@@ -266,6 +269,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         i += wp.block_dim()
     sync()
     a0 = film_now.film_rates[w, 0]
+    # points: gap
     g = point + lane
     while g < point + points:
         place = model.elements[0].films[0].point_place[g]
@@ -274,6 +278,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         if not h > real(0.0):
             run_of_run.ctl[w].failure = run_of_run.ctl[w].failure | k.NOT_CONVERGED
             run_of_run.ctl[w].run = 0
+        # film pressure with its slopes, cavity, and asperity pressure
         p = real(0.0)
         p_x = real(0.0)
         p_z = real(0.0)
@@ -293,6 +298,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
             for c in range(4):
                 load = films.film_asperity[w, 1, first_hat + model.elements[0].films[0].hat[g, c]]
                 pressed += model.elements[0].films[0].between[g, c] * load
+        # sliding and flow factors
         slide = sliding_at(sides, place)
         around = model.elements[0].films[0].point_around[g]
         along = model.elements[0].films[0].point_along[g]
@@ -310,6 +316,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         kept_x = real(0.5) * factors.lag[0] * slide_x
         kept_z = real(0.5) * factors.lag[1] * slide_z
         even = factors.flow[1] / factors.flow[0]
+        # flows and film content, then their derivatives with respect to pressure and gap
         mass = oil.density * h
         film_now.film_mass_now[w, g] = mass
         film_now.film_line[w, g, GAP] = h
@@ -335,6 +342,7 @@ def sample_film(run_of_run: Run, trial: Trial, films: FilmState, film_now: FilmS
         film_now.film_line[w, g, AROUND_BY_GAP] = weight * oil.density * (wide_x * p_x - u_x + more_x)
         film_now.film_line[w, g, ALONG_BY_GAP] = weight * oil.density * (wide_z * p_z - u_z + more_z)
         film_now.film_line[w, g, FILLING_BY_GAP] = weight * oil.density * a0
+        # normal and its moments, shear, forces on both bodies, dissipated power
         pushing = p
         if rule == HALF:
             pushing = wp.max(p, real(0.0))

@@ -1,9 +1,9 @@
-"""Seats of a film on a second surface that yields: the hats of its grid around a place, and what they open there.
+"""Positions of a film on a deformable second surface: the four grid nodes around a point ("seat"), and the opening.
 
-The second surface B has a contact grid of its own, over which the places of A, where the film stands, travel. The seat
-of a place is a cell of that grid, and u and v say where it is, from 0 to 1 between the cell's columns and rows. Hats at
-an end of the grid go on beyond it and end a cell further, so that nothing jumps where a place comes from there; farther
-away B is as rigid as it was made. Seats of a film are those of its points, then those of A's hats.
+The second surface B has its own contact grid, over which the points of A, on which the film is defined, move. The seat
+of a point is a cell of that grid, and u and v are the coordinates in it, from 0 to 1 between the cell's columns and
+rows. Shape functions at an end of the grid extend beyond it by one cell, so that there is no jump for a point entering
+there; farther away B is rigid. Seats of a film are those of its points, then those of A's nodes.
 """
 
 import warp as wp
@@ -17,7 +17,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Seat:
-    """Lower hats of both columns of a cell, counted within B; where in it a place is, beyond 0 and 1 at an end."""
+    """Lower nodes of both columns of a cell, counted within B; position in it, beyond 0 and 1 at an end."""
 
     low: int
     right: int
@@ -27,7 +27,7 @@ class Seat:
 
 @wp.func
 def seat_on(model: Model, film: int, theta: real, z: real) -> Seat:
-    """The seat of a place of B's chart."""
+    """The seat of a point of B's chart."""
     columns = model.elements[0].films[0].second_grid[film, 0]
     rows = model.elements[0].films[0].second_grid[film, 1]
     cells = columns - 1
@@ -60,7 +60,7 @@ def seat_on(model: Model, film: int, theta: real, z: real) -> Seat:
 
 @wp.func
 def hat_at(x: real, end: int) -> real:
-    """Value at x of the hat of one `end`, 0 or 1, of a cell from 0 to 1."""
+    """Value at x of the shape function of one `end`, 0 or 1, of a cell from 0 to 1."""
     return wp.max(real(1.0) - wp.abs(x - real(end)), real(0.0))
 
 
@@ -77,7 +77,7 @@ def hat_slope(x: real, end: int) -> real:
 
 @wp.func
 def seat_hat(seats: wp.array3d(dtype=int), w: int, seat: int, c: int) -> int:
-    """The c-th of the four hats of a seat, counted within B."""
+    """The c-th of the four nodes of a seat, counted within B."""
     return seats[w, seat, c / 2] + c % 2
 
 
@@ -89,7 +89,7 @@ def seat_part(places: wp.array3d(dtype=real), w: int, seat: int, c: int) -> real
 
 @wp.func
 def opened_at_seat(model: Model, film: int, w: int, seat: int, oil: FilmScratch, opened: wp.array(dtype=real)) -> vec3:
-    """What B opens at a seat [m], and its slopes by theta and z of B's chart; `opened`: at its hats, flat."""
+    """Opening by B at a seat [m], and its slopes by theta and z of B's chart; `opened`: at its nodes, flat."""
     first = w * model.elements[0].films[0].second_hat_start[model.elements[0].films[0].count]
     first += model.elements[0].films[0].second_hat_start[film]
     rows = model.elements[0].films[0].second_grid[film, 1]

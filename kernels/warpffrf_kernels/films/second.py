@@ -1,15 +1,15 @@
-r"""The second surface of a film, where it is of a body that yields: what the pressure opens there.
+r"""Deformable second surface of a film: its opening due to the pressure.
 
-The film stands on A's grid. Its pressure does the opposite on B at the same places x_k, whose seats S_k on B's grid
-(`seats`) change as the surfaces slide, so that virtual work makes of them loads of B's hats, and these open the gap,
+The film is defined on A's grid. Its pressure acts in the opposite direction on B at the same points x_k, whose seats
+S_k on B's grid (`seats`) change as the surfaces slide. By virtual work they are loads on B's nodes, which open the gap,
 
     f = sum_k w_k (p_k + a_k) S_k,        h_k += S_k.(D_B f - Phi_B q_B).
 
-Where pressures are profiles at few points, these would load some of B's hats and leave out others: there the forces of
-A's hats, M p, stand in the seats of these hats. In either case a *place* loads a seat, with an area for each function.
+Where pressures are profiles at few points, these would load some of B's nodes and omit others: there the forces of A's
+nodes, M p, act at the seats of these nodes. In either case a *load point* loads a seat, with an area for each function.
 D_B is the compliance of B's local modes and Phi_B the normal displacement of its global ones. Slopes of this along B's
-chart turn the direction in which the pressure pushes (`sides.tilted`). An unknown pressure, of a function or of
-asperities, loads B's hats by W (a line each) and opens by Q = D_B W^T; so J has V Q beside what A does, V = (dR/dh) S.
+chart rotate the direction of the pressure (`sides.tilted`). An unknown pressure, of a function or of asperities, loads
+B's nodes by W (one line each) and opens by Q = D_B W^T; so J contains V Q in addition to the part of A, V = (dR/dh) S.
 """
 
 import warp as wp
@@ -38,7 +38,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def place_of_seat(model: Model, film: int, seat: int) -> vec3:
-    """Of the seat-th of a film: points, then hats."""
+    """Position of the seat-th seat of a film: points, then nodes."""
     point = model.elements[0].films[0].point_start[film]
     points = model.elements[0].films[0].point_start[film + 1] - point
     if seat < points:
@@ -48,7 +48,7 @@ def place_of_seat(model: Model, film: int, seat: int) -> vec3:
 
 @kernel
 def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratch):
-    """Per (world, film), lanes over seats, then hats of B: where they are, f, and what it opens."""
+    """Per (world, film), lanes over seats, then nodes of B: their positions, f, and the opening due to it."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
     hats = model.elements[0].films[0].second_hats[film]
@@ -86,7 +86,7 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
                 if half:
                     p = wp.max(p, real(0.0))
                 if model.elements[0].films[0].rough[film] > 0:
-                    p += films.film_asperity[w, 1, first_hat + f]  # functions are hats then
+                    p += films.film_asperity[w, 1, first_hat + f]  # functions are nodes then
                 load += model.elements[0].films[0].press_value[i, j] * p
             j += 1
         oil.film_press_load[w, i] = load
@@ -99,7 +99,7 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
         i += wp.block_dim()
     sync()
     i = press
-    while i < press + presses:  # a hat's loads are added by one lane, in one order
+    while i < press + presses:  # the loads of a node are added by one lane, in a fixed order
         on = start + model.elements[0].films[0].press_seat[i]
         for c in range(4):
             hat = seat_hat(oil.film_seat, w, on, c)
@@ -124,7 +124,7 @@ def load_second(run_of_run: Run, trial: Trial, films: FilmState, oil: FilmScratc
 
 @kernel
 def weigh_second(run_of_run: Run, films: FilmState, oil: FilmScratch):
-    """Per (world, film), lanes over unknowns: lines of W, columns of Q, where the outer matrix is new."""
+    """Per (world, film), lanes over unknowns: lines of W, columns of Q, if the retained matrix is renewed."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
     hats = model.elements[0].films[0].second_hats[film]
@@ -178,14 +178,14 @@ def weigh_second(run_of_run: Run, films: FilmState, oil: FilmScratch):
 
 @wp.func
 def loads_at(model: Model, w: int, film: int) -> int:
-    """Where W and Q of a film begin."""
+    """Start of W and Q of a film."""
     total = model.elements[0].films[0].load_start[model.elements[0].films[0].count]
     return w * total + model.elements[0].films[0].load_start[film]
 
 
 @wp.func
 def write_second(model: Model, w: int, film: int, i: int, row: int, oil: FilmScratch, stiff: real):
-    """What B's yielding adds to the line of unknown i, in J, B and P; `stiff` [Pa/m]: of its asperities."""
+    """Contribution of B's compliance to the line of unknown i, in J, B and P; `stiff` [Pa/m]: of its asperities."""
     hats = model.elements[0].films[0].second_hats[film]
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)

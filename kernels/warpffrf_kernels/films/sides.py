@@ -1,7 +1,7 @@
-"""Where both bodies of a film are and how they move: sliding velocities, and gaps with their gradients.
+"""Position and motion of both bodies of a film: sliding velocities, and gaps with their gradients.
 
-The gap at a place x of A is d_B(x), the signed distance from the second surface, with the form of that and what it
-yields (`seats`), which are functions of its chart; the gradient has the slopes of these, too.
+The gap at a point x of A is d_B(x), the signed distance from the second surface, plus the form and the deformation of
+that (`seats`), which are functions of its chart; the gradient includes their slopes.
 """
 
 import warp as wp
@@ -20,7 +20,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Sides:
-    """Both bodies in the world: axes, centre of mass of A from that of B, velocities (of A's turning in its axes)."""
+    """Both bodies in the world: axes, centre of mass of A from that of B, velocities (rotation of A in its axes)."""
 
     turn_a: mat33
     turn_b: mat33
@@ -29,7 +29,7 @@ class Sides:
     v_b: vec3
     omega_a: vec3
     omega_b: vec3
-    spin: vec3  # of static steps: of A about its own axis, in its axes
+    spin: vec3  # in static steps: of A about its own axis, in its axes
 
 
 @wp.func
@@ -60,22 +60,22 @@ def sides_of(model: Model, w: int, film: int, static: int, trial: Trial) -> Side
 
 @wp.func
 def sliding_at(sides: Sides, place: vec3) -> vec3:
-    """u_B - u_A [m/s] at a place of A, in A's axes."""
+    """u_B - u_A [m/s] at a point of A, in A's axes."""
     at_b = sides.v_b + wp.cross(sides.omega_b, sides.from_b + sides.turn_a * place)
     return wp.transpose(sides.turn_a) * (at_b - sides.v_a) - wp.cross(sides.omega_a, place)
 
 
 @wp.func
 def carried_at(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
-    """U [m/s] at a place of A, in A's axes."""
+    """U [m/s] at a point of A, in A's axes."""
     arm = place - model.surfaces.origin[model.elements[0].films[0].first[film]]
     return real(0.5) * sliding_at(sides, place) + wp.cross(sides.spin, arm)
 
 
 @wp.func
 def second_form_at(model: Model, film: int, theta: real, z: real) -> vec3:
-    """What the form of the second surface adds to the gap [m], between the places of its table, and its slopes by
-    theta and z."""
+    """Contribution of the form of the second surface to the gap [m], interpolated in its table, and its slopes with
+    respect to theta and z."""
     columns = model.elements[0].films[0].second_counts[film, 0]
     rows = model.elements[0].films[0].second_counts[film, 1]
     x = (theta - model.elements[0].films[0].second_range[film, 0]) / model.elements[0].films[0].second_range[film, 1]
@@ -106,7 +106,7 @@ def second_form_at(model: Model, film: int, theta: real, z: real) -> vec3:
 
 @wp.func
 def on_second(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
-    """A place of A in the frame of the second surface."""
+    """A point of A in the frame of the second surface."""
     s = model.elements[0].films[0].second[film]
     out_of_b = sides.turn_b * model.surfaces.frame[s]
     return wp.transpose(out_of_b) * (sides.from_b - sides.turn_b * model.surfaces.origin[s] + sides.turn_a * place)
@@ -114,8 +114,8 @@ def on_second(model: Model, film: int, sides: Sides, place: vec3) -> vec3:
 
 @wp.func
 def tilted(model: Model, film: int, sides: Sides, y: vec3, by_theta: real, by_z: real) -> vec3:
-    """Gradient in the world of what is added to the gap at a place y of the second surface's frame, with these slopes
-    by its chart."""
+    """Gradient in the world of a contribution to the gap at a point y of the second surface's frame, with these slopes
+    on its chart."""
     s = model.elements[0].films[0].second[film]
     rise = vec3(real(0.0), by_theta, by_z)
     if model.surfaces.planar[s] == 0:
@@ -130,7 +130,7 @@ def tilted(model: Model, film: int, sides: Sides, y: vec3, by_theta: real, by_z:
 
 @wp.func
 def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.vec4d:
-    """d_B with the form of B [m] at a place of A, and its gradient in the world."""
+    """d_B with the form of B [m] at a point of A, and its gradient in the world."""
     s = model.elements[0].films[0].second[film]
     y = on_second(model, film, sides, place)
     n = sides.turn_b * (model.surfaces.frame[s] * gradient_of(model, s, y))
@@ -147,7 +147,7 @@ def opened_by_motion(model: Model, film: int, sides: Sides, place: vec3) -> wp.v
 def opened_with_second(
     model: Model, w: int, film: int, sides: Sides, place: vec3, seat: int, oil: FilmScratch
 ) -> wp.vec4d:
-    """`opened_by_motion` and what a second surface that yields opens; seat: of the place, counted within the film."""
+    """`opened_by_motion` plus the opening by a deformable second surface; seat: of the point, within the film."""
     found = opened_by_motion(model, film, sides, place)
     if model.elements[0].films[0].second_hats[film] == 0:
         return found
@@ -159,7 +159,7 @@ def opened_with_second(
 
 @wp.func
 def posed(model: Model, w: int, film: int, ahead: int, state: MotionState, trial: Trial) -> Sides:
-    """Both bodies where the step begins, or `ahead` where its increments lead, without velocities."""
+    """Both bodies at the start of the step, or `ahead` at the end of their increments, without velocities."""
     a = model.surfaces.body[model.elements[0].films[0].first[film]]
     b = model.surfaces.body[model.elements[0].films[0].second[film]]
     found = Sides()

@@ -1,19 +1,19 @@
-r"""The linear system of a film, and what is left of it for the bodies.
+r"""The linear system of a film, and its condensed contribution to the bodies.
 
-Unknown are, of each function whose pressure is not given, the pressure p where the film is full, else its void D; and
-the pressures a of asperities that touch, with the equation a = P(-h) of their own. With G what pressures open at the
-hats, and z the coupled columns, motions of both bodies and the global modes of the first,
+Unknown are, for each function whose pressure is not given, the pressure p if the film is full, else its cavity D; and
+the pressures a of asperities in contact, with the equation a = P(-h) of their own. With G the opening at the nodes due
+to pressures, and z the coupled columns, motions of both bodies and the global modes of the first,
 
     dh = L dz + between (G dp - Phi dq),
 
 a linearised step of a film, and its forces P^T p on these columns, read
 
-    R + J dx + B dz = 0,      J = A + (dR/dh) G on full functions, -(a_0 m + T) on void ones,      B = (dR/dh) L,
+    R + J dx + B dz = 0,      J = A + (dR/dh) G on full functions, -(a_0 m + T) on cavitated ones,      B = (dR/dh) L,
     S dz = -r + P^T dx,       dx = -J^-1 (R + B dz),
 
-so that bodies and modes see the stiffness P^T J^-1 B and the force -P^T J^-1 R. That J is not symmetric is what makes
-shafts whirl. Void functions do not push, and are eliminated first: their columns have their neighbours only. What turns
-normals with the motion is left out of S: c/R beside the rest.
+so that bodies and modes have the stiffness P^T J^-1 B and the force -P^T J^-1 R. The asymmetry of J causes the whirl of
+shafts. Cavitated functions carry no load, and are eliminated first: their columns have entries of their neighbours
+only. The rotation of normals with the motion is neglected in S: c/R relative to the rest.
 """
 
 import warp as wp
@@ -62,7 +62,7 @@ from warpffrf_kernels.linear.general_elimination import eliminate, solve_again
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# Zero what unknowns of the first `thin` places have in a line, by one lane.
+# Zero the entries of a line at the first `thin` unknowns of the order, by one lane.
 @wp.func_native("""
     double* __restrict q = line.data + at; const int* p = place.data + start;
     for (int i = 0; i < n; ++i) q[i] = p[i] < thin ? 0.0 : q[i];
@@ -88,7 +88,7 @@ def put_in_order(
 
 @wp.func
 def put_rigid(matrix: wp.array(dtype=real), at: int, n: vec3, first: vec3, second: vec3):
-    """What stands in the rigid columns: n at both bodies, with its moments about their centres of mass."""
+    """Entries of the rigid columns: n at both bodies, with its moments about their centres of mass."""
     for c in range(3):
         matrix[at + c] = n[c]
         matrix[at + 3 + c] = first[c]
@@ -98,7 +98,7 @@ def put_rigid(matrix: wp.array(dtype=real), at: int, n: vec3, first: vec3, secon
 
 @wp.func
 def is_thin(model: Model, w: int, film: int, i: int, films: FilmState, oil: FilmScratch) -> bool:
-    """Whether next to nothing but its own line has unknown i: a void, or asperities that do not touch."""
+    """Whether the column of unknown i is almost empty outside its own line: a cavity, or asperities out of contact."""
     n = model.elements[0].films[0].unknowns[film]
     if i >= n:
         return oil.film_rough[w, model.elements[0].films[0].hat_start[film] + i - n] == 0
@@ -108,8 +108,8 @@ def is_thin(model: Model, w: int, film: int, i: int, films: FilmState, oil: Film
 
 @wp.func
 def order_unknowns(model: Model, w: int, film: int, lane: int, films: FilmState, oil: FilmScratch) -> int:
-    """Where each unknown stands in the elimination: thin ones first, voids in the order in which the oil comes to them
-    around, which leaves next to nothing of their columns. Returns how many there are."""
+    """Position of each unknown in the elimination: thin ones first, cavities in the circumferential order of the flow,
+    which leaves almost no entries in their columns. Returns the number of thin unknowns."""
     lines = lines_of(model, film)
     start = system_at(model, w, film)
     sync()
@@ -140,7 +140,7 @@ def order_unknowns(model: Model, w: int, film: int, lane: int, films: FilmState,
 
 @wp.func
 def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, films: FilmState, oil: FilmScratch):
-    """Line of the oil of unknown i, but for R; `row` is zero."""
+    """Line of the oil balance of unknown i, without R; `row` is zero."""
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
     modes = model.elements[0].films[0].modes[film]
@@ -151,6 +151,7 @@ def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, fil
     rule = model.elements[0].films[0].rule[film]
     f = model.elements[0].films[0].function_of[first_unknown + i]
     near = model.elements[0].films[0].near_start[first + f]
+    # derivatives by the gap at the nodes (film_wide) and by the rigid columns, and the load on them
     j = near
     while j < model.elements[0].films[0].near_start[first + f + 1]:
         oil.film_wide[w, j] = real(0.0)
@@ -191,6 +192,7 @@ def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, fil
         e += 1
     put_rigid(oil.film_matrix, row + lines + 1, gap_n, gap_first, gap_second)
     put_rigid(oil.film_matrix, row + lines + 1 + columns, push_n, push_first, push_second)
+    # deformation: opening by the pressures, and by the global modes
     j = near
     while j < model.elements[0].films[0].near_start[first + f + 1]:
         m = model.elements[0].films[0].near[j]
@@ -208,6 +210,7 @@ def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, fil
             if films.film_pressure[w, 1, first + model.elements[0].films[0].function_of[first_unknown + j]] < real(0.0):
                 oil.film_matrix[row + j] = real(0.0)
             j += 1
+    # flow and content by the pressures of the functions at the same points
     e = model.elements[0].films[0].entry_start[first + f]
     while e < model.elements[0].films[0].entry_start[first + f + 1]:
         g = model.elements[0].films[0].entry_point[e]
@@ -231,11 +234,13 @@ def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, fil
                     oil.film_matrix[row + j] = oil.film_matrix[row + j] + entry
             s += 1
         e += 1
+    # load on the global modes
     m = int(0)
     while m < modes and pushes:
         at = model.elements[0].films[0].moment_start[film] + m * functions + f
         oil.film_matrix[row + lines + 1 + columns + RIGID + m] = -model.elements[0].films[0].moment[at]
         m += 1
+    # cavities: their own outflow, and the inflow from neighbours
     clear_thin(lines, oil.film_order, system_at(model, w, film), thin, oil.film_matrix, row)
     if films.film_full[w, 1, first + f] == 0:
         oil.film_matrix[row + i] = -holding(model, w, film, first + f, oil)
@@ -251,7 +256,7 @@ def write_flow(model: Model, w: int, film: int, i: int, row: int, thin: int, fil
 
 @wp.func
 def write_asperities(model: Model, w: int, film: int, m: int, row: int, thin: int, oil: FilmScratch):
-    """Line of the asperities at hat m, da + P' dh = P - a, but for the right-hand side; `row` is zero."""
+    """Line of the asperities at node m, da + P' dh = P - a, without the right-hand side; `row` is zero."""
     n = model.elements[0].films[0].unknowns[film]
     lines = lines_of(model, film)
     modes = model.elements[0].films[0].modes[film]
@@ -304,7 +309,7 @@ def rest_of(model: Model, w: int, film: int, i: int, oil: FilmScratch, films: Fi
 
 @kernel
 def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stiffness: wp.array(dtype=real)):
-    """Per (world, film), lanes over lines: J, B and P where the outer matrix is new, with J^-1 B; then J^-1 R."""
+    """Per (world, film), lanes over lines: J, B and P if the retained matrix is renewed, with J^-1 B; then J^-1 R."""
     w, film, lane = wp.tid()
     model = run_of_run.models[w]
     if run_of_run.ctl[w].run == 0 or run_of_run.ctl[w].moved == 0:
@@ -320,6 +325,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
     second = model.elements[0].films[0].second_hats[film] > 0
     bad = int(0)
     if run_of_run.ctl[w].refresh != 0:
+        # asperities in contact, and the order of elimination
         i = lane
         while i < rough:
             oil.film_rough[w, hat + i] = 0
@@ -327,6 +333,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
                 oil.film_rough[w, hat + i] = 1
             i += wp.block_dim()
         thin = order_unknowns(model, w, film, lane, films, oil)
+        # lines of J, R, B, P, and a reordered copy for the factorisation
         i = lane
         while i < lines:
             row = base + i * stride
@@ -355,6 +362,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
             i += wp.block_dim()
         sync()
         bad = eliminate(oil.film_factor, base, stride, lines, columns + 1, thin, oil.film_pivots, run)
+        # solution J^-1 R and J^-1 B in the original order
         i = lane
         while i < lines:
             row = base + i * stride
@@ -366,6 +374,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
                 j += 1
             i += wp.block_dim()
         sync()
+        # stiffness P^T J^-1 B
         square = w * model.elements[0].films[0].square_start[model.elements[0].films[0].count]
         square += model.elements[0].films[0].square_start[film]
         c = lane
@@ -383,6 +392,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
                 i += 1
             c += wp.block_dim()
     else:
+        # unchanged matrix: J^-1 R with the stored factor
         i = lane
         while i < lines:
             rest = rest_of(model, w, film, i, oil, films)
@@ -394,6 +404,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
             oil.film_solution[run + i] = oil.film_change[run + oil.film_order[run + i]]
             i += wp.block_dim()
         sync()
+    # force P^T J^-1 R
     c = lane
     while c < columns:
         push = real(0.0)
@@ -409,7 +420,7 @@ def assemble_film(run_of_run: Run, films: FilmState, oil: FilmScratch, film_stif
 
 @kernel
 def stiffen_by_films(run: Run, oil: FilmScratch, system: OuterSystem):
-    """Per world: add what is left of all films to the outer system."""
+    """Per world: add the condensed contribution of all films to the retained system."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:

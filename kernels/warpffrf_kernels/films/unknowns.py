@@ -1,7 +1,7 @@
-"""Unknowns of a film and the columns that it is coupled to: how many there are, and where their numbers stand.
+"""Unknowns of a film and the columns that it is coupled to: their number, and the offsets of their entries.
 
-Columns are the motions of both bodies, six each, then the global modes of the first, then those of the second where it
-yields.
+Columns are the motions of both bodies, six each, then the global modes of the first, then those of a deformable second
+body.
 """
 
 import warp as wp
@@ -25,7 +25,7 @@ def add_scaled(n: int, a: real, x: wp.array(dtype=real), start: int, y: wp.array
 
 @wp.func
 def lines_of(model: Model, film: int) -> int:
-    """Unknowns of a film: pressures or voids, then pressures of asperities."""
+    """Unknowns of a film: pressures or cavities, then pressures of asperities."""
     return model.elements[0].films[0].unknowns[film] + model.elements[0].films[0].rough[film]
 
 
@@ -36,13 +36,13 @@ def columns_of(model: Model, film: int) -> int:
 
 @wp.func
 def line_length(model: Model, film: int) -> int:
-    """Numbers of a line: J, R, B, P."""
+    """Length of a line: J, R, B, P."""
     return lines_of(model, film) + 1 + 2 * columns_of(model, film)
 
 
 @wp.func
 def system_at(model: Model, w: int, film: int) -> int:
-    """Where what each unknown has one of begins, flat."""
+    """Start of the arrays with one entry per unknown, flat."""
     total = model.elements[0].films[0].system_start[model.elements[0].films[0].count]
     return w * total + model.elements[0].films[0].system_start[film]
 
@@ -55,7 +55,7 @@ def matrix_at(model: Model, w: int, film: int) -> int:
 
 @wp.func
 def vector_at(numbers: wp.array3d(dtype=real), w: int, place: int, c: int) -> vec3:
-    """Three of the numbers of a place."""
+    """Three of the values of a point."""
     return vec3(numbers[w, place, c], numbers[w, place, c + 1], numbers[w, place, c + 2])
 
 
@@ -73,7 +73,7 @@ def opened_by_column(film_line: wp.array3d(dtype=real), w: int, g: int, c: int) 
 
 @wp.func
 def outer_column(model: Model, film: int, c: int) -> int:
-    """Outer unknown of a coupled column, -1 of the ground's."""
+    """Retained unknown of a coupled column, -1 for the ground."""
     body = model.surfaces.body[model.elements[0].films[0].first[film]]
     modes = model.elements[0].films[0].modes[film]
     if c >= RIGID + modes:

@@ -1,1 +1,1 @@
-"""Which places of two surfaces face each other: gaps, their weak form, and windows."""
+"""Opposite points of two surfaces: gaps, their weak form, and windows."""

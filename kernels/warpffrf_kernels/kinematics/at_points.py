@@ -1,22 +1,23 @@
 """Weak gaps at points fixed in the grid of the first surface, for surfaces of any shape.
 
-Points x_k lie on A's true surface, at places of the cells of A's grid that do not change: a rule per column (fractions
-of column and row, weights w_k in m^2), Gauss points in every cell or fewer chosen offline. With d_B the signed distance
-from B's true surface and psi_i A's hats
+The points x_k lie on A's true surface, at fixed positions in the cells of A's grid: a rule per column (fractions of
+column and row, weights w_k in m^2), Gauss points in every cell or fewer chosen offline. With d_B the signed distance
+from B's true surface and psi_i A's shape functions
 
     g_i = sum_k w_k psi_i(x_k) d_B(x_k),          l_i[node] = sum_k w_k psi_i(x_k) psi^B_node(foot of x_k on B),
 
-weak gap and load of B's hats under a unit pressure hat. A unit pressure hat also does
+weak gap and load of B's nodes due to a unit nodal pressure. A unit nodal pressure also exerts
 
     F_i = sum_k w_k psi_i f_k,         M_i = sum_k w_k psi_i m_k         on A, the opposite at the same points on B,
 
-f_k, m_k the wrench of a unit pressure at x_k: its direction is grad d_B, the normal of B at the foot, less what would
-turn either body about its own axle (`contact_wrench`). Action equals reaction exactly, and F_i, M_i are the gradient of
-g_i by the motion of A relative to B, so that the contact gives back the energy that it was given, also where a patch
-slides over an edge. What the energy changes when the patch moves over A's grid is the grid defect of the ledger.
+f_k, m_k the wrench of a unit pressure at x_k: its direction is grad d_B, the normal of B at the foot, minus the part
+that would rotate either body about its own axis (`contact_wrench`). Action equals reaction exactly, and F_i, M_i are
+the gradient of g_i with respect to the motion of A relative to B, so that the contact returns the stored energy, also
+if a patch slides over an edge. The change of its energy when the patch moves over A's grid is the grid defect of the
+ledger.
 
-Points whose foot lies beside B's grid face nothing and count neither in gap, area, force nor load: a patch that runs
-off an edge ends there. A rigid B has no edges, no grid and no load.
+Points whose foot lies outside B's grid have no opposite point and are excluded from gap, area, force and load: a patch
+that runs off an edge ends there. A rigid B has no edges, no grid and no load.
 """
 
 import warp as wp
@@ -36,15 +37,15 @@ from warpffrf_kernels.surfaces.surface import CENTRE, axes_of, meridian_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# numbers of a point: gap, column and row on B, weight; force and moment about A's centre of mass, in A's surface frame,
-# as the linear systems take them, and what the true ones have beside (`contact_wrench`)
+# values of a point: gap, column and row on B, weight; force and moment about A's centre of mass, in A's surface frame,
+# as used by the linear systems, and the additional part of the true ones (`contact_wrench`)
 LINE = 16
 
 
 @kernel
 def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.array3d(dtype=Held)):
-    """Per (world, pair of family 1), lanes over points of the window: gap, place on B's grid, weight (0 where B ends),
-    and the wrench of a unit pressure."""
+    """Per (world, pair of family 1), lanes over points of the window: gap, position on B's grid, weight (0 where B
+    ends), and the wrench of a unit pressure."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
@@ -76,7 +77,7 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
     while e < strips * count:
         strip = first + e / count
         p = e % count
-        if strip != known:  # angle of the column that the strip begins at
+        if strip != known:  # angle of the first column of the strip
             known = strip
             column = geometry.center[w, pair, 0] + strip - model.window.half - 1
             angle = model.surfaces.theta[A] + real(column) * pitch
@@ -138,8 +139,8 @@ def sample_points(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.ar
         e += wp.block_dim()
 
 
-# Weak gap, area, wrench and stencil of one hat: the sum over the points of its (up to) four cells. Returns 1 if the
-# stencil has no room for all of B's nodes. Native like `line_of_centres_weights.sum_hat`.
+# Weak gap, area, wrench and stencil of one node: the sum over the points of its (up to) four cells. Returns 1 if the
+# stencil cannot hold all of B's nodes. Native like `line_of_centres_weights.sum_hat`.
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
     const int SC = model.window.stencil_columns, SR = model.window.stencil_rows;
@@ -214,8 +215,8 @@ def sum_points(
 
 @kernel
 def weigh_points(run: Run, trial: Trial, geometry: ContactGeometry):
-    """Per (world, pair of family 1), lanes over hats of the window: as `line_of_centres_weights.weigh` for the
-    others."""
+    """Per (world, pair of family 1), lanes over nodes of the window: as `line_of_centres_weights.weigh` for the other
+    families."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
@@ -241,10 +242,10 @@ def weigh_points(run: Run, trial: Trial, geometry: ContactGeometry):
         reached = geometry.stencil_at[w, pair, m, 0]
         if reached < 0 or reached + model.window.stencil_columns > model.window.second_columns:
             if dropped == 0 and geometry.weak_gap[w, pair, m] <= real(0.0):
-                run.ctl[w].failure = run.ctl[w].failure | k.STENCIL  # overlaps, where the second window does not reach
-            dropped = int(1)  # so far round the bodies that nothing of the second window is opposite
+                run.ctl[w].failure = run.ctl[w].failure | k.STENCIL  # overlaps outside the second window
+            dropped = int(1)  # so far around the bodies that no part of the second window is opposite
         if beyond != 0 and dropped == 0:
-            # where surfaces part, the places opposite spread; a hat that overlaps is one that may be needed
+            # where surfaces separate, the opposite points spread; an overlapping node may be needed
             if geometry.weak_gap[w, pair, m] > real(0.0):
                 dropped = int(1)
             else:

@@ -1,22 +1,22 @@
-"""Where two surfaces of any shape are nearest, for the pairs whose gaps are taken at points (`at_points`).
+"""Closest points of two surfaces of any shape, for the pairs whose gaps are evaluated at points (`at_points`).
 
 With x_A(theta, z) a point of A's true surface and d_B the signed distance from B's, the gap is g = d_B(x_A). In a
-section z of A its minima by the angle (of a plane by the place) are roots of
+section z of A its minima with respect to the angle (for a plane, the position) are roots of
 
     dg/dtheta = grad d_B . dx_A/dtheta.
 
-A step begins with a look all around: in three sections every minimum among SCAN angles is followed by secants over half
-a column, and a secant that leaves the bracket is replaced by halving it. From the least of them the nearest place of
-all is found by Newton's method along the chart, with differences of the gradient for the second derivatives; directions
-that the gap does not curve in are held back by REGULAR, and steps end at the edges of A's grid. (Its gap is recorded as
-the approach.) Within a step the place is followed by secants in its section. A gap that is the same everywhere (plane
-on plane) leaves it in the middle.
+A step begins with a scan of the whole surface: in three sections every minimum among SCAN angles is refined by secants
+over half a column, and a secant that leaves the bracket is replaced by bisection. From the smallest of them the closest
+point is found by Newton's method on the chart, with finite differences of the gradient for the second derivatives;
+directions without curvature of the gap are regularised by REGULAR, and steps end at the edges of A's grid. (Its gap is
+recorded as the approach.) Within a step the point is tracked by secants in its section. A constant gap (plane on plane)
+leaves the point in the middle.
 
-The place is the middle of what is looked at, whether anything touches or not: a pair that has come apart is looked for
-where it will meet again, to a fraction of a column. It is also the *phase* of A's grid; the opposite place on B, its
-row, and how B's columns turn along A's width are those of B's. Other minima that overlap (a second patch) are kept
-inside the window too (`touched`). A pair whose first grid is an arc of no more columns than the window looks at the
-whole arc, and its window never moves.
+The point is the centre of the window, with or without contact: for a separated pair it is the point of the next
+contact, to a fraction of a column. It is also the *phase* of A's grid; the opposite point on B, its row, and the shift
+of B's columns along A's width are those of B's. Other minima that overlap (a second patch) are kept inside the window
+too (`touched`). A pair whose first grid is an arc of no more columns than the window uses the whole arc, and its window
+never moves.
 """
 
 import math
@@ -45,27 +45,27 @@ from warpffrf_kernels.surfaces.surface import (
 wp.set_module_options(MODULE_OPTIONS)
 
 TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
-SCAN = wp.constant(24)  # angles of the first look, 15 degrees apart: brackets the one minimum of a convex section
+SCAN = wp.constant(24)  # angles of the scan, 15 degrees apart: brackets the one minimum of a convex section
 SECTIONS = wp.constant(3)  # both ends and the middle
-# of the scene's length: gaps that differ by less are the same, the middle one is taken
+# of the scene's length: gaps that differ by less are equal, the middle one is taken
 TIE = wp.constant(wp.float64(1.0e-11))
-SECANTS = wp.constant(40)  # halving 15 degrees so often leaves 1e-11; secants take five
+SECANTS = wp.constant(40)  # as many bisections of 15 degrees reach 1e-11; secants take five
 SETTLED = wp.constant(wp.float64(1.0e-9))  # columns
-LOOKS = wp.constant(9)  # sections that the smallest gap is looked for in first
+LOOKS = wp.constant(9)  # sections of the initial search for the smallest gap
 STEPS = wp.constant(12)  # of Newton's method from there
 HALVINGS = wp.constant(6)
 EDGE_STEP = wp.constant(wp.float64(1.0e-3))  # of A's width: step of the differences along it
-REGULAR = wp.constant(wp.float64(1.0e-6))  # of the curvature at hand, and of 1/width
-FLAT = wp.constant(wp.float64(1.0e-12))  # of the scene's length a column: a change of slope by less is round-off
+REGULAR = wp.constant(wp.float64(1.0e-6))  # of the current curvature, and of 1/width
+FLAT = wp.constant(wp.float64(1.0e-12))  # of the scene's length per column: a smaller change of slope is round-off
 BEYOND = wp.constant(wp.float64(1.0e300))  # m: the gap beyond the end of an arc
-NOWHERE = wp.constant(-(2**30))  # column of a place that there is not
-MOST_OVERLAPS = wp.constant(12)  # minima of the gap that overlap, in all sections: two surfaces of revolution have two
+NOWHERE = wp.constant(-(2**30))  # column of a missing point
+MOST_OVERLAPS = wp.constant(12)  # overlapping minima of the gap, in all sections: two surfaces of revolution have two
 Columns = wp.types.vector(length=12, dtype=wp.float64)
 
 
 @wp.struct
 class View:
-    """A's surface frame seen from B's: a point x of A is at `at + turn x` there."""
+    """A's surface frame relative to B's: a point x of A is at `at + turn x` there."""
 
     at: vec3
     turn: mat33
@@ -126,7 +126,7 @@ def section_of(model: Model, A: int, section: int) -> real:
 
 @wp.func
 def spacing_of(model: Model, A: int) -> real:
-    """Columns between two angles of the first look."""
+    """Columns between two angles of the scan."""
     angles = int(SCAN)
     if model.surfaces.periodic[A] != 0:
         return real(model.surfaces.columns[A]) / real(angles)
@@ -135,19 +135,19 @@ def spacing_of(model: Model, A: int) -> real:
 
 @wp.func
 def settle(model: Model, A: int, B: int, view: View, start: real, z: real) -> real:
-    """Column of A nearest to the column `start` where the gap of the section z is least."""
+    """Column of A nearest to the column `start` where the gap of the section z has a minimum."""
     pitch = model.surfaces.pitch[A]
     flat = FLAT * model.length
     last = real(model.surfaces.columns[A] - 1)
     around = model.surfaces.periodic[A] != 0
-    farthest = wp.max(spacing_of(model, A), real(1.0))  # columns a step
-    low = real(-1.0e300)  # the bracket: where the gap still falls and where it rises again
+    farthest = wp.max(spacing_of(model, A), real(1.0))  # columns per step
+    low = real(-1.0e300)  # the bracket: the gap decreases at one end and increases at the other
     high = real(1.0e300)
     x = start
     step = int(0)
     while step < SECANTS:
         slope = slopes(model, A, B, view, x, z)[0]
-        turn = slopes(model, A, B, view, x + real(0.5), z)[0] - slope  # half a column on
+        turn = slopes(model, A, B, view, x + real(0.5), z)[0] - slope  # half a column further
         to = x
         if wp.abs(slope) * pitch > flat or turn * pitch > flat:
             if slope > real(0.0):
@@ -236,7 +236,7 @@ def least_place(model: Model, A: int, B: int, view: View, column: real, z_start:
 
 @wp.func
 def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: ContactGeometry):
-    """The first look: the nearest place, and the columns of other minima that overlap."""
+    """Scan: the closest point, and the columns of other minima that overlap."""
     around = model.surfaces.periodic[A] != 0
     spacing = spacing_of(model, A)
     pitch = model.surfaces.pitch[A]
@@ -300,11 +300,11 @@ def scan(model: Model, w: int, pair: int, A: int, B: int, view: View, geometry: 
 
 @kernel
 def locate_points(run: Run, trial: Trial, geometry: ContactGeometry):
-    """Per (world, pair of family 1): nearest place, phases, centre columns; `line_of_centres.locate` for the others.
+    """Per (world, pair of family 1): closest point, phases, centre columns; `line_of_centres.locate` for the others.
 
-    phase: column on A and B twice (as of the first and last station there), in use then new; then B's row and the
-    columns by which B's chart turns along A's width, in use then new. nearest: column of A, z [m]. touched: lowest and
-    highest column of the minima of the gap that overlap, NOWHERE without.
+    phase: column on A and B twice (as of the first and last station there), current then new; then B's row and the
+    columns by which B's chart rotates along A's width, current then new. nearest: column of A, z [m]. touched: lowest
+    and highest column of the minima of the gap that overlap, NOWHERE without.
     """
     w, pair = wp.tid()
     model = run.models[w]
@@ -345,7 +345,7 @@ def locate_points(run: Run, trial: Trial, geometry: ContactGeometry):
         row = row_below(model, B, foot[1])
         z0 = model.surfaces.z_start[B] + row
         row_b = real(row) + (foot[1] - model.surfaces.z[z0]) / (model.surfaces.z[z0 + 1] - model.surfaces.z[z0])
-    if not (wp.abs(x_a) < FARTHEST and wp.abs(x_b) < FARTHEST):  # also where they are not numbers
+    if not (wp.abs(x_a) < FARTHEST and wp.abs(x_b) < FARTHEST):  # also if they are NaN
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
         run.ctl[w].run = 0
         return
@@ -371,8 +371,8 @@ def locate_points(run: Run, trial: Trial, geometry: ContactGeometry):
 
 @kernel
 def measure_approach(run: Run, trial: Trial, geometry: ContactGeometry):
-    """Per (world, pair of family 1), where a state is recorded: smallest undeformed gap and nearest column, put where
-    `record` finds distance and column of the first and the last station of the other pairs."""
+    """Per (world, pair of family 1), if a state is recorded: smallest undeformed gap and nearest column, stored where
+    `record` reads distance and column of the first and the last station of the other pairs."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0 or model.pairs.family[pair] != AT_POINTS:

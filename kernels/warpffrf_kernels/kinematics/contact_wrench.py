@@ -1,46 +1,46 @@
-"""The wrench of a pressure at points, free of torque about the axles of both bodies.
+"""The wrench of a pressure at points, free of torque about the axes of both bodies.
 
 Pressure acts along the gradient of the gap g = d_B(x), n = grad d_B, the normal of B at the foot of the point x on A.
-With u = tau + w x (x - O) the motion of A relative to B (translation of the point O of A's axis, turn w), the gap of a
-point fixed in A's material changes by n.u, which is a force n at x: a line through B's axis, but beside A's by the
-angle between the two normals. That torque about A's axle is not physical: A is a body of revolution, its turning about
-its axle moves nothing but its grid. As on the line of centres (`line_of_centres`) the place on the grid is therefore a
-parameter of the contact energy, and a point is held in the frame of the *contact*: where the surfaces are nearest, at
+With u = tau + w x (x - O) the motion of A relative to B (translation of the point O of A's axis, rotation w), the gap
+of a point fixed in A's material changes by n.u, which is a force n at x: a line through B's axis, but offset from A's
+by the angle between the two normals. That torque about A's axis is not physical: A is a body of revolution, its
+rotation about its axis moves only its grid. As on the line of centres (`line_of_centres`) the position on the grid is
+therefore a parameter of the contact energy, and a point is fixed in the frame of the *contact*: the closest point, at
 the angle theta* of A's section through the point, moves with the bodies, and the point moves over A's material with it,
 
     dg = n.u + (dg/dtheta) dtheta*(u),      dg/dtheta = n.(R e_theta) = q, the moment of n at x about A's axis.
 
-theta* is the root of h = n.e_theta, taken at x*, the angle of the nearest place of all in the point's section. With H =
-dn/dx, the derivative of the normal there,
+theta* is the root of h = n.e_theta, evaluated at x*, the angle of the overall closest point in the point's section.
+With H = dn/dx, the derivative of the normal there,
 
     dtheta*(u) = -[(H u*).e_theta + n.(w x e_theta)]/(R e_theta.H e_theta - n.e_r),      u* = tau + w x (x* - O).
 
-Turning A about its axle gives dtheta* = -1 and dg = 0. Turning B about its axle leaves d_B as it is: n.u = 0 at every
-point, and h too, as H (e_B x y) = e_B x n: dg = 0. Both hold for any x*. The unit pressure at x does on A
+Rotation of A about its axis gives dtheta* = -1 and dg = 0. Rotation of B about its axis leaves d_B unchanged: n.u = 0
+at every point, and h too, as H (e_B x y) = e_B x n: dg = 0. Both hold for any x*. The unit pressure at x exerts on A
 
     the force n + q D_f,      the moment about O  (x - O) x n + q D_m,      D_f = -H e_theta/N,
     D_m = -((x* - O) x H e_theta + e_theta x n)/N,      N = R e_theta.H e_theta - n.e_r,
 
-and the opposite on B, at the same place: action equals reaction, and the torque about either axle vanishes identically.
+and the opposite on B, at the same point: action equals reaction, and the torque about either axis vanishes identically.
 Parallel cylinders: H = e_theta e_theta/rho_B, D_f = -e_theta/|c|, c the vector from axis to axis, and the force is
 
     n - e_theta (n.e_theta) R/|c| = c/|c| cos(angle of n to c):      along the line of centres.
 
-Against a plane H = 0: the force is n, its moment about A's axle is left out.
+Against a plane H = 0: the force is n, its moment about A's axis is left out.
 
-A *sphere* turns about any line through its centre O without moving anything but its grid. Its nearest place is seen
-from the centre in the direction e = -n(O), de = -(H tau - w x n), and the frame of the contact turns by -w - e x H tau,
-less the part about e that B's turning about its own axle must not have. With q = (x - O) x n the unit pressure does
+The rotation of a *sphere* about any line through its centre O moves only its grid. The direction of its closest point
+from the centre is e = -n(O), de = -(H tau - w x n), and the frame of the contact rotates by -w - e x H tau, minus the
+part about e that must not arise from B's rotation about its own axis. With q = (x - O) x n the unit pressure exerts
 
     the force n - H (q x e) + (q.e) (e.e_B)/rho e_phi      at the centre, and no moment about it,
 
-rho the distance of O from B's axis e_B, e_phi the direction around that.
+rho the distance of O from B's axis e_B, e_phi the circumferential direction around that axis.
 
-**Surfaces that hug each other.** A pin in its bore has |c| = R_B - R_A: the line of centres turns by a degree for a
-motion of a few microns, and that turns the force. It is what the wrench above says, but its linearisation at fixed
-pressures says nothing of it. Where N (of a sphere 1/(R |H|)) is below HUGGING the linear systems take for the gradient
-of the gap n.u with no more than A's own turning left out, D_f = 0 and D_m = -e_A, under which pressures move from one
-side of the patch to the other as the pin moves; forces are those above all the same.
+**Conformal surfaces.** A pin in its bore has |c| = R_B - R_A: the line of centres rotates by a degree for a motion of a
+few microns, and the force rotates with it. The wrench above includes this, but its linearisation at fixed pressures
+does not. If N (for a sphere 1/(R |H|)) is below HUGGING, the linear systems use n.u for the gradient of the gap, with
+only A's own rotation removed, D_f = 0 and D_m = -e_A, under which pressures move from one side of the patch to the
+other as the pin moves; the forces are those above in any case.
 """
 
 import warp as wp
@@ -57,7 +57,7 @@ from warpffrf_kernels.surfaces.surface import gradient_of, gradient_slope_of, lo
 wp.set_module_options(MODULE_OPTIONS)
 
 HUGGING = wp.constant(wp.float64(0.05))  # distance of the axes over A's radius, of parallel cylinders
-COAXIAL = wp.constant(wp.float64(1.0e-9))  # the same: n.e_theta is then round-off, and nothing is left out
+COAXIAL = wp.constant(wp.float64(1.0e-9))  # the same: n.e_theta is then round-off, and no part is removed
 
 
 @wp.func
@@ -71,8 +71,8 @@ def is_sphere(model: Model, s: int) -> bool:
 
 @wp.struct
 class Held:
-    """How the frame of the contact turns about A's axis with a motion of A against B, of one section: D_f and D_m of
-    the module docstring, in A's surface frame; `hugs`: 1 where the linear systems leave D_f out."""
+    """Rotation of the contact frame about A's axis due to a motion of A relative to B, of one section: D_f and D_m of
+    the module docstring, in A's surface frame; `hugs`: 1 if the linear systems omit D_f."""
 
     by_move: vec3
     by_turn: vec3
@@ -81,7 +81,7 @@ class Held:
 
 @wp.func
 def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: real, z: real) -> Held:
-    """Of the section z of A, seen from B as `at + turn x`; `column` of the nearest place."""
+    """For the section z of A, seen from B as `at + turn x`; `column` of the closest point."""
     theta = model.surfaces.theta[A] + column * model.surfaces.pitch[A]
     x = local_point(model, A, theta, z)
     e_r = vec3(wp.cos(theta), wp.sin(theta), real(0.0))
@@ -104,7 +104,7 @@ def held_section(model: Model, A: int, B: int, at: vec3, turn: mat33, column: re
 
 @wp.func
 def held_sphere(model: Model, B: int, at: vec3, turn: mat33) -> mat33:
-    """The matrix that makes of q the force beside n, of a sphere A whose centre is `at` in B's frame."""
+    """Matrix that maps q to the force in addition to n, for a sphere A whose centre is `at` in B's frame."""
     back = wp.transpose(turn)
     e = -(back * gradient_of(model, B, at))
     force = back * gradient_slope_of(model, B, at) * turn * wp.skew(e)
@@ -118,8 +118,8 @@ def held_sphere(model: Model, B: int, at: vec3, turn: mat33) -> mat33:
 
 @kernel
 def hold_contact_frame(run: Run, trial: Trial, geometry: ContactGeometry, held: wp.array3d(dtype=Held)):
-    """Per (world, pair of family 1), lanes over the points of a column: the frame of the contact in each one's section,
-    and that of a sphere."""
+    """Per (world, pair of family 1), lanes over the points of a column: the contact frame in each one's section, and
+    that of a sphere."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != AT_POINTS:
@@ -147,8 +147,8 @@ def hold_contact_frame(run: Run, trial: Trial, geometry: ContactGeometry, held: 
 
 @wp.struct
 class Wrench:
-    """Of a unit pressure at a point: force and moment about the origin of A's surface frame, in it, as the linear
-    systems take them, and what the true ones have beside that."""
+    """Wrench of a unit pressure at a point: force and moment about the origin of A's surface frame, in it, as used by
+    the linear systems, and the additional part of the true ones."""
 
     force: vec3
     moment: vec3
@@ -158,7 +158,7 @@ class Wrench:
 
 @wp.func
 def point_wrench(model: Model, A: int, x: vec3, n: vec3, section: Held, ball: mat33) -> Wrench:
-    """At the point x of A with the normal n of B, both in A's surface frame."""
+    """For the point x of A with the normal n of B, both in A's surface frame."""
     out = Wrench()
     out.force = n
     out.moment = wp.cross(x, n)

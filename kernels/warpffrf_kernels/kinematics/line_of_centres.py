@@ -1,32 +1,33 @@
-"""Undeformed gap between two bodies of revolution, weak gaps, and their gradient.
+"""Parallel-axes kinematics: gap of two bodies of revolution along the line of centres, weak gaps, gradient.
 
-Contact frame. Take an axial station z of the first surface A: its axis point `a = O_A + z e_A`, and the point b where
-the axis of the second surface B pierces the plane of the section. With `v = b - a`, `d = |v|`, `c = v/d`, `t = e_A x
-c`, the point of A at the angle xi from the line of centres is `a + R_A (cos xi c + sin xi t)`. With `y = R_A sin xi`
-the gap is measured *along c*:
+Contact frame. At an axial station z of the first surface A, let `a = O_A + z e_A` be its axis point, and b the point
+where the axis of the second surface B intersects the plane of the section. With `v = b - a`, `d = |v|`, `c = v/d`,
+`t = e_A x c`, the point of A at the angle xi from the line of centres is `a + R_A (cos xi c + sin xi t)`. With
+`y = R_A sin xi` the gap is measured *along c*:
 
     g(xi, z) = d - sqrt(R_B^2 - y^2) - R_A cos xi,          R_B at the axial station of the opposite point of B.
 
-(Terms of the order of the tilt squared, from the ellipse that an oblique section of B is, are dropped.) Small xi: d -
-R_A - R_B + y^2/2 (1/R_A + 1/R_B), Hertz's gap. The pressure acts along c, so that dg/dd = 1, the weights of forces,
-moments and elastic displacements are the same, and the wrench is
+(Terms of the order of the tilt squared, from the elliptical oblique section of B, are neglected.) Small xi: d - R_A -
+R_B + y^2/2 (1/R_A + 1/R_B), Hertz's gap. The pressure acts along c, so that dg/dd = 1, the weights of forces, moments
+and elastic displacements are the same, and the wrench is
 
     on B: force f at b,  on A: -f at b,          f = N + R_B'/(e_A.e_B) e_A,
 
-N the gradient of d, the second term that of a crowned B's radius (B moved by w is met at an axial station smaller by
-w.e_A/(e_A.e_B)): action equals reaction exactly; the line of action meets both axes, so that the torque about either
-axle is zero exactly. The gradient is taken at fixed (xi, z): the *material* angles at which the line of centres meets
-the two grids (their phases) are parameters, not coordinates, of the contact energy. What its energy changes when a
-phase changes is the grid defect of the ledger.
+N the gradient of d, the second term that of the radius of a crowned B (for B moved by w the axial station of contact is
+smaller by w.e_A/(e_A.e_B)): action equals reaction exactly; the line of action intersects both axes, so that the torque
+about either axis is exactly zero. The gradient is taken at fixed (xi, z): the *material* angles at which the line of
+centres intersects the two grids (their phases) are parameters, not coordinates, of the contact energy. The change of
+its energy with a phase is the grid defect of the ledger.
 
 Gradient of d. A displacement field w of B's axis relative to A moves b by w + sigma e_B with e_A.(w + sigma e_B) = 0,
 hence `dd = N.w`, `N = c - e_A (c.e_B)/(e_A.e_B)`.
 
 The phases of a step are those of its first evaluation, the predicted state, until an iteration moves the grids by more
-than FREEZE: the force ripples by a fraction of a percent a column, so that is below the residual tolerance. At fixed
-phases the gap of two cylinders is linear in d, and an evaluation only shifts the weak gaps instead of sampling them
-again. `line_of_centres_weights` sums what is sampled here, gap and opposite place on B's grid (column, row) at Gauss
-points of A's cells, to weak gaps."""
+than FREEZE: the ripple of the force is a fraction of a percent per column, so that is below the residual tolerance. At
+fixed phases the gap of two cylinders is linear in d, and an evaluation only shifts the weak gaps instead of sampling
+them again. `line_of_centres_weights` sums the sampled values, gap and opposite point on B's grid (column, row) at Gauss
+points of A's cells, to weak gaps.
+"""
 
 import math
 
@@ -44,13 +45,13 @@ wp.set_module_options(MODULE_OPTIONS)
 
 PHASE_TOLERANCE = wp.constant(
     wp.float64(1.0e-4)
-)  # columns: G changes by about this fraction; as a tangent it may, see contact_solve
+)  # columns: G changes by about this fraction; sufficient for a tangent, see contact_solve
 SERIES = wp.constant(wp.float64(5.0e-6))  # rad: third-order terms are then below round-off
 TWO_PI = wp.constant(wp.float64(2.0 * math.pi))
-FREEZE = wp.constant(wp.float64(2.0e-7))  # columns: phases that an iteration changes by less stay, see above
+FREEZE = wp.constant(wp.float64(2.0e-7))  # columns: phases are kept if an iteration changes them by less, see above
 DRIFT = wp.constant(wp.float64(0.75))  # columns off the centre column, beyond which the windows are moved
-FARTHEST = wp.constant(wp.float64(1.0e6))  # columns: a phase beyond is that of a state that has left the scene
-GUARD = wp.constant(2)  # outermost columns of a full window that must end inactive
+FARTHEST = wp.constant(wp.float64(1.0e6))  # columns: a larger phase belongs to a state that has left the scene
+GUARD = wp.constant(2)  # outermost columns of a full window that must be inactive at the end
 
 
 @wp.func
@@ -69,7 +70,7 @@ def slope_at(crown: real, z: real) -> real:
 
 @wp.func
 def wrap(x: real, turn: real, middle: real) -> real:
-    """x modulo a full turn, nearest to `middle`."""
+    """x modulo a full revolution, nearest to `middle`."""
     return x - turn * wp.floor((x - middle) / turn + real(0.5))
 
 
@@ -174,7 +175,7 @@ def locate(run: Run, trial: Trial, geometry: ContactGeometry):
         run.ctl[w].reassemble = 1
     mid_a = real(0.5) * (geometry.phase[w, pair, 4] + geometry.phase[w, pair, 6])
     mid_b = real(0.5) * (geometry.phase[w, pair, 5] + geometry.phase[w, pair, 7])
-    if not (wp.abs(mid_a) < FARTHEST and wp.abs(mid_b) < FARTHEST):  # also where they are not numbers
+    if not (wp.abs(mid_a) < FARTHEST and wp.abs(mid_b) < FARTHEST):  # also if they are NaN
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_FINITE
         run.ctl[w].run = 0
         return
@@ -198,7 +199,7 @@ def locate(run: Run, trial: Trial, geometry: ContactGeometry):
 
 @wp.func
 def row_below(model: Model, B: int, z: real) -> int:
-    """Row of B's grid at or below z, kept inside the grid."""
+    """Row of B's grid at or below z, limited to the grid."""
     z0 = model.surfaces.z_start[B]
     last = model.surfaces.rows[B] - 2
     i = int(0)
@@ -240,7 +241,7 @@ def sample(run: Run, geometry: ContactGeometry):
         cell = first + e / model.quadrature.theta_points
         g = e % model.quadrature.theta_points
         x = real(geometry.center[w, pair, 0] + cell - model.window.half - 1) + model.quadrature.theta_abscissa[g]
-        # stations differ little: sines and the angle on B are carried from the first one by their series
+        # stations differ little: sines and the angle on B follow from those of the first by series
         x_0 = geometry.station[w, pair, 0, 1]
         xi = (x - x_0) * model.surfaces.pitch[A]
         sine = wp.sin(xi)

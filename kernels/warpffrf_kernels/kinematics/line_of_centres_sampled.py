@@ -1,17 +1,18 @@
-"""Evaluation "hyper" on the line of centres: weak gaps of `line_of_centres` at few points of a strip.
+"""Reduced quadrature (evaluation "hyper") with parallel-axes kinematics: weak gaps of `line_of_centres` at few points.
 
-A pair of few points is located and measured as with all points, station by station along the line of centres; only
-the points around differ. Point p of the list of the pair stands at the fraction x_p of a column on one of the stations
-s(p), with its own weight w_p [m^2]: a list that `warpffrf.offline.contact.cubature` chose, of which a third of the
-points does for all of them. A point sees the strips on both sides of a hat,
+A pair with few points is located and measured as with all points, station by station along the line of centres; only
+the points in the circumferential direction differ. Point p of the pair's list is at the fraction x_p of a column on one
+of the stations s(p), with its own weight w_p [m^2]: a list chosen by `warpffrf.offline.contact.cubature`, of which a
+third of the points replaces all of them. A point contributes to the strips on both sides of a node,
 
     g_i = sum over the two strips, sum_p w_p psi_i(x_p) g(x_p),       psi_i = x_p or 1 - x_p, times psi(zeta_p).
 
-The hats of a row share its points' weights, sum over both strips of x_p and 1 - x_p is one: at frozen phases, where the
-distance d of the axes changes alone, a weak gap changes by sum_p psi(zeta_p) w_p (d_s - d_s as sampled), as there.
+The nodes of a row share its points' weights, as the sum of x_p and 1 - x_p over both strips is one: at frozen phases,
+where only the distance d of the axes changes, a weak gap changes by sum_p psi(zeta_p) w_p (d_s - d_s as sampled), as
+there.
 
-The angle on B's side comes from that of the strip's column by the series of the arc sine, since neighbouring points
-turn by less than a column: SMALL keeps its remainder below round-off.
+The angle on B's side is computed from that of the strip's column by the series of the arc sine, since the angle between
+neighbouring points is less than a column: SMALL keeps its remainder below round-off.
 """
 
 import warp as wp
@@ -31,11 +32,11 @@ SMALL = wp.constant(wp.float64(0.02))  # sine of an angle: its ninth power times
 
 @wp.func
 def looks_at_few(model: Model, pair: int) -> bool:
-    """Whether the pair is measured along the line of centres at a list of points."""
+    """Whether the pair is evaluated along the line of centres at a list of points."""
     return model.pairs.family[pair] == LINE_OF_CENTRES and model.points.count[pair] != 0
 
 
-# Gaps and places opposite of the points of one strip, whose column is turned by xi from the first station's line of
+# Gaps and opposite positions of the points of one strip, whose column is rotated by xi from the first station's line of
 # centres. Native: in Warp's Python the indices of `station` alone cost more than the geometry.
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
@@ -128,7 +129,7 @@ def sample_few(run: Run, geometry: ContactGeometry):
         strip += wp.block_dim()
 
 
-# Weak gap, area, gradient and stencil of one hat, as `line_of_centres_weights.sum_hat`: the sum over the points of its
+# Weak gap, area, gradient and stencil of one node, as `line_of_centres_weights.sum_hat`: the sum over the points of its
 # cells.
 @wp.func_native("""
     const int start = model.points.start.data[pair], count = model.points.count.data[pair];
@@ -203,8 +204,8 @@ def sum_few(
 
 @kernel
 def weigh_few(run: Run, geometry: ContactGeometry):
-    """Per (world, pair of few points), lanes over hats of the window: what `line_of_centres_weights.weigh` does for
-    all."""
+    """Per (world, pair of few points), lanes over nodes of the window: as `line_of_centres_weights.weigh` with all
+    points."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if (
@@ -232,7 +233,7 @@ def weigh_few(run: Run, geometry: ContactGeometry):
 
 @kernel
 def shift_few(run: Run, geometry: ContactGeometry):
-    """Per (world, pair of few points), lanes over hats: weak gaps at the present distance of the axes, and their
+    """Per (world, pair of few points), lanes over nodes: weak gaps at the current distance of the axes, and their
     gradient."""
     w, pair, lane = wp.tid()
     model = run.models[w]

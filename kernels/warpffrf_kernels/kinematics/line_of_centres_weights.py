@@ -1,13 +1,13 @@
-"""Weak gaps on the line of centres: from the points that `line_of_centres.sample` measured to the hats of A's grid.
+"""Weak gaps along the line of centres: from the points sampled by `line_of_centres.sample` to the nodes of A's grid.
 
-With Gauss points x_k of A's cells, weights w_k [m^2], hats psi_i of A, and psi^B interpolated at the point of B
-opposite x_k (grid column, row),
+With Gauss points x_k of A's cells, weights w_k [m^2], shape functions psi_i of A, and psi^B interpolated at the point
+of B opposite x_k (grid column, row),
 
     g_i = sum_k w_k psi_i g(x_k),                 area_i = sum_k w_k psi_i,
     f_i = sum_k w_k psi_i (wrench of its station), l_i[node] = sum_k w_k psi_i psi^B_node(x_k),
 
-weak gap, area, gradient, and the stencil: the load of B's hats under a unit pressure hat of A. At fixed phases the gap
-is linear in the distance d of the axes, and `shift` adds sum_k w_k psi_i (d - d where it was sampled).
+weak gap, area, gradient, and the stencil: the load of B's nodes due to a unit nodal pressure of A. At fixed phases the
+gap is linear in the distance d of the axes, and `shift` adds sum_k w_k psi_i (d - d where it was sampled).
 """
 
 import warp as wp
@@ -22,8 +22,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# Weak gap, area, gradient and stencil of one hat: the sum over the Gauss points of its (up to) four cells.
-# Measured against the same loop in Warp's Python: `weigh` 17.3 -> 4.9 us of a step of 141 us.
+# Weak gap, area, gradient and stencil of one node: the sum over the Gauss points of its (up to) four cells. Measured
+# against the same loop in Warp's Python: `weigh` 17.3 -> 4.9 us of a step of 141 us.
 @wp.func_native("""
     const int NT = model.quadrature.theta_points, NZ = model.quadrature.z_points;
     const int NS = (rows - 1) * NZ, most = (model.window.rows - 1) * NZ;
@@ -98,9 +98,9 @@ def sum_hat(
 
 @wp.func
 def keep_hat(model: Model, w: int, pair: int, m: int, rows: int, beyond: int, geometry: ContactGeometry, run: Run):
-    """Area 0 for a hat beyond the end of an arc, or so far round the bodies that nothing of the second window is
-    opposite, or that the places opposite spread beyond its stencil (`beyond`). One that overlaps there may be needed:
-    the attempt fails."""
+    """Area 0 for a node beyond the end of an arc, or so far around the bodies that no part of the second window is
+    opposite, or whose opposite points spread beyond its stencil (`beyond`). One that overlaps there may be needed: the
+    attempt fails."""
     A = model.pairs.first[pair]
     absolute = geometry.center[w, pair, 0] + m / rows - model.window.half
     if model.surfaces.periodic[A] == 0 and (absolute < 0 or absolute >= model.surfaces.columns[A]):
@@ -114,9 +114,9 @@ def keep_hat(model: Model, w: int, pair: int, m: int, rows: int, beyond: int, ge
 
 @kernel
 def weigh(run: Run, geometry: ContactGeometry):
-    """Per (world, pair), lanes over hats of the window: weak undeformed gap, area, gradient, and stencil on B.
+    """Per (world, pair), lanes over nodes of the window: weak undeformed gap, area, gradient, and stencil on B.
 
-    Area 0 marks a hat that does not exist (beyond an arc's end) or faces nothing.
+    Area 0 marks a node that does not exist (beyond the end of an arc) or has no opposite surface.
     """
     w, pair, lane = wp.tid()
     model = run.models[w]
@@ -148,7 +148,7 @@ def weigh(run: Run, geometry: ContactGeometry):
 
 @kernel
 def shift(run: Run, geometry: ContactGeometry):
-    """Per (world, pair), lanes over hats: the sampled weak gaps at the present distance of the axes, and their
+    """Per (world, pair), lanes over nodes: the sampled weak gaps at the current distance of the axes, and their
     gradient.
     """
     w, pair, lane = wp.tid()
@@ -177,7 +177,7 @@ def shift(run: Run, geometry: ContactGeometry):
                     psi = real(1.0) - psi
                 q = (
                     psi * geometry.station[w, pair, s, 6] * model.surfaces.pitch[A]
-                )  # a hat's integral around is the pitch
+                )  # the circumferential integral of a shape function is the pitch
                 value += q * (geometry.station[w, pair, s, 0] - geometry.station[w, pair, s, 8])
                 for i in range(6):
                     geometry.wrench[w, pair, m, i] = (

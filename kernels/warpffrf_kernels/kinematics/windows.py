@@ -1,7 +1,7 @@
-"""Where a pair's window begins and ends: the columns of the first grid that are looked at, for all pairs.
+"""Window of a pair: the columns of the first grid that are evaluated, for all pairs.
 
-The active set is kept in the contact frame: pressures stay where the patch is while the material runs through it. What
-is looked at are the active columns and MARGIN more on each side, at most the widest window that was laid out.
+The active set is stored in the contact frame: pressures stay at the patch while the material moves through it. The
+window contains the active columns and MARGIN more on each side, at most the widest window that was allocated.
 """
 
 import warp as wp
@@ -16,17 +16,17 @@ from warpffrf_kernels.kinematics.closest_point import NOWHERE
 
 wp.set_module_options(MODULE_OPTIONS)
 
-MARGIN = wp.constant(3)  # columns looked at beyond the active ones
+MARGIN = wp.constant(3)  # columns evaluated beyond the active ones
 
 
 @kernel
 def open_window(run: Run, geometry: ContactGeometry, contact: ContactState):
-    """Per (world, pair): the active set of the last attempt put where the patch is now, and the columns to look at: the
-    active ones, those where the surfaces are nearest (on the line of centres at both ends of the width, at points
-    `nearest` and `touched`) and MARGIN more on each side, relative to the centre column.
+    """Per (world, pair): moves the active set of the last attempt to the current patch, and sets the columns to
+    evaluate: the active ones, those where the surfaces are nearest (on the line of centres at both ends of the width,
+    at points `nearest` and `touched`) and MARGIN more on each side, relative to the centre column.
 
-    A pair whose sampled gaps would only have been shifted (`locate`) is sampled again where another pair had its
-    windows laid anew: its own may have grown.
+    A pair whose sampled gaps would only have been shifted (`locate`) is sampled again if the windows of another pair
+    were placed again: its own may have grown.
     """
     w, pair = wp.tid()
     model = run.models[w]

@@ -1,1 +1,1 @@
-"""The outer system: dense with an inverse, or sparse with an order known beforehand."""
+"""The retained system: dense with an inverse, or sparse with a precomputed order."""

@@ -1,11 +1,11 @@
-"""Symmetric blocks that meet the rest of a system through few of its columns, eliminated on their own.
+"""Elimination of symmetric blocks that are coupled to the rest of a system through few of its columns.
 
-Of a block with the matrix G, positive definite, and the rows L of the columns that it is coupled to,
+For a block with the matrix G, positive definite, and the rows L of the columns that it is coupled to,
 
     U^T U = G,      W = U^-T L,      G x + L z = b   <=>   x = U^-1 (U^-T b - W z),
 
-so that W^T W and W^T U^-T b are all that the rest of the system needs of it. Blocks lie in the lines and columns of
-larger arrays: `at` is where one begins, `stride` the length of a line. Native for contiguous inner loops like `axpy`.
+so that the rest of the system requires only W^T W and W^T U^-T b. Blocks lie in the lines and columns of larger arrays:
+`at` is the start of one, `stride` the length of a line. Native for contiguous inner loops like `axpy`.
 """
 
 import warp as wp
@@ -77,7 +77,7 @@ def forward_lines(
 ): ...
 
 
-# S = W^T W of n lines of `count` columns, which are S's lines' stride too. Lanes over the columns.
+# S = W^T W of n lines of `count` columns, which is also the stride of S's lines. Lanes over the columns.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const double* X = x.data + at_x;
@@ -115,7 +115,7 @@ def square_of(
 def forward(a: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(dtype=real), at_x: int): ...
 
 
-# x <- U^-1 x of n numbers, of one lane.
+# x <- U^-1 x of n numbers, by one lane.
 @wp.func_native("""
     double* v = x.data + at_x;
     WP_TILE_SYNC();
@@ -131,7 +131,7 @@ def forward(a: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(d
 def backward(a: wp.array(dtype=real), at: int, stride: int, n: int, x: wp.array(dtype=real), at_x: int): ...
 
 
-# right += W^T x, n lines of W over the coupled columns of a pair, `right` over the outer columns.
+# right += W^T x, n lines of W over the coupled columns of a pair, `right` over the retained columns.
 @wp.func_native("""
     const int width = model.pairs.coupled_capacity, count = model.pairs.coupled_count.data[pair];
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;

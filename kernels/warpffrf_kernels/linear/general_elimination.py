@@ -1,10 +1,10 @@
-"""Dense systems of any matrix, with row pivoting, their right-hand sides in the columns behind it.
+"""Dense general systems, with row pivoting; right-hand sides are stored in the columns after the matrix.
 
     P A = L U,      x = U^-1 L^-1 P b,
 
-A of n lines in the first n columns of lines `stride` long; `at` is where it begins. The first `thin` columns have next
-to nothing below their diagonal, which is their pivot: each line is freed of what it has there. The others are taken
-eight at a time, so that the rest of the matrix is gone through once for eight, four lines at a time. Native for
+A of n lines in the first n columns of lines `stride` long; `at` is its start. The first `thin` columns have almost no
+entries below their diagonal, which is their pivot: each line is cleared of its entries there. The others are eliminated
+eight at a time, so that the rest of the matrix is traversed once per eight columns, four lines at a time. Native for
 contiguous inner loops like `axpy`.
 """
 
@@ -15,8 +15,8 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# L and U in place of A, and x in place of the `more` columns behind it. Returns 1 where a pivot vanishes. Lanes over
-# lines in the panel, over columns in the rest.
+# L and U overwrite A, and x the `more` columns after it. Returns 1 if a pivot vanishes. Lanes over lines in the panel,
+# over columns in the rest.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, all = n + more;
     double* A = a.data + at;
@@ -131,7 +131,7 @@ def eliminate(
 ) -> int: ...
 
 
-# x <- A^-1 x of n numbers, with the L and U that `eliminate` has left. One lane.
+# x <- A^-1 x of n numbers, with L and U from `eliminate`. One lane.
 @wp.func_native("""
     const double* A = a.data + at;
     const int* swapped = pivots.data + at_pivots;

@@ -1,9 +1,9 @@
-"""The outer system: rigid coordinates and multipliers, with the global modes condensed.
+"""The retained system: rigid coordinates and multipliers, with the global modes condensed.
 
 With `sigma` the diagonal tangent of the modes, J their gradient of the weak gaps, C and C_m the gradients of the rows
-by rigid and modal coordinates, r, r_m the residuals and `opened` the weak gaps of the present state, all with the
-contact forces of its pressures, the linearised step for the changes dx, dq, dlam, ds reads (x: rigid coordinates and
-the modes that are not condensed, see `inertia`, q: the others)
+with respect to rigid and modal coordinates, r, r_m the residuals and `opened` the weak gaps of the present state, all
+with the contact forces of its pressures, the linearised step for the changes dx, dq, dlam, ds reads (x: rigid
+coordinates and the modes that are not condensed, see `inertia`, q: the others)
 
     S dx + C^T dlam - L_r^T ds = -r,            sigma dq + C_m^T dlam - J^T ds = -r_m,
     C dx + C_m dq - E dlam = -c,                opened + L_r dx + J dq + G_local ds = 0 on the active set.
@@ -15,8 +15,9 @@ Eliminating dq leaves, for z = (dx, dlam),
 
     opened - J sigma^-1 r_m + L z + G ds = 0,        G = G_local + J sigma^-1 J^T.
 
-Only the entries that can differ from zero are assembled (`outer_pattern`), in their places of a dense matrix, where
-`geometric_stiffness` and `inertia` add theirs. What contact adds is in `contact_solve`, the solution in `outer_solve`.
+Only the structurally nonzero entries are assembled (`outer_pattern`), at their positions in a dense matrix, to which
+`geometric_stiffness` and `inertia` add theirs. The contribution of contact is in `contact_solve`, the solution in
+`outer_solve`.
 """
 
 import warp as wp
@@ -86,7 +87,7 @@ def entry_of_rows(model: Model, w: int, row: int, other: int, residuals: Residua
 
 @wp.func
 def body_of(model: Model, column: int) -> int:
-    """The body that an outer unknown is of, a motion or a mode."""
+    """Body of a retained unknown, a motion or a mode."""
     if column < 6 * model.bodies.count:
         return column / 6
     return model.dense.body[column - 6 * model.bodies.count]
@@ -97,8 +98,8 @@ def condense(
     run: Run, residuals: Residuals, system: OuterSystem, patterns: wp.array(dtype=Pattern),
     modal_residual: wp.array(dtype=real),
 ):  # fmt: skip
-    """Lanes over outer unknowns: rows of the condensed matrix (blocks of bodies are there already), entries of the
-    pattern only, and its right-hand side."""
+    """Lanes over retained unknowns: rows of the condensed matrix (the blocks of bodies are assembled before), entries
+    of the pattern only, and its right-hand side."""
     w, lane = wp.tid()
     model = run.models[w]
     p = patterns[0]
@@ -132,7 +133,7 @@ def condense(
                 j = p.entry_column[at]
                 other = j - model.outer.row_offset
                 if row < 0 and other < 0:
-                    if body_of(model, i) != body_of(model, j):  # geometric stiffness comes later
+                    if body_of(model, i) != body_of(model, j):  # geometric stiffness is added later
                         system.tangent[w, i, j] = real(0.0)
                 elif row < 0 or other < 0:
                     line = wp.max(row, other)
@@ -153,7 +154,7 @@ def condense(
 
 @kernel
 def advance_outer(run: Run, system: OuterSystem, trial: Trial):
-    """Per body: apply the Newton increments once the active set has settled."""
+    """Per body: apply the Newton increments once the active set has converged."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
@@ -187,7 +188,7 @@ def advance_rest(run: Run, system: OuterSystem, loads: LoadState, trial: Trial):
 
 @kernel
 def find_unbalanced(run: Run):
-    """One thread for all worlds: whether the iteration of any goes on."""
+    """One thread for all worlds: whether the iteration of any world continues."""
     running = int(0)
     w = int(0)
     while w < run.ctl.shape[0]:
@@ -198,7 +199,7 @@ def find_unbalanced(run: Run):
 
 @kernel
 def count_iteration(run: Run):
-    """One thread for all worlds: bookkeeping of the loop, and its condition."""
+    """One thread for all worlds: iteration counters, and the condition of the loop."""
     running = int(0)
     w = int(0)
     while w < run.ctl.shape[0]:
@@ -211,7 +212,7 @@ def count_iteration(run: Run):
                 run.ctl[w].iteration = run.ctl[w].iteration + 1
                 run.ctl[w].inner = 0
             elif run.ctl[w].reassemble != 0:
-                run.ctl[w].moved = 1  # a window was widened: evaluate again, with the pressures found so far
+                run.ctl[w].moved = 1  # a window was widened: evaluate again, with the current pressures
             elif run.ctl[w].inner >= run.models[w].limits.max_inner + run.models[w].limits.max_guarded:
                 run.ctl[w].failure = run.ctl[w].failure | k.CYCLING
                 run.ctl[w].run = 0

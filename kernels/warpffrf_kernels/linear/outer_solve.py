@@ -1,12 +1,12 @@
-"""Solution of the outer system by a sparse factorisation whose pattern and order are known beforehand.
+"""Solution of the retained system by a sparse factorisation with precomputed pattern and order.
 
 The matrix is factored by blocks, in an order found when the scene was compiled (`sparse_factor`;
-`warpffrf.online.compile.outer_pattern` says why no pivot is sought outside a block).
+`warpffrf.online.compile.outer_pattern` explains why no pivot is sought outside a block).
 
-A new factor is trusted only if it solves: |A z - rhs| is measured in the equilibrated system, corrected once where it
-exceeds CORRECT_ABOVE of |z| + |rhs|, and where a pivot is too small or the residual stays above REFUSE_ABOVE the dense
-inverse is taken until the matrix is renewed, and counted. It is taken too where a static state holds free motions,
-which are no part of the pattern. Step times of both: bench/README.md.
+A new factor is verified: |A z - rhs| is measured in the equilibrated system and corrected once if it exceeds
+CORRECT_ABOVE of |z| + |rhs|. If a pivot is too small or the residual stays above REFUSE_ABOVE, the dense inverse is
+used until the matrix is renewed, and counted. It is also used if a static state constrains free motions, which are not
+part of the pattern. Step times of both: bench/README.md.
 """
 
 import warp as wp
@@ -23,16 +23,16 @@ from warpffrf_kernels.linear.sparse_factor import Pattern, factorise, residual_o
 
 wp.set_module_options(MODULE_OPTIONS)
 
-PIVOT_TOLERANCE = wp.constant(wp.float64(1.0e-13))  # of the equilibrated matrix: below, a row depends on the others
+PIVOT_TOLERANCE = wp.constant(wp.float64(1.0e-13))  # of the equilibrated matrix: below, a row is linearly dependent
 CORRECT_ABOVE = wp.constant(wp.float64(1.0e-13))  # some hundred times round-off: usual with pivots inside blocks
 REFUSE_ABOVE = wp.constant(wp.float64(1.0e-10))  # below the tolerance of the Newton iteration, 1e-9
-DENSE = wp.constant(0)  # column of `fallback`: 1 while the dense inverse serves
-COUNT = wp.constant(1)  # how often it had to
+DENSE = wp.constant(0)  # column of `fallback`: 1 while the dense inverse is used
+COUNT = wp.constant(1)  # number of its uses
 
 
-# Inverse of the equilibrated matrix, with n n^T of each held motion n, by Gauss-Jordan elimination in place, with row
-# pivoting; rows stay contiguous. Native for contiguous inner loops like `axpy`; not measured separately. Returns 1 if a
-# pivot is below `tolerance`.
+# Inverse of the equilibrated matrix, with n n^T of each constrained free motion n, by Gauss-Jordan elimination in
+# place, with row pivoting; rows stay contiguous. Native for contiguous inner loops like `axpy`; not measured
+# separately. Returns 1 if a pivot is below `tolerance`.
 @wp.func_native("""
     const int n = model.outer.count, rigid = model.outer.row_offset, moving = 6 * model.bodies.count;
     const int L = WP_TILE_THREAD_IDX, NL = WP_TILE_BLOCK_DIM;
@@ -145,7 +145,7 @@ def apply_inverse(
 
 @wp.func
 def held_motions(ctl: wp.array(dtype=Control), w: int, hold_count: wp.array(dtype=int)) -> int:
-    """How many free motions a static step holds."""
+    """Number of free motions constrained in a static step."""
     if not is_static(ctl, w):
         return 0
     return hold_count[w]
@@ -172,7 +172,7 @@ def solve(
     inverse_transposed: wp.array(dtype=real),
     z: wp.array(dtype=real),
 ) -> int:
-    """z[w] = matrix^-1 right[w], by a new factor where `renew` is set; 1 where the matrix is singular."""
+    """z[w] = matrix^-1 right[w], with a new factor if `renew` is set; returns 1 if the matrix is singular."""
     N = model.outer.count
     i = lane
     while i < N:
@@ -211,7 +211,7 @@ def solve(
 
 @kernel
 def solve_outer(run: Run, system: OuterSystem, patterns: wp.array(dtype=Pattern), rhs: wp.array(dtype=real)):
-    """Per world: a new factor where the matrix is to be renewed, then z; of scenes without contact."""
+    """Per world: a new factor if the matrix is to be renewed, then z; for scenes without contact."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:

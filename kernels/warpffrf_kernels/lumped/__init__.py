@@ -1,1 +1,1 @@
-"""Lumped contacts of rigid surfaces: nearest places, laws of approach, friction, forces and their tangent."""
+"""Lumped contacts of rigid surfaces: closest points, force laws, friction, forces and their tangent."""

@@ -1,9 +1,9 @@
-r"""Force against approach a = -g of lumped contacts, see `warpffrf.model.laws.lumped`.
+r"""Force as a function of the approach a = -g of lumped contacts, see `warpffrf.model.laws.lumped`.
 
     POWER    F = K a^n, a > 0;      slope n F/a,      energy F a/(n + 1)
-    TABLE    straight between points, from force 0 on; the last piece goes on
+    TABLE    linear between points, from force 0 on; extrapolated by the last piece
 
-of one place times its `share`. With damping the force is F (1 + chi a_dot), cut at zero: surfaces do not pull.
+for one contact point times its `share`. With damping the force is F (1 + chi a_dot), cut off at zero: no tension.
 """
 
 import warp as wp
@@ -17,7 +17,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Push:
-    """Elastic force [N] of a place, its first and second derivative by the approach, and the energy [J]."""
+    """Elastic force [N] of a point, its first and second derivative by the approach, and the energy [J]."""
 
     force: real
     slope: real
@@ -27,7 +27,7 @@ class Push:
 
 @wp.func
 def push_of(model: Model, contact: int, share: real, approach: real) -> Push:
-    """Of a lumped contact at an approach [m]."""
+    """For a lumped contact at an approach [m]."""
     out = Push()
     count = model.elements[0].lumped.table_count[contact]
     if count == 0:

@@ -1,39 +1,40 @@
-r"""Forces of lumped contacts: one at each place, its friction, and their tangent in the outer matrix.
+r"""Forces of lumped contacts: normal force at each point, its friction, and their tangent in the retained matrix.
 
-At a place x with normal n of the second body, gap g and approach a = -g (`places`)
+At a point x with normal n of the second body, gap g and approach a = -g (`places`)
 
     force on the first body       F n + f,      F = P(a) (1 + chi a_dot) >= 0,      f . n = 0,      |f| <= mu F,
 
-its opposite on the second, at the same x: action equals reaction, in force and moment.
+the opposite on the second, at the same x: action equals reaction, in force and moment.
 
-**Friction that sticks** is a spring between the two surfaces with the tangential stiffness of the patch, k = kappa
-P'(a) (kappa = k_t/k_n, Mindlin), which yields at the bound. With s the slip of body 1 against body 2 over the step,
+**Friction with stick** is a spring between the two surfaces with the tangential stiffness of the patch, k = kappa P'(a)
+(kappa = k_t/k_n, Mindlin), which yields at the bound. With s the slip of body 1 relative to body 2 over the step,
 
     f_tr = c T f_0 - k s_t,      f = f_tr where |f_tr| <= mu F, else mu F f_tr/|f_tr|.
 
-T turns the force of the last step with the contact: about the old normal by the mean spin of the bodies, then by the
-least rotation that takes the old normal to the new one. c = min(1, k/k_0): where the normal force falls the spring
-keeps its stretch, and where it rises its force. Either loses energy: 1/2 f^2/k never grows by a change of the normal
-force, as that of a spring with f = k times stretch would in loading (Elata and Berryman 1996). So
+T rotates the force of the last step with the contact: about the old normal by the mean spin of the bodies, then by the
+smallest rotation that maps the old normal to the new one. c = min(1, k/k_0): if the normal force decreases the spring
+keeps its stretch, and if it increases its force. Either loses energy: 1/2 f^2/k never grows by a change of the normal
+force, unlike that of a spring with f = k times stretch in loading (Elata and Berryman 1996). So
 
     energy   1/2 f^2/k,      dissipated   (1/2 f_0^2/k_0 - 1/2 (c f_0)^2/k) + f_m (|f_tr| - |f|)/k   >= 0,
 
-f_m = max(0, (T f_0 . e + |f|)/2) with e along f: the mean force of the step times what slides for good. With f alone a
-bound that grows or falls while it slides would be booked with an error of first order in the step. For c = 1 this is
-the work of the mean force less the change of the energy, exactly.
+f_m = max(0, (T f_0 . e + |f|)/2) with e along f: the mean force of the step times the irreversible slip. With f alone
+the error for a bound that changes during slip would be of first order in the step. For c = 1 this is exactly the work
+of the mean force minus the change of the energy.
 
-The slip is that of the points of the bodies that lie at the contact, s = D_1 - D_2 with D = dr + psi x (mean lever),
-dr and psi the increments of the step. A body that rolls has D = 0: the levers are those of the place, which goes along.
+The slip is that of the material points of the bodies at the contact, s = D_1 - D_2 with D = dr + psi x (mean lever), dr
+and psi the increments of the step. A rolling body has D = 0: the levers are those of the contact point, which moves
+along.
 
 **Regularised friction** f = -mu F v_t/max(|v_t|, v_slip), v the slip velocity at the end of the step; beyond v_slip mu
 may depend on |v_t| (a traction curve).
 
-**The first iteration** of a step leaves the bound out, and solves for the slip of a contact that sticks, or creeps.
-Whether it does is then asked at that slip. From a slip of the wrong sign Newton's method would go to and fro: with a
-force that saturates at +-mu F and a stiffness k far above the inertia of the step, m/h^2, the slope is that inertia on
-either side. Nothing is accepted from the first iteration.
+**The first iteration** of a step ignores the bound, and solves for the slip of a contact that sticks, or creeps. The
+bound is then checked at that slip. From a slip of the wrong sign Newton's method would alternate: with a force that
+saturates at +-mu F and a stiffness k far above the inertia of the step, m/h^2, the slope is that inertia on either
+side. The result of the first iteration is never accepted.
 
-In static steps nothing slips, and f is zero. dF and df with a small motion follow from those of `places`.
+In static steps there is no slip, and f is zero. dF and df for a small motion follow from those of `places`.
 """
 
 import warp as wp
@@ -62,16 +63,16 @@ SLIPS = wp.constant(2)
 CREEPS = wp.constant(3)  # regularised, below v_slip
 RUBS = wp.constant(4)  # regularised, above
 
-# --- what is taken of the energy in a step, J, and at what power at the end of it, W
+# --- energy dissipated in a step, J, and power at its end, W
 DAMPED = wp.constant(0)
 RUBBED = wp.constant(1)
-GAINED = wp.constant(2)  # given to the place by the integrator, J, and ...
-AT_HAND = wp.constant(3)  # ... energy of a place that bounces, J, else 0: see `bounces`
+GAINED = wp.constant(2)  # energy gained by the integrator at the point, J, and ...
+AT_HAND = wp.constant(3)  # ... energy of a point that bounces, J, else 0: see `bounces`
 
 
 @wp.struct
 class Load:
-    """The force of a place on the first body, and what its tangent needs of it."""
+    """The force of a point on the first body, and the quantities of its tangent."""
 
     touch: Touch
     force: real  # F
@@ -87,26 +88,26 @@ class Load:
     kept: real  # c
     kept_bend: real  # dc/da
     slip: vec3  # s, with its part along n
-    velocity: vec3  # v_1 - v_2 at the place
+    velocity: vec3  # v_1 - v_2 at the point
 
 
 @wp.struct
 class Motion:
-    """Of a body, in the world: velocity of its centre of mass, angular velocity, increments of the step."""
+    """Motion of a body, in the world: velocity of its centre of mass, angular velocity, increments of the step."""
 
     v: vec3
     omega: vec3
     move: vec3
     turn: vec3
-    lever: vec3  # from its centre of mass to the place, mean of the step
-    share: real  # of that the part that the end of the step has
-    turn_by_turn: mat33  # d(turn) and, in the world, d(psi) by a turn about the body's axes
+    lever: vec3  # from its centre of mass to the point, mean of the step
+    share: real  # weight of the end of the step in it
+    turn_by_turn: mat33  # d(turn) and, in the world, d(psi) with respect to a rotation about the body's axes
     psi_by_turn: mat33
 
 
 @wp.func
 def motion_of(side: Side, w: int, x: vec3, before: vec3, known: int, state: MotionState, trial: Trial) -> Motion:
-    """Of the body of a surface; `before`: the place at the end of the last step, where `known`."""
+    """For the body of a surface; `before`: the point at the end of the last step, if `known`."""
     out = Motion()
     b = side.body
     if b < 0:
@@ -128,11 +129,11 @@ def motion_of(side: Side, w: int, x: vec3, before: vec3, known: int, state: Moti
 
 @wp.func
 def beyond_creep(model: Model, contact: int, speed: real) -> wp.vec2d:
-    """mu and dmu/dv [s/m] at a slip speed [m/s] of a law that does not stick, where it slips for good."""
+    """mu and dmu/dv [s/m] at a slip speed [m/s] of a law without stick, above the regularised range."""
     count = model.elements[0].lumped.slip_count[contact]
     if count == 0:
         return wp.vec2d(model.elements[0].lumped.friction[contact], real(0.0))
-    # the last piece has no next one to end at
+    # the last piece has no end
     first = model.elements[0].lumped.slip_start[contact]
     i = first + count - 1
     if speed < model.elements[0].lumped.slip_piece[i, 0]:
@@ -152,7 +153,7 @@ def tangential(n: vec3, a: vec3) -> vec3:
 
 @wp.func
 def turned_with(old: vec3, n: vec3, f: vec3) -> vec3:
-    """f, perpendicular to the unit vector `old`, by the least rotation that takes `old` to n."""
+    """f, perpendicular to the unit vector `old`, rotated by the smallest rotation that maps `old` to n."""
     q = real(1.0) + wp.dot(old, n)
     if q <= real(0.0):
         return vec3(real(0.0))
@@ -173,7 +174,7 @@ def find_forces(
     run: Run, state: MotionState, trial: Trial, lumped: LumpedState, lumps: LumpedContacts,
     lumped_load: wp.array2d(dtype=Load),
 ):  # fmt: skip
-    """Per (world, place): the nearest place at the trial state, the force there, and its energies."""
+    """Per (world, point): the contact point at the trial state, the force there, and its energies."""
     w, place = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -251,7 +252,7 @@ def find_forces(
         rub_power = -wp.dot(out.friction, v)
     damp_power = (out.force - push.force) * rate
     half = real(0.5) * run.clk[w].h
-    if run.ctl[w].mode == k.LOADING:  # nothing has a velocity
+    if run.ctl[w].mode == k.LOADING:  # there are no velocities
         half = real(0.0)
     lumps.lumped_taken[w, place, DAMPED] = half * (lumped.lumped_power[w, 0, place, DAMPED] + damp_power)
     lumps.lumped_taken[w, place, RUBBED] = rubbed + half * (lumped.lumped_power[w, 0, place, RUBBED] + rub_power)
@@ -281,7 +282,7 @@ def find_forces(
 
 @kernel
 def push_lumped(run: Run, trial: Trial, residuals: Residuals, lumped_load: wp.array2d(dtype=Load)):
-    """Per world: subtract the forces of all places from the residuals of their bodies."""
+    """Per world: subtract the forces of all points from the residuals of their bodies."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -308,8 +309,8 @@ def push_lumped(run: Run, trial: Trial, residuals: Residuals, lumped_load: wp.ar
 
 @wp.struct
 class Answer:
-    """What a small motion makes of a place: its shift, that of its normal, and the change of the force on the first
-    body, of its normal part, and of the angular velocity of the first body against the second."""
+    """Change of a contact point due to a small motion: its shift, that of its normal, and the change of the force on
+    the first body, of its normal part, and of the angular velocity of the first body relative to the second."""
 
     x: vec3
     n: vec3
@@ -332,7 +333,7 @@ def answer_to(
     coordinate: int,
     vel: real,
 ) -> Answer:
-    """To a unit of a coordinate of body `moves` (0 the first): 0 to 2 translation, 3 to 5 turn about its own axes."""
+    """For a unit of a coordinate of body `moves` (0 the first): 0 to 2 translation, 3 to 5 rotation, own axes."""
     zero = vec3(real(0.0))
     unit = zero
     unit[coordinate % 3] = real(1.0)
@@ -343,6 +344,7 @@ def answer_to(
         side = second
         own = two
         sign = real(-1.0)
+    # motion of the body by the coordinate, and of both bodies at the contact point
     dr = zero
     phi = zero
     dturn = zero
@@ -361,11 +363,13 @@ def answer_to(
     if moves == 1:
         u1 = zero
         u2 = u
+    # shift of the contact point and change of the normal
     shift = load.touch.Y * (sign * wp.cross(phi, n) + load.touch.H * (u2 - u1))
     ds = u1 + shift + (load.touch.between * wp.dot(n, u2 - u1)) * n
     dn = load.touch.H * (ds - u2)
     if moves == 1:
         dn += wp.cross(phi, n)
+    # approach, its rate and the normal force
     da = wp.dot(n, u2 - u1)
     dv = sign * (vel * dr + wp.cross(domega, x - side.r) - wp.cross(own.omega, dr))
     dv += wp.cross(one.omega - two.omega, ds)
@@ -378,6 +382,7 @@ def answer_to(
     out.force = dF
     out.turning = sign * domega
     mu = model.elements[0].lumped.friction[contact]
+    # friction with stick: change of the slip, of the rotated old force, and of the trial force
     if load.regime == STICKS or load.regime == SLIPS:
         dslip = sign * (dr + wp.cross(dturn, own.lever) - own.share * wp.cross(own.turn, dr))
         dslip += wp.cross(one.share * one.turn - two.share * two.turn, ds)
@@ -399,6 +404,7 @@ def answer_to(
             size = wp.length(load.trial)
             e = load.trial / size
             out.f += mu * dF * e + (mu * load.force / size) * tangential(e, dtrial)
+    # regularised friction
     if load.regime == CREEPS or load.regime == RUBS:
         creep = model.elements[0].lumped.slip_velocity[contact]
         v = tangential(n, load.velocity)
@@ -419,8 +425,8 @@ def add_column(
     w: int, body: int, column: int, A: mat33, dr: vec3, phi: vec3, d: vec3, dx: vec3, f: vec3, df: vec3,
     tangent: wp.array3d(dtype=real),
 ):  # fmt: skip
-    """Adds to a column what the residual of a body changes by: -f at d from its centre of mass, which moves by dr while
-    the place moves by dx and the body turns by phi."""
+    """Adds the change of the residual of a body to a column: -f at d from its centre of mass, which moves by dr while
+    the point moves by dx and the body rotates by phi."""
     dM = wp.cross(dx - dr, f) + wp.cross(d, df)
     moment = wp.transpose(A) * (dM + wp.cross(wp.cross(d, f), phi))
     row = 6 * body
@@ -434,7 +440,7 @@ def stiffen_lumped(
     run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: OuterSystem,
     lumped_load: wp.array2d(dtype=Load),
 ):  # fmt: skip
-    """Per world: add the tangent of the forces of all places that touch to the outer matrix."""
+    """Per world: add the tangent of the forces of all points in contact to the retained matrix."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
@@ -495,7 +501,7 @@ def stiffen_lumped(
 
 @kernel
 def keep_lumped(run: Run, lumped: LumpedState):
-    """Per (world, place): the trial state becomes the accepted one; the tiny step of PROJECT leaves nothing."""
+    """Per (world, point): the trial state becomes the accepted one; the tiny step of PROJECT is not stored."""
     w, place = wp.tid()
     if run.ctl[w].accept == 0 or run.ctl[w].mode == k.PROJECT:
         return
@@ -513,7 +519,7 @@ def keep_lumped(run: Run, lumped: LumpedState):
 
 @kernel
 def record_lumped(run: Run, saved: SavedLumped, lumped_load: wp.array2d(dtype=Load)):
-    """Per (world, place): NUMBERS of the accepted state."""
+    """Per (world, point): NUMBERS of the accepted state."""
     w, place = wp.tid()
     if run.ctl[w].record == 0:
         return

@@ -1,17 +1,17 @@
-r"""Form deviations of surfaces of revolution in lumped contacts: waviness, ovality, a measured roundness.
+r"""Form deviations of surfaces of revolution in lumped contacts: waviness, ovality, measured roundness.
 
-Material is missing to the depth w(theta) under the ideal surface. With the ideal signed distance d (gradient n, Hessian
+The actual surface lies at the depth w(theta) below the ideal one. With the ideal signed distance d (gradient n, Hessian
 H, `surfaces.surface`), the angle theta about the axis and the radius rho of a point,
 
     grad theta = e_theta/rho,      Hess theta = -(e_r e_theta + e_theta e_r)/rho^2,
 
-the surface with its form is the zero of d + w, and of first order in the slope w'/rho, whose square is dropped,
+the surface with its form is the zero of d + w, and to first order in the slope w'/rho,
 
     distance   d + w,      normal   (n + w'/rho e_theta)/|..|,      curvature   H + w''/rho^2 e_theta e_theta
                                                                              - w'/rho^2 (e_r e_theta + e_theta e_r).
 
-w is periodic, in cubic pieces of equal width whose second derivative is continuous: a division finds the piece.
-Surfaces without a form do not come here.
+w is periodic, in cubic pieces of equal width with a continuous second derivative: a division finds the piece. These
+functions are not called for surfaces without a form deviation.
 """
 
 import warp as wp
@@ -22,12 +22,12 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 wp.set_module_options(MODULE_OPTIONS)
 
 TURN = wp.constant(wp.float64(6.283185307179586))  # rad
-AXIS = wp.constant(wp.float64(1.0e-14))  # m: closer to the axis there is no angle
+AXIS = wp.constant(wp.float64(1.0e-14))  # m: nearer to the axis the angle is undefined
 
 
 @wp.func
 def depth_of(model: Model, s: int, theta: real) -> vec3:
-    """w [m], w' and w'' [m, by rad] at an angle [rad] of the surface's chart."""
+    """w [m], w' and w'' [m, per rad] at an angle [rad] of the surface's chart."""
     count = model.elements[0].lumped.form_count[s]
     width = TURN / real(count)
     at = (theta - model.elements[0].lumped.form_begin[s]) / TURN
@@ -45,13 +45,13 @@ def depth_of(model: Model, s: int, theta: real) -> vec3:
 
 @wp.func
 def depth_at(model: Model, s: int, x: vec3) -> vec3:
-    """The same of a point in the surface's frame."""
+    """The same for a point in the surface's frame."""
     return depth_of(model, s, wp.atan2(x[1], x[0]))
 
 
 @wp.func
 def formed_normal(model: Model, s: int, x: vec3, n: vec3) -> vec3:
-    """Of a point in the surface's frame, n that of the ideal surface."""
+    """For a point in the surface's frame, n that of the ideal surface."""
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
     if rho < AXIS:
         return n
@@ -61,7 +61,7 @@ def formed_normal(model: Model, s: int, x: vec3, n: vec3) -> vec3:
 
 @wp.func
 def form_bend(model: Model, s: int, x: vec3) -> mat33:
-    """What the Hessian [1/m] of the distance gains, in the surface's frame."""
+    """Contribution to the Hessian [1/m] of the distance, in the surface's frame."""
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
     if rho < AXIS:
         return mat33()

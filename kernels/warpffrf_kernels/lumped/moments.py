@@ -1,31 +1,31 @@
-r"""Moments of lumped contacts: what resists rolling, and pivoting about the normal.
+r"""Moments of lumped contacts: resistance to rolling, and to pivoting about the normal.
 
-At a place with the force F along its normal n, where body 1 turns against body 2 with omega = omega_1 - omega_2,
+At a point with the force F along its normal n, where body 1 rotates relative to body 2 with omega = omega_1 - omega_2,
 
     omega_r = omega - (n . omega) n,      omega_s = (n . omega) n        (rolling, pivoting)
     M = -m_r(|omega_r|) omega_r/|omega_r| - m_s(|omega_s|) omega_s/|omega_s|        on body 1, -M on body 2,
 
-each with a bound that is reached where its slope from rest meets it,
+each with a linear rise from rest up to a bound,
 
     m(w) = min(c F^p, d F^q w).
 
 c, p, d and q are those of the contact (`warpffrf.model.moments`): a lever e has c = e, p = 1. Neither moment has a
-potential nor remembers anything; the power -M . omega = sum m w >= 0 is booked as friction, a mean of both ends of a
-step. Like regularised friction they act at the velocities at the end of the step. In static steps nothing turns, and
-there is none.
+potential or a history; the power -M . omega = sum m w >= 0 is booked as friction, a mean of both ends of a step. Like
+regularised friction they are evaluated at the velocities at the end of the step. In static steps there is no rotation,
+and both are zero.
 
-Where an iteration takes a part from its bound past rest to the other bound, the next one would take it back, and so on
-for ever: there the moment goes on along its slope for once, which leads to where the motion ends. The first iteration
-has the bound, unlike that of friction (`forces`): elements roll at it all the time, and a moment without bound would
-ask for more friction than there is.
+If an iteration moves a part from its bound past rest to the opposite bound, the next one would move it back, and so on:
+in that case the moment follows its slope for one iteration, which leads to the solution. The first iteration includes
+the bound, unlike that of friction (`forces`): rolling elements are at it all the time, and a moment without bound would
+require more friction than available.
 
 **Tangent.** With dF, dn and d(omega) of a small motion from `forces`,
 
     d(omega_r) = T d(omega) - (n . omega) dn - (dn . omega) n,      T = 1 - n n^T,
     d(omega_s) = (dn . omega + n . d(omega)) n + (n . omega) dn,
 
-and for each part w e = omega_x: below the bound dM = -d (q F^(q-1) dF omega_x + F^q d(omega_x)), at it
-dM = -c (p F^(p-1) dF e + F^p/w (1 - e e^T) d(omega_x)).
+and for each part w e = omega_x: below the bound dM = -d (q F^(q-1) dF omega_x + F^q d(omega_x)), at it dM = -c (p
+F^(p-1) dF e + F^p/w (1 - e e^T) d(omega_x)).
 """
 
 import warp as wp
@@ -50,7 +50,7 @@ PIVOTING = wp.constant(1)
 
 @wp.struct
 class Moment:
-    """On the first body at a place, and what its tangent needs: omega, and which parts are at their bound."""
+    """Moment on the first body at a point, and data of its tangent: omega, and which parts are at their bound."""
 
     total: vec3
     turning: vec3
@@ -85,7 +85,7 @@ def find_moments(
     run: Run, trial: Trial, lumped: LumpedState, lumps: LumpedContacts, lumped_load: wp.array2d(dtype=Load),
     lumped_moment: wp.array2d(dtype=Moment),
 ):  # fmt: skip
-    """Per (world, place with moments): these at the trial state, and what they take."""
+    """Per (world, point with moments): moments at the trial state, and their dissipation."""
     w, i = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -121,14 +121,14 @@ def find_moments(
             out.total = out.total - slope * part
     power = -wp.dot(out.total, out.turning)
     lumped.lumped_power[w, 1, place, RUBBED] = lumped.lumped_power[w, 1, place, RUBBED] + power
-    if run.ctl[w].mode != k.LOADING:  # nothing has a velocity there
+    if run.ctl[w].mode != k.LOADING:  # there are no velocities
         lumps.lumped_taken[w, place, RUBBED] = lumps.lumped_taken[w, place, RUBBED] + real(0.5) * run.clk[w].h * power
     lumped_moment[w, i] = out
 
 
 @kernel
 def push_moments(run: Run, trial: Trial, residuals: Residuals, lumped_moment: wp.array2d(dtype=Moment)):
-    """Per world: subtract the moments of all places from the residuals of their bodies."""
+    """Per world: subtract the moments of all points from the residuals of their bodies."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -152,7 +152,7 @@ def push_moments(run: Run, trial: Trial, residuals: Residuals, lumped_moment: wp
 
 @wp.func
 def change_of(model: Model, i: int, load: Load, moment: Moment, force: real, n: vec3, turning: vec3) -> vec3:
-    """dM on the first body by dF, dn and d(omega)."""
+    """dM on the first body due to dF, dn and d(omega)."""
     total = vec3(real(0.0))
     pivoting = wp.dot(load.touch.n, moment.turning)
     along = wp.dot(n, moment.turning)
@@ -181,7 +181,7 @@ def stiffen_moments(
     run: Run, state: MotionState, trial: Trial, lumped: LumpedState, system: OuterSystem,
     lumped_load: wp.array2d(dtype=Load), lumped_moment: wp.array2d(dtype=Moment),
 ):  # fmt: skip
-    """Per world: add the tangent of the moments of all places that touch to the outer matrix."""
+    """Per world: add the tangent of the moments of all points in contact to the retained matrix."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0 or run.ctl[w].mode == k.STATIC:
@@ -224,7 +224,7 @@ def stiffen_moments(
                             dM = -dM
                         if body.body >= 0:
                             turn = dM
-                            if other == moves and coordinate >= 3:  # in the body's axes, which turn
+                            if other == moves and coordinate >= 3:  # in the body's axes, which rotate
                                 turn += wp.cross(
                                     M,
                                     vec3(
@@ -241,7 +241,7 @@ def stiffen_moments(
 
 @kernel
 def record_moments(run: Run, saved: SavedLumped, lumped_moment: wp.array2d(dtype=Moment)):
-    """Per (world, place with moments): the moment on the first body of the accepted state."""
+    """Per (world, point with moments): the moment on the first body of the accepted state."""
     w, i = wp.tid()
     if run.ctl[w].record == 0:
         return

@@ -1,33 +1,33 @@
-r"""Where two rigid surfaces are nearest, and how that place moves with the two bodies.
+r"""Closest points of two rigid surfaces, and their motion with the two bodies.
 
-A surface is known by its signed distance d(x), positive in the free space, whose gradient is the unit normal n at the
+A surface is defined by its signed distance d(x), positive in the free space, whose gradient is the unit normal n at the
 foot of x and whose Hessian H (zero along n) is the curvature of the surface through x (`surfaces.surface`). No chart is
-used, so that poles of a ball and other seams of charts do not matter.
+used, so that poles of a ball and other chart singularities are harmless.
 
-**Nearest points.** The sum d_1 + d_2 is stationary where n_1 + n_2 = 0: x lies on the common normal, along which the
-sum is constant. Its value is the gap g, of surfaces apart the distance, of surfaces that overlap minus the depth. It is
-a minimum across the normal where the surfaces touch in one point, the Hessian H_1 + H_2 there the relative curvature;
-Newton's method, with eigenvalues kept positive and steps that must not raise the sum, finds it from the foot of one
-surface's middle on the other, the better of both. x is put half-way, d_1 = d_2.
+**Closest points.** The sum d_1 + d_2 is stationary where n_1 + n_2 = 0: x lies on the common normal, along which the
+sum is constant. Its value is the gap g, the distance of separated surfaces, minus the depth of overlapping ones. It is
+a minimum across the normal for surfaces with a single contact point, the Hessian H_1 + H_2 there the relative
+curvature; Newton's method, with eigenvalues kept positive and steps that must not increase the sum, finds it from the
+foot of one surface's centre on the other, the better of both. x is placed half-way, d_1 = d_2.
 
-**A lamina** of a roller is the circle x = c + R e_r(theta) about the roller's axis at a place z, R = R(z). Its gap is
-the least d_2 over the circle, where n_2 . e_theta = 0.
+**A lamina** of a roller is the circle x = c + R e_r(theta) about the roller's axis at an axial position z, R = R(z).
+Its gap is the minimum of d_2 over the circle, where n_2 . e_theta = 0.
 
-**Motions.** With small motions of the bodies that carry them by u_i = dr_i + phi_i x (x - r_i) at x and turn them by
-phi_i, and n = n_2 (= -n_1 of points), the gap changes by
+**Motions.** For small motions of the bodies that displace x by u_i = dr_i + phi_i x (x - r_i) and rotate by phi_i, and
+n = n_2 (= -n_1 of points), the gap changes by
 
     dg = n . (u_1 - u_2)
 
-in both cases, as x is stationary: a force F against -g acts with F n on body 1 and -F n on body 2 at the same place x,
-has the potential int F, and balances in force and moment. The place itself moves by
+in both cases, as x is stationary: a force F against -g acts with F n on body 1 and -F n on body 2 at the same point x,
+has the potential int F, and balances in force and moment. The contact point itself moves by
 
     dx = u_1 + Y [(phi_1 - phi_2) x n + H_2 (u_2 - u_1)] (+ n n . (u_2 - u_1)/2 of points),
     dn = phi_2 x n + H_2 (dx - u_2),
 
 Y the inverse of the relative curvature across the normal (of points), or R/(R e_theta . H_2 e_theta - n . e_r) along
-e_theta (of laminae). A ball of radius R on a plane: H_2 = 0, Y = R, dx = u_1 + R phi_1 x n: the place stays below the
-centre. Where the relative curvature vanishes in a direction (two parallel cylinders) the place is not determined there,
-and does not move along it against body 1.
+e_theta (of laminae). A ball of radius R on a plane: H_2 = 0, Y = R, dx = u_1 + R phi_1 x n: the point stays below the
+centre. If the relative curvature vanishes in a direction (two parallel cylinders) the point is not determined there,
+and does not move in that direction relative to body 1.
 """
 
 import warp as wp
@@ -47,16 +47,17 @@ from warpffrf_kernels.surfaces.surface import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-STEPS = wp.constant(40)  # of Newton's method; four or five do from the foot of a ball's or a roller's middle
-HALVINGS = wp.constant(30)  # of a step that would raise the sum of the distances
-ARRIVED = wp.constant(wp.float64(1.0e-15))  # sine between the normals: the gap errs by its square
-# of the sum of the distances, over the size of the surfaces: a step that raises it by less is one at round-off
+STEPS = wp.constant(40)  # of Newton's method; four or five suffice from the foot of a ball's or a roller's centre
+HALVINGS = wp.constant(30)  # of a step that would increase the sum of the distances
+ARRIVED = wp.constant(wp.float64(1.0e-15))  # sine between the normals: the error of the gap is its square
+# of the sum of the distances, over the size of the surfaces: a smaller increase in a step is round-off
 ROUND_OFF = wp.constant(wp.float64(1.0e-15))
-# of a step, where a surface has a form, whose slopes are of first order: what the sum may rise by, their square
+# of a step, if a surface has a form, whose slopes are of first order: the allowed increase of the sum, their square
 SLOPES = wp.constant(wp.float64(1.0e-5))
-FLAT = wp.constant(wp.float64(1.0e-7))  # of the larger curvature: a relative curvature below is none
-CENTRED = wp.constant(wp.float64(1.0e-9))  # of the radius: a middle so close to the other's axis has no direction there
-OFF_CENTRE = wp.constant(wp.float64(1.0e-3))  # of the radius: where such a one is taken to be
+FLAT = wp.constant(wp.float64(1.0e-7))  # of the larger curvature: a smaller relative curvature counts as zero
+# of the radius: for a centre this close to the other's axis the direction is undefined
+CENTRED = wp.constant(wp.float64(1.0e-9))
+OFF_CENTRE = wp.constant(wp.float64(1.0e-3))  # of the radius: offset used for such a centre
 
 
 @wp.struct
@@ -74,8 +75,8 @@ class Side:
 
 @wp.struct
 class Touch:
-    """A place: x, the normal n of the second surface, H_2 and Y of the module docstring, the gap g; `between`: 1 where
-    x is half-way."""
+    """A contact point: x, the normal n of the second surface, H_2 and Y of the module docstring, the gap g; `between`:
+    1 if x is half-way."""
 
     x: vec3
     n: vec3
@@ -117,7 +118,7 @@ def normal_at(model: Model, side: Side, x: vec3) -> vec3:
 
 @wp.func
 def is_ball(model: Model, s: int) -> int:
-    """1 of a sphere or a cup: an arc about a point of the axis."""
+    """1 for a sphere or a cup: an arc about a point of the axis."""
     ball = model.surfaces.crown[s] == model.surfaces.radius[s] and model.surfaces.planar[s] == 0
     if ball and model.surfaces.tangent[s] == real(0.0) and model.surfaces.table_count[s] == 0:
         return 1
@@ -126,7 +127,7 @@ def is_ball(model: Model, s: int) -> int:
 
 @wp.func
 def bend_at(model: Model, side: Side, x: vec3) -> mat33:
-    """Hessian of the distance, 1/m; of a ball at its poles too, where the chart has none."""
+    """Hessian of the distance, 1/m; for a ball also at its poles, where the chart is singular."""
     y = wp.transpose(side.Q) * (x - side.o)
     s = side.surface
     if is_ball(model, s) != 0:
@@ -143,7 +144,7 @@ def bend_at(model: Model, side: Side, x: vec3) -> mat33:
 
 @wp.func
 def off_axis(model: Model, side: Side, x: vec3) -> vec3:
-    """x, moved off the axis of the surface where it lies on it: there is no nearest point then."""
+    """x, moved off the axis of the surface if it lies on it: the closest point is undefined there."""
     if model.surfaces.planar[side.surface] != 0:
         return x
     y = wp.transpose(side.Q) * (x - side.o)
@@ -155,7 +156,7 @@ def off_axis(model: Model, side: Side, x: vec3) -> vec3:
 
 @wp.func
 def foot_of_middle(model: Model, one: Side, other: Side) -> vec3:
-    """Where to begin: the foot on `other` of the middle of `one`, taken on to the surface of `one`."""
+    """Initial point: the foot on `other` of the centre of `one`, moved to the surface of `one`."""
     c = off_axis(model, other, one.o)
     n = normal_at(model, other, c)
     if is_ball(model, one.surface) != 0 and model.surfaces.side[one.surface] > real(0.0):
@@ -175,8 +176,8 @@ def across(n: vec3):
 
 @wp.func
 def inverse_across(H: mat33, n: vec3, clipped: int) -> mat33:
-    """Inverse of H across n. `clipped`: eigenvalues made positive and none below FLAT of the largest, as a descent
-    needs; else directions without curvature have the inverse 0."""
+    """Inverse of H across n. `clipped`: eigenvalues made positive, at least FLAT of the largest, as a descent requires;
+    else directions without curvature have the inverse 0."""
     t, s = across(n)
     a = wp.dot(t, H * t)
     b = wp.dot(t, H * s)
@@ -210,7 +211,7 @@ def inverse_across(H: mat33, n: vec3, clipped: int) -> mat33:
 
 @wp.func
 def nearest_points(model: Model, first: Side, second: Side) -> Touch:
-    """The common normal of two surfaces that touch in a point."""
+    """The common normal of two surfaces with a single contact point."""
     x = foot_of_middle(model, first, second)
     if model.surfaces.planar[first.surface] != 0:
         x = foot_of_middle(model, second, first)
@@ -268,7 +269,7 @@ def nearest_points(model: Model, first: Side, second: Side) -> Touch:
 
 @wp.func
 def nearest_of_lamina(model: Model, roller: Side, second: Side, z: real) -> Touch:
-    """The place of the circle about the roller's axis at z [m] that is deepest in the second surface."""
+    """The point of the circle about the roller's axis at z [m] that is deepest in the second surface."""
     e_0 = vec3(roller.Q[0, 0], roller.Q[1, 0], roller.Q[2, 0])
     e_1 = vec3(roller.Q[0, 1], roller.Q[1, 1], roller.Q[2, 1])
     e_a = vec3(roller.Q[0, 2], roller.Q[1, 2], roller.Q[2, 2])

@@ -1,1 +1,1 @@
-"""Of an attempt as a whole: balance, errors, the ledger, what is kept and what is recorded."""
+"""The attempt as a whole: balance, errors, energy ledger, acceptance and recording."""

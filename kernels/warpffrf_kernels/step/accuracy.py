@@ -1,27 +1,28 @@
-"""Local error of a step, and velocities that agree with the joints.
+"""Local error of a step, and projection of velocities onto the joint constraints.
 
 Error. The update of positions truncates the Taylor series of a motion with acceleration vdot at (beta - 1/6) h^3 vddot,
-so that, with vddot = (vdot_1 - vdot_0)/h, the increments of a step are wrong by about
+so that, with vddot = (vdot_1 - vdot_0)/h, the error of the increments of a step is about
 
     e = |beta - 1/6| h^2 |vdot_1 - vdot_0|
 
-(Zienkiewicz and Xie 1991). Positions are measured by the body's radius of gyration, turns in rad, modal coordinates by
-the displacement at the point of the body that moves most, over the radius of gyration. Stiff local modes follow the
-load without inertia and are not in it. A step whose largest e exceeds the one allowed is halved; it may be
-doubled when e is below 1/16 of it, since e grows with h^3. A load that begins and ends within one step is not seen.
+(Zienkiewicz and Xie 1991). Positions are scaled by the body's radius of gyration, rotations are in rad, modal
+coordinates are scaled as the displacement at the point of the body that moves most over the radius of gyration. Stiff
+local modes follow the load without inertia and are excluded. A step whose largest e exceeds the allowed value is
+halved; it may be doubled when e is below 1/16 of it, since e grows with h^3. A load that begins and ends within one
+step is not detected.
 
-Projection. Index-3 steps keep the joints at position level; velocities then miss C v = s'(t) by the error of the step.
-With the inverse H of the outer matrix [S, C^T; C, ...] the correction
+Projection. Index-3 steps satisfy the joints at position level; velocities then violate C v = s'(t) by the error of the
+step. With the inverse H of the retained matrix [S, C^T; C, ...] the correction
 
     (dv, mu) = H (0, s' - C v - C_m qdot),      dqdot = -sigma^-1 C_m^T mu
 
-removes what they miss with the least change in the metric of S, which is ACC times the mass to first order in h.
-The other quantities of the step follow, else accelerations and reactions would lag by a fraction of the step, an error
-of first order: what the velocities define through `v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1)` is
+removes this violation with the least change in the metric of S, which is ACC times the mass to first order in h. The
+other quantities of the step are corrected consistently, otherwise accelerations and reactions would lag by a fraction
+of the step, an error of first order: from `v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1)`,
 
     da_1 = dv/(gamma h),      dvdot_1 = ACC/VEL dv,      dlambda = mu/VEL,
 
-and M dvdot + C^T dlambda = 0, so that the balance of forces stays.
+and M dvdot + C^T dlambda = 0, so that the balance of forces is preserved.
 """
 
 import warp as wp
@@ -41,7 +42,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @kernel
 def estimate_error(run: Run, state: MotionState, trial: Trial):
-    """Per world: clk[ERROR], the local error as a fraction of the one allowed; 0 where none is."""
+    """Per world: clk[ERROR], the local error as a fraction of the allowed one; 0 if no limit is set."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:
@@ -153,7 +154,7 @@ def project_velocities(
 
 @kernel
 def correct_algorithmic(run: Run, system: OuterSystem, state: MotionState):
-    """One block per world: the algorithmic accelerations of an accepted step, as its projected velocities have them."""
+    """One block per world: algorithmic accelerations of an accepted step, consistent with its projected velocities."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or run.ctl[w].mode != k.DYNAMIC or run.project[w] == 0:

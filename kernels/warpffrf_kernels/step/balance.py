@@ -1,8 +1,8 @@
-"""Is a state balanced? Residuals as fractions of the forces and lengths at hand, which end the Newton loop.
+"""Convergence of the Newton loop: residuals as fractions of the current forces and lengths.
 
-A torque counts as the force that it is at the body's radius of gyration. What round-off leaves of sums of large terms
-that cancel (accelerations from increments, point forces as of a bolt, forces of joints on the modes) is no reason to go
-on.
+A torque is measured by the equivalent force at the body's radius of gyration. Round-off of sums of large cancelling
+terms (accelerations from increments, point forces as of a bolt, joint forces on the modes) does not prevent
+convergence.
 """
 
 import warp as wp
@@ -21,35 +21,35 @@ from warpffrf_kernels.core.state import ContactState, LoadState, LumpedState
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# Residual below which the matrix of the last iteration serves once more: within an attempt it mostly changes by less
-# than 1e-4, which is what a solve with it leaves.
+# Residual below which the matrix of the last iteration is reused: within an attempt it mostly changes by less than
+# 1e-4, which is the error of a solve with it.
 REFRESH_ABOVE = wp.constant(wp.float64(1.0e-5))
-SLOW = wp.constant(wp.float64(0.1))  # of the residual before: a matrix that has left more does not serve again
-# of the coordinates: a joint defect is not measured against less, or round-off would exceed the tolerance
+SLOW = wp.constant(wp.float64(0.1))  # of the previous residual: above it the matrix is not reused
+# of the coordinates: lower bound of the scale of joint defects, or round-off would exceed the tolerance
 SHORT = wp.constant(wp.float64(1.0e-5))
 # of accelerations, times the residual tolerance: a few digits above machine precision
 ROUND_OFF = wp.constant(wp.float64(1.0e-6))
 # of point forces, and of a joint's force on the modes: round-off of their sums over the tolerance
 CANCELLED = wp.constant(wp.float64(1.0e-5))
-# of the forces of cells on a body or a mode, which may cancel: cells are stiff, and round-off of places shows
+# of the forces of cells on a body or a mode, which may cancel: cells are stiff, and round-off of positions is visible
 CELLS = wp.constant(wp.float64(0.1))
-# of the force that moves a body by the scene's length in a step: below what round-off leaves where nothing acts
+# of the force that moves a body by the scene's length in a step: below round-off where no force acts
 NO_FORCE = wp.constant(wp.float64(1.0e-29))
 STILL = wp.constant(wp.float64(1.0e-11))  # of the increments of a load step, and ...
-ROUNDED = wp.constant(wp.float64(1.0e-15))  # ... of the coordinates: what moves less from round to round is at rest
-CLOSER = wp.constant(wp.float64(100.0))  # forces of laps are found that much closer, as other forces are in the end
-NONE = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite where bodies have next to no mass
+ROUNDED = wp.constant(wp.float64(1.0e-15))  # ... of the coordinates: smaller motion between rounds counts as rest
+CLOSER = wp.constant(wp.float64(100.0))  # joint interface forces converge more tightly, as other forces finally do
+NONE = wp.constant(wp.float64(1.0e-300))  # keeps fractions finite where bodies have almost no mass
 
 
 @wp.func
 def gyration_of(J: mat33, mass: real) -> real:
-    """Mean radius of gyration: a torque is measured by the force that it is there, also of a slender body."""
+    """Mean radius of gyration: a torque is measured by the equivalent force at it, also for a slender body."""
     return wp.sqrt(wp.trace(J) / (real(3.0) * mass))
 
 
 @wp.func
 def arm_of(model: Model, row: int) -> real:
-    """1 of a row that is a length, the scene's length [m] of one that is an angle: what makes the one of the other."""
+    """1 for a row that is a length, the length of the scene [m] for an angle: converts between them."""
     kind = model.rows.kind[row]
     if kind == k.TRANSLATION or kind == k.DISTANCE:
         return real(1.0)
@@ -62,8 +62,8 @@ def arm_of(model: Model, row: int) -> real:
 
 @wp.func
 def inertia_left(model: Model, w: int, acc: real, extent: real, scale: real, modal_scale: real, trial: Trial) -> real:
-    """Largest inertia force of a proximal step, of bodies over `scale`, of modes over `modal_scale`, but for what moves
-    no more than round-off: `STILL` of the increments of the load step, or `ROUNDED` of `extent` [m]."""
+    """Largest inertia force of a proximal step, of bodies over `scale`, of modes over `modal_scale`, excluding motion
+    below round-off: `STILL` of the increments of the load step, or `ROUNDED` of `extent` [m]."""
     most = real(0.0)
     b = int(0)
     while b < model.bodies.count:
@@ -97,7 +97,7 @@ def inertia_left(model: Model, w: int, acc: real, extent: real, scale: real, mod
 
 @wp.func
 def lap_stiffness_of(model: Model, w: int, group: int, column: int, lap_stiffness: wp.array(dtype=real)) -> real:
-    """-T_zz of a coordinate of the motion of a group of laps, as the tangent of the last iteration had it."""
+    """-T_zz of a motion coordinate of a group of joint interfaces, from the tangent of the last iteration."""
     first = model.elements[0].laps[0].column_start[group]
     columns = model.elements[0].laps[0].column_start[group + 1] - first
     square = w * model.elements[0].laps[0].square_start[model.elements[0].laps[0].count]
@@ -107,7 +107,7 @@ def lap_stiffness_of(model: Model, w: int, group: int, column: int, lap_stiffnes
 
 @wp.func
 def stiffest_place(model: Model, w: int, group: int, lap_stiffness: wp.array(dtype=real)) -> real:
-    """Largest K_tt of the laps of a group [N/m]; 0 where none has a second body or the ground."""
+    """Largest K_tt of the joint interfaces of a group [N/m]; 0 if none has a second body or the ground."""
     most = real(0.0)
     lap = model.elements[0].laps[0].lap_start[group]
     while lap < model.elements[0].laps[0].lap_start[group + 1]:
@@ -124,13 +124,14 @@ def balance(
     run: Run, trial: Trial, loads: LoadState, residuals: Residuals, geometry: ContactGeometry, pairs: ContactState,
     lumped: LumpedState, oil: FilmScratch, tableau: LapScratch, q1: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per world: is the state balanced? Residual forces with contact, row defects, spring laws, gaps left open and
-    flows of films, all as fractions.
+    """Per world: convergence check. Residual forces with contact, row defects, spring laws, open gaps under pressure
+    and flows of films, all as fractions.
 
-    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force, that of
-    modal ones the largest contact load, of all pairs and of each, elastic and inertia force; that of lengths the
-    penetration where there is contact, else the scene's (`gap_defect`: gaps left open as a fraction, penetration).
-    Load steps count the forces that they begin with as well: one that ends without any leaves the round-off of those.
+    The scale of forces is the largest of weight, inertia and gyroscopic force, multiplier and contact force; that of
+    modal forces is the largest contact load, of all pairs and of each, elastic and inertia force; that of lengths is
+    the penetration if there is contact, else the length of the scene (`gap_defect`: open gaps as a fraction,
+    penetration). Load steps include the forces at their start: one that ends without forces retains the round-off of
+    those.
     """
     w = wp.tid()
     model = run.models[w]
@@ -152,7 +153,7 @@ def balance(
             wp.cross(trial.omega1[w, b], J * trial.omega1[w, b])
         )
         scale = wp.max(scale, turning / gyration)
-        # accelerations are differences of increments: below this they are round-off
+        # accelerations are differences of increments: smaller values are round-off
         travel = wp.length(trial.dx[w, b]) + gyration * wp.length(trial.psi[w, b])
         scale = wp.max(scale, ROUND_OFF * run.clk[w].outer.acc * m * travel)
         for c in range(3):
@@ -163,7 +164,7 @@ def balance(
                 scale = wp.max(scale, wp.abs(loads.load[w, 0, 6 * b + 3 + c]) / gyration)
         b += 1
     i = int(0)
-    # forces that cancel each other on a body, as those of a bolt, leave round-off
+    # forces that cancel on a body, such as those of a bolt, leave round-off
     while i < model.external[0].forces.count:
         force = wp.length(loads.applied[w, 1, i])
         scale = wp.max(scale, CANCELLED * force)
@@ -188,7 +189,7 @@ def balance(
             length = wp.min(length, wp.max(tableau.lap_depth[w, lap], SHORT * extent))
         lap += 1
     worst = real(0.0)
-    sum = residuals.gap_defect[w, 0]  # a largest value drops what is not a number, a sum keeps it
+    sum = residuals.gap_defect[w, 0]  # a maximum drops NaN, a sum keeps it
     row = int(0)
     while row < model.rows.count:
         size = wp.abs(loads.lam[w, row])
@@ -222,7 +223,7 @@ def balance(
         if loading:
             scale = wp.max(scale, lumped.lumped_force[w, 0, place])
         place += 1
-    switching = int(0)  # films whose set has changed, or that could not go all the way
+    switching = int(0)  # films whose active set has changed, or whose increment was reduced
     film = int(0)
     while film < model.elements[0].films[0].count:
         scale = wp.max(
@@ -257,7 +258,7 @@ def balance(
         sum += tableau.lap_off[w, lap]
         lap += 1
     row = int(0)
-    while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size passes
+    while row < model.rows.count:  # a spring's force against its law; a stretch of round-off size is accepted
         if residuals.softness[w, row] != real(0.0):
             arm = arm_of(model, row)
             given = wp.max(scale * wp.abs(residuals.softness[w, row]) * arm, SHORT * extent / arm)
@@ -268,7 +269,7 @@ def balance(
     while b < model.bodies.count:
         f = vec3(residuals.residual[w, 6 * b], residuals.residual[w, 6 * b + 1], residuals.residual[w, 6 * b + 2])
         t = vec3(residuals.residual[w, 6 * b + 3], residuals.residual[w, 6 * b + 4], residuals.residual[w, 6 * b + 5])
-        # a torque is measured by the force that it is at the radius of gyration
+        # a torque is measured by the equivalent force at the radius of gyration
         gyration = gyration_of(model.bodies.inertia[b], model.bodies.mass[b])
         worst = wp.max(worst, wp.max(wp.length(f), wp.length(t) / gyration) / scale)
         sum += wp.length(f) + wp.length(t)
@@ -292,7 +293,7 @@ def balance(
         sum += residuals.modal_residual[w, n]
         n += 1
     pair = int(0)
-    while pair < model.pairs.count:  # loads of pairs that cancel each other on the modes leave round-off
+    while pair < model.pairs.count:  # loads of pairs that cancel on the modes leave round-off
         n = int(0)
         while n < model.pairs.most_modes:
             modal_scale = wp.max(modal_scale, wp.abs(pairs.pair_modal[w, pair, 1, n]))
@@ -308,7 +309,7 @@ def balance(
             modal_scale = wp.max(modal_scale, wp.max(wp.abs(tableau.lap_push[w, n]), CELLS * tableau.lap_sum[w, n]))
         n += 1
     row = int(0)
-    while row < model.rows.count:  # forces of joints that cancel each other on the modes leave round-off
+    while row < model.rows.count:  # forces of joints that cancel on the modes leave round-off
         for side in range(2):
             interface = model.markers.interface[marker_of(model, row, side)]
             if interface >= 0:

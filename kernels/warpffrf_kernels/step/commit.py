@@ -1,26 +1,26 @@
-"""End of an attempt: acceptance, step size, and what is kept of it or restored.
+"""End of an attempt: acceptance, step size, and which quantities are kept or restored.
 
-A step is accepted when its Newton loop converged, everything is finite, and its local error is allowed (`accuracy`).
-Otherwise it is halved (levels are powers of two of the user's step, so time stays exact), and doubled again when it
-goes well. A rejected attempt leaves multipliers and the contact (`contact_snapshot`) as it found them. An attempt in
-which a pair swings, or its memory creates energy, is repeated at the same step with that pair impulsive
-(`impulsive_contact`). One in which friction of a joint cannot stay what it was is repeated as a step that forgets, and
-the step after it forgets too (`joint_friction`). A load step is halved like a step in time, and taken with shorter
-proximal steps where that does not help (`proximal`).
+A step is accepted if its Newton loop converged, everything is finite, and its local error is allowed (`accuracy`).
+Otherwise it is halved (levels are powers of two of the user's step, so time stays exact), and doubled again when the
+steps are accurate. A rejected attempt restores multipliers and contact (`contact_snapshot`). An attempt in which a pair
+oscillates, or its history creates energy, is repeated at the same step with that pair impulsive (`impulsive_contact`).
+If the friction state of a joint cannot persist, the attempt is repeated without old accelerations, and so is the step
+after it (`joint_friction`). A load step is halved like a step in time, and taken with shorter proximal steps if halving
+does not suffice (`proximal`).
 
 In scenes with dynamic local modes an attempt in which contact is not calm, or the integrator gains more than the energy
-tolerance, is repeated with all pairs impulsive, and so on until it is calm.
+tolerance, is repeated with all pairs impulsive until it is calm.
 
-What the *integrator* gains of stiff modes that an impact has struck is limited by halving: steps that open or close a
-contact, are part of an impact (contact and motion exchange much of their energy in it), are impulsive while anything
-touches, or come next to such a step at its size or halved, may gain `energy_tolerance` of the energy at hand each, and
-all together MOST_GAINED, each of them half of what is left of that, if this is less. With dynamic local modes, where no
-pair is judged, what contact gains or loses counts as well; and where a lumped contact is part of the impact what the
-integrator loses: nothing else limits that where all that yields is the law of the contact. A lumped contact that
-bounces is limited alike by its own energy (`lumped.bounces`), which that of what travels along its surfaces does not
-hide: what it gains, losses taken off, in steps in which all of them together gain. Those that press with less than
-PRESSES of the largest force are not. Elsewhere a step is halved in which impulsive pairs create more than
-`energy_tolerance` of the energy at hand, by whatever mean of their forces: contact came too suddenly for it.
+The energy gain of the *integrator* in stiff modes after an impact is limited by halving. This applies to steps that
+open or close a contact, are part of an impact (contact and motion exchange much of their energy in it), are impulsive
+while any pair touches, or follow such a step at its size or halved. Each may gain `energy_tolerance` of the current
+energy, and all together MOST_GAINED; each may gain half of the remainder of that, if this is less. With dynamic local
+modes, where no pair is judged, the gain or loss of contact is included; if a lumped contact is part of the impact, the
+loss of the integrator is included: nothing else limits it if the only compliance is the law of the contact. A lumped
+contact that bounces is limited likewise by its own energy (`lumped.bounces`), independent of the energy of motion along
+its surfaces: the limit applies to its gain minus losses in steps in which all of them together gain. Contacts with a
+force below PRESSES of the largest one are exempt. Elsewhere a step is halved if impulsive pairs create more than
+`energy_tolerance` of the current energy for every mean of their forces: contact was too sudden for the step.
 """
 
 import warp as wp
@@ -41,21 +41,21 @@ wp.set_module_options(MODULE_OPTIONS)
 
 # of the energy tolerance: a step of second order with a defect below 1/2^3 of it may be doubled
 QUIET = wp.constant(wp.float64(0.125))
-# of the largest force of a lumped contact: those that press with less are judged by all energy at hand alone
+# of the largest force of a lumped contact: contacts below it are judged by the total current energy only
 PRESSES = wp.constant(wp.float64(0.05))
 # rad: of the highest mode, a step that resolves all modes
 RESOLVED = wp.constant(wp.float64(0.1))
-# of the energy at hand, gained in all impacts together: a step may gain half of what is left of it, ...
+# of the current energy, gained in all impacts together: a step may gain half of the remainder, ...
 MOST_GAINED = wp.constant(wp.float64(0.01))
-# ... but this part of the energy tolerance always, or steps would be halved for round-off
+# ... but always this part of the energy tolerance, or steps would be halved for round-off
 LEAST_GAIN = wp.constant(wp.float64(0.0625))
-# rounds of a load step in which friction that holds has taken over what held a body before (`proximal`), but for ...
+# rounds of a load step in which sticking friction replaces what held a body before (`proximal`), except for ...
 SLIDES = wp.constant(4)
 DRAGS = wp.constant(wp.float64(1.0e-4))  # ... this part of the largest force
-# a load step that has been halved as often as allowed begins with a proximal step shorter by 100 to this power at most
+# a load step at the maximum halving level starts with a proximal step shorter by 100 to at most this power
 MOST_CAREFUL = wp.constant(4)
-# of the largest change of an energy: a static step that rises by more goes towards a maximum; below, changes cancel and
-# the grids of contact show
+# of the largest change of an energy: a static step with a larger rise approaches a maximum; below, changes cancel and
+# the contact grids are visible
 UPHILL = wp.constant(wp.float64(1.0e-2))
 
 
@@ -96,7 +96,7 @@ def decide(
         if impulses.wanted[w, pair] != 0:
             again = int(1)
         pair += 1
-    struck = int(0)  # 1 where a lumped contact is part of an impact
+    struck = int(0)  # 1 if a lumped contact is part of an impact
     bounced = real(0.0)
     pressed = real(0.0)
     given = real(0.0)
@@ -111,7 +111,7 @@ def decide(
         given += lumps.lumped_taken[w, place, GAINED]
         pressed = wp.max(pressed, wp.max(lumped.lumped_force[w, 0, place], lumped.lumped_force[w, 1, place]))
         place += 1
-    share = real(0.0)  # gained of the energy of a lumped contact that bounces, over what it may gain
+    share = real(0.0)  # gain of a bouncing lumped contact over its allowed gain
     place = int(0)
     while place < model.elements[0].lumped.places:
         own = lumps.lumped_taken[w, place, AT_HAND]
@@ -137,7 +137,7 @@ def decide(
     stored = run.energy[w, 1, k.CONTACT] - run.energy[w, 0, k.CONTACT]
     moving = run.energy[w, 1, k.KINETIC] - run.energy[w, 0, k.KINETIC]
     swung = real(0.0)
-    if stored * moving < real(0.0):  # both grow where a load presses what a drive speeds up
+    if stored * moving < real(0.0):  # both grow if a load presses a part that a drive accelerates
         swung = wp.min(wp.abs(stored), wp.abs(moving))
     integrated = run.energy[w, 1, k.NUMERICAL] - run.energy[w, 0, k.NUMERICAL]
     impact = event != 0 or swung > SWUNG * hand or run.ctl[w].shaken != 0
@@ -153,7 +153,7 @@ def decide(
         seen = model.modes.dynamic_count > 0 or struck != 0
         lost = seen and defect < -model.limits.energy_tolerance * hand
         if run.ctl[w].impulsive == k.IMPULSIVE and run.clk[w].h * model.modes.top_frequency <= RESOLVED:
-            lost = False  # it is the motion of the faces: see `impulsive_contact`
+            lost = False  # due to the motion of the faces: see `impulsive_contact`
         if lost or defect > wp.min(model.limits.energy_tolerance, left) * hand:
             run.ctl[w].failure = run.ctl[w].failure | k.ENERGY
     if dynamic and run.ctl[w].failure == 0 and share > real(1.0):
@@ -195,8 +195,8 @@ def decide(
     deep = run.ctl[w].level >= model.limits.max_level
     if dynamic and deep and failure != 0 and bearable:
         run.ctl[w].coarse = run.ctl[w].coarse + failure / k.STEP_ERROR
-        failure = 0  # as fine as allowed: the ledger and the report show what is left
-    if (failure & k.ROOM) != 0:  # the same attempt comes again, with more room
+        failure = 0  # finest level allowed: the ledger and the report show the remaining error
+    if (failure & k.ROOM) != 0:  # the same attempt is repeated with more capacity
         run.ctl[w].status = k.ROOM
         run.ctl[w].active = run.ctl[w].touched
         return
@@ -204,7 +204,8 @@ def decide(
         run.ctl[w].rejected = run.ctl[w].rejected + 1
         run.ctl[w].reason = run.ctl[w].reason | failure
         slides = loading and deep and run.ctl[w].round >= SLIDES and system.hold_force[w] > DRAGS
-        if slides:  # no shorter step makes friction hold more; how a body that runs away fails says nothing
+        # shorter steps do not increase friction; the failure mode of a body that slides away is not informative
+        if slides:
             failure = k.RESTLESS
         if loading and deep and run.ctl[w].careful < MOST_CAREFUL and not slides:
             run.ctl[w].careful = run.ctl[w].careful + 1
@@ -223,7 +224,7 @@ def decide(
     if dynamic:
         run.ctl[w].impulses = run.ctl[w].impulses + impulse
         run.ctl[w].forgotten = run.ctl[w].forgotten + run.ctl[w].forget
-        run.ctl[w].forget = run.ctl[w].turned  # what the old friction has left is not for the step after it either
+        run.ctl[w].forget = run.ctl[w].turned  # the remainder of the old friction must not enter the next step either
         if model.modes.dynamic_count == 0 and (impulse != 0 or run.ctl[w].level == 0):
             run.ctl[w].shaken = impulse
     run.ctl[w].steps = run.ctl[w].steps + 1
@@ -253,11 +254,12 @@ def decide(
     run.ctl[w].sub = run.ctl[w].sub + 1
     if run.ctl[w].level > 0:
         quiet = event == 0 and wp.abs(defect) <= QUIET * model.limits.energy_tolerance * hand
-        # halved for films that were too fast, whose energy says nothing of the step
+        # halved for films that were too fast, whose energy does not characterise the step
         if model.elements[0].films[0].count > 0 and touching == 0 and struck == 0:
             quiet = event == 0
-        if run.clk[w].error > real(0.0):  # a step that is halved for its error alone
-            quiet = event == 0 and run.clk[w].error <= real(0.5) * QUIET  # doubled it would be half of what is allowed
+        if run.clk[w].error > real(0.0):  # halved only for its error
+            # at twice the step it would be half of the allowed error
+            quiet = event == 0 and run.clk[w].error <= real(0.5) * QUIET
         if share > QUIET:
             quiet = False
         if loading:
@@ -310,7 +312,7 @@ def keep_bodies(run: Run, trial: Trial, impulses: ImpulsiveContact, state: Motio
             state.omega[w, b] = trial.omega1[w, b]
         if mode == k.DYNAMIC:
             state.turned[w, b] = wp.max(state.turned[w, b], wp.length(trial.omega1[w, b]))
-        if mode == k.START:  # PROJECT found the velocity at the end of its tiny step: back to its beginning
+        if mode == k.START:  # PROJECT found the velocity at the end of its tiny step: back to its start
             state.v[w, b] = state.v[w, b] - h * trial.v1_rate[w, b]
             state.omega[w, b] = state.omega[w, b] - h * trial.omega1_rate[w, b]
         b += wp.block_dim()
@@ -356,14 +358,12 @@ def keep_modes(
 
 @kernel
 def keep_rest(run: Run, residuals: Residuals, loads: LoadState):
-    """Per world: what is left to take over, or to restore after a rejection."""
+    """Per world: accepts or restores the remaining quantities."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:
         return
-    accept = (
-        run.ctl[w].accept != 0 and run.ctl[w].mode != k.PROJECT
-    )  # whose multipliers are impulses over the tiny step
+    accept = run.ctl[w].accept != 0 and run.ctl[w].mode != k.PROJECT  # its multipliers are impulses over the tiny step
     row = int(0)
     while row < model.rows.count:
         if accept:
@@ -394,7 +394,7 @@ def keep_rest(run: Run, residuals: Residuals, loads: LoadState):
 
 @kernel
 def count_attempts(run: Run):
-    """One thread for all worlds: does any still have steps to do in this chunk, and attempts left?"""
+    """One thread for all worlds: whether any world has steps left in this chunk, and attempts left."""
     running = int(0)
     w = int(0)
     while w < run.ctl.shape[0]:

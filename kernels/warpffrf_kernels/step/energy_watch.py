@@ -1,14 +1,14 @@
-"""Energy from nowhere: what the pairs and the integrator have made so far, and the end of a run that goes on like that.
+"""Spurious energy: energy created so far by the pairs and the integrator, and the end of a run in which it grows.
 
-Where a pair is open, all that its contact has taken is given back, and what it has `created`
-(`impulsive_means.judge_pairs`) it has made or lost. While it is closed its energy also changes with the phases of the
-grids, and most of that comes back: what it holds is left in doubt, and made is what it has given to the motion beyond.
-A run in which that has risen by more than `most_made` of the largest energy (of all lines but the potential) above its
-least ends there.
+When a pair is open, all energy stored in its contact has been returned, and the energy that it has `created`
+(`impulsive_means.judge_pairs`) is known. While it is closed, its energy also changes with the phases of the grids, and
+most of that is recovered: the stored energy is the uncertainty, and only the excess over it counts as created. A run
+ends if this sum has risen above its minimum by more than `most_made` of the largest energy (of all lines except the
+potential).
 
-The numerical line of the ledger is the error of the integrator. It goes up and down with the motion, and is as large as
-the energy where a drive begins to move a machine at rest; so it counts, with what the pairs have made, where it stays
-too high for PATIENCE steps in a row.
+The numerical line of the ledger is the error of the integrator. It oscillates with the motion, and is as large as the
+energy when a drive starts to move a machine from rest; so it counts, together with the energy created by the pairs,
+only if it stays too high for PATIENCE steps in a row.
 """
 
 import warp as wp
@@ -22,12 +22,12 @@ from warpffrf_kernels.core.state import ContactState
 wp.set_module_options(MODULE_OPTIONS)
 
 
-PATIENCE = wp.constant(30)  # steps: a drive that begins has moved the machine by then
+PATIENCE = wp.constant(30)  # steps: a starting drive has moved the machine by then
 
 
 @kernel
 def watch_energy(run: Run, contact: ContactState):
-    """Per world, after an accepted step: `made` (W, pairs), what each pair has created beyond doubt."""
+    """Per world, after an accepted step: `made` (W, pairs), the energy certainly created by each pair."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or run.ctl[w].mode != k.DYNAMIC:

@@ -1,12 +1,12 @@
-"""Convex surfaces that leap over each other: a step in which two that do not touch at either end change sides.
+"""Detection of convex surfaces that pass through each other in a step without contact at either end.
 
-In a step that is long for the speed of two bodies one may pass through the other, and neither end of the step shows it.
-What shows is that each lies on the other's other side: the line from one to the other has turned by more than a right
-angle. Such an attempt is rejected, and halved. Of any two that pass by, the line turns by little in a step that is
-short enough.
+In a step that is long for the speed of two bodies, one may pass through the other without contact at either end of the
+step. Each then lies on the opposite side of the other: the line between them has rotated by more than a right angle.
+Such an attempt is rejected, and halved. For two bodies that pass by each other, the line rotates by little in a
+sufficiently short step.
 
-The line is the normal of a lumped contact, and of a pair the one between the places of the two surfaces, in the plane
-across the first one's axis unless it is a ball.
+The line is the normal of a lumped contact, and for a pair the line between the origins of the two surfaces, in the
+plane normal to the first one's axis unless it is a ball.
 """
 
 import warp as wp
@@ -28,7 +28,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def convex(model: Model, s: int) -> bool:
-    """Whether a body with surface s has another side."""
+    """Whether a body with surface s has an opposite side."""
     return model.surfaces.side[s] > real(0.0) and model.surfaces.planar[s] == 0
 
 
@@ -41,7 +41,7 @@ def axes_before(p: wp.array2d(dtype=quat), w: int, body: int) -> mat33:
 
 @wp.func
 def line_between(model: Model, first: int, second: int, r_1: vec3, A_1: mat33, r_2: vec3, A_2: mat33) -> vec3:
-    """From the place of a surface to that of another, of bodies at r with axes A."""
+    """Vector from the origin of a surface to that of another, of bodies at r with axes A."""
     d = r_2 + A_2 * model.surfaces.origin[second] - r_1 - A_1 * model.surfaces.origin[first]
     if is_ball(model, first) != 0:
         return d
@@ -52,7 +52,7 @@ def line_between(model: Model, first: int, second: int, r_1: vec3, A_1: mat33, r
 
 @kernel
 def refuse_leaps_of_places(run: Run, lumped: LumpedState):
-    """Per world: fail an attempt in which the surfaces of a lumped contact have changed sides."""
+    """Per world: fail an attempt in which the surfaces of a lumped contact have passed through each other."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
@@ -70,7 +70,7 @@ def refuse_leaps_of_places(run: Run, lumped: LumpedState):
 
 @kernel
 def refuse_leaps_of_pairs(run: Run, contact: ContactState, state: MotionState, trial: Trial):
-    """Per world: fail an attempt in which the surfaces of a pair have changed sides."""
+    """Per world: fail an attempt in which the surfaces of a pair have passed through each other."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:

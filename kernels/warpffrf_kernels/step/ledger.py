@@ -5,21 +5,21 @@ springs) every step books
 
     work of forces    sum (F_0 + F_1)/2 . (x_1 - x_0)           drive   -(lambda_0 + lambda_1)/2 (s_1 - s_0)
                       and of pretensions -(lambda_0 + lambda_1)/2 (c_1 - c_0), in static steps -lambda_1 (c_1 - c_0)
-    damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: what the trapezoidal rule
-                      takes at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0), which
-                      is that too, in steps that forget G(v_1) (x_1 - x_0); what damped layers take
+    damping           sum c (x_1 - x_0)^2/h of dampers and modal damping, never negative: the dissipation of the
+                      trapezoidal rule at any step; of dampers with a characteristic G, (G(v_0) + G(v_1))/2 (x_1 - x_0),
+                      likewise, in steps without old accelerations G(v_1) (x_1 - x_0); the loss of damped layers
     friction          sum tau_1 . S: the tractions at the end of the step times the slip over it, never positive;
-                      what joints (`joint_friction`), lumped contacts, films and laps lose by friction
+                      frictional loss of joints (`joint_friction`), lumped contacts, films and joint interfaces
     contact grid      dE_contact of pairs + (work of their forces on bodies and modes, trapezoidal; of pairs that are
                       impulsive in the step of their mean force) - friction
-    numerical         what is left of dE: negative where the integrator dissipates.
+    numerical         remainder of dE: negative if the integrator dissipates.
 
-A load step (`proximal`) books like a step in time, but for damping, of which it has none; its numerical line is what
-the trapezoidal rule errs by over the step. A start, and a step towards a first static state, open the books.
+A load step (`proximal`) is booked like a step in time, but without damping; its numerical line is the error of the
+trapezoidal rule over the step. A start, and a step towards a first static state, initialise the ledger.
 
-A proximal step towards a static state must not end higher than it began, dE no more than the work of forces: Newton's
-method would go to a maximum as well as to a minimum. Of a load step it is the work of the loads at its end, under which
-the new equilibrium lies lower than the old one.
+A proximal step towards a static state must not increase the energy: dE no more than the work of forces, since Newton's
+method converges to maxima as well as to minima. For a load step this is the work of the loads at its end, under which
+the new equilibrium has a lower energy than the old one.
 """
 
 import warp as wp
@@ -45,10 +45,10 @@ wp.set_module_options(MODULE_OPTIONS)
 
 STILL = wp.constant(
     wp.float64(1.0e-12)
-)  # of the largest force times the scene's length: what round-off of places works
-# of the inertia of a proximal step that goes through the whole scene: where nothing acts, round-off works less
+)  # of the largest force times the scene's length: work of the round-off of positions
+# of the inertia of a proximal step through the whole scene: the work of round-off is smaller where no force acts
 IDLE = wp.constant(wp.float64(1.0e-14))
-UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: what joints work that close to the tolerance of 1e-9
+UNSEEN = wp.constant(wp.float64(1.0e-8))  # of the energies: work of joints that satisfy the tolerance of 1e-9
 
 
 @kernel
@@ -57,8 +57,8 @@ def balance_energy(
     rubbed: FrictionState, cells: FrictionCells, lumped: LumpedState, lumps: LumpedContacts, films: FilmState,
     oil: FilmScratch, laps: LapState, tableau: LapScratch, q1: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; of a static
-    step whether it went downhill, `RISE`."""
+    """Per world: the ledger of the trial state, energy[w, 1], from that of the accepted one, energy[w, 0]; for a static
+    step the relative energy gain, `RISE`."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0:
@@ -169,7 +169,7 @@ def balance_energy(
             friction += cells.friction_work[w, pair, 0]
         contact_work += mean_of(mean, before, after)
         pair += 1
-    of_pairs = run.energy[w, 0, k.CONTACT]  # what of the accepted contact energy they have
+    of_pairs = run.energy[w, 0, k.CONTACT]  # the part of the accepted contact energy due to the pairs
     place = int(0)
     while place < model.elements[0].lumped.places:
         of_pairs -= lumped.lumped_energy[w, 0, place]
@@ -232,7 +232,7 @@ def balance_energy(
             unseen = wp.max(unseen, IDLE * heaviest * run.clk[w].outer.acc * model.length * model.length)
         if stored > unseen:
             run.clk[w].rise = stored / largest
-    if run.ctl[w].mode != k.DYNAMIC and run.ctl[w].mode != k.LOADING:  # a start or a static step opens the books
+    if run.ctl[w].mode != k.DYNAMIC and run.ctl[w].mode != k.LOADING:  # a start or a static step initialises the ledger
         force_work = real(0.0)
         drive_work = real(0.0)
         damping = real(0.0)

@@ -1,34 +1,34 @@
 r"""Load steps: from one equilibrium to the next, under the loads and prescribed motions at the end of the step.
 
-An attempt of a load step (mode LOADING) counts its increments d = (dx, psi, dq) from the accepted state, the last
-equilibrium, and has no velocities. It goes to the next equilibrium in rounds of proximal steps of size tau, each
+An attempt of a load step (mode LOADING) measures its increments d = (dx, psi, dq) from the accepted state, the last
+equilibrium, and has no velocities. It approaches the next equilibrium in rounds of proximal steps of size tau, each
 balanced by Newton's method,
 
-    M (d - c)/tau^2 + R(d, t_1) = 0,        c = d of the round before, 0 at first,
+    M (d - c)/tau^2 + R(d, t_1) = 0,        c = d of the previous round, 0 at first,
 
-with R the static residual. A long tau is Newton's step; a short one goes down the slope of the energy, as far as the
-step of an implicit integrator of a motion without velocities. What the inertia of the last round has is what the
-statics have not balanced: below `BALANCED` of what Newton's method leaves, the rounds have come to rest. Vibrations of
-frequency omega are nearer to rest by 1 + (omega tau)^2 with every round, so that with a tau of some seconds two rounds
-do, and the second of them costs as many solves with the matrix of the first.
+with R the static residual. A long tau is Newton's step; a short one follows the gradient of the energy, as far as the
+step of an implicit integrator of a motion without velocities. The inertia of the last round is the residual of the
+statics: below `BALANCED` of the tolerance of Newton's method, the rounds have come to rest. Each round reduces
+vibrations of frequency omega by 1 + (omega tau)^2, so that with a tau of some seconds two rounds suffice, and the
+second of them costs as many solves with the matrix of the first.
 
-**History.** All that a step takes from the accepted state stays that of the last equilibrium until the attempt is
-accepted, as in a step in time: friction sees the slip of the whole load step and commits it once. So `commit` is 1 of
-accepted attempts in time and of load steps. It is 0 of the proximal steps by which `warpffrf.online.start.settle` goes
-to a first equilibrium (mode STATIC), each of which is an accepted attempt of its own, and of the tiny steps of a start:
-what remembers a history keeps it where `commit` is 1, in phase `keep`, and forces are functions of that history and of
-the present state. `settle` commits once, when it has come to rest.
+**History.** All quantities that a step takes from the accepted state remain those of the last equilibrium until the
+attempt is accepted, as in a step in time: friction uses the slip of the whole load step and commits it once. So
+`commit` is 1 for accepted attempts in time and of load steps. It is 0 for the proximal steps by which
+`warpffrf.online.start.settle` approaches a first equilibrium (mode STATIC), each of which is an accepted attempt of its
+own, and for the tiny steps of a start: history variables are stored when `commit` is 1, in phase `keep`, and forces are
+functions of that history and of the present state. `settle` commits once, when it has come to rest.
 
-**Free motions** that are held (`warpffrf_kernels.bodies.motion.hold_motions`) must not be driven: what holds one is
-next to nothing, `PULLED` of the largest force, or `TURNED` of it where a body turns, which grids leave of torques.
-Motions that friction resists are held as well, four times less from round to round, until what still holds them is
-below the tolerance of Newton's method: with k_h the holding of the first round and k_f what the patch resists with, the
-load that is not on the patch yet falls by (1 + 4^r k_f/k_h) in round r.
+**Free motions** that are constrained artificially (`warpffrf_kernels.bodies.motion.hold_motions`) must not be driven:
+the constraining force is at most `PULLED` of the largest force, or `TURNED` of it for rotations, the level of torque
+errors due to the grids. Motions that friction resists are constrained as well, four times less in each round, until the
+remaining constraining force is below the tolerance of Newton's method: with k_h the constraint stiffness of the first
+round and k_f that of the patch, the load that is not yet on the patch falls by (1 + 4^r k_f/k_h) in round r.
 
-**Failure.** A load step whose Newton's method fails, that goes uphill (`ledger`), or that does not come to rest in
-`MOST` rounds, is halved, its loads with it. One that cannot be halved again is taken with shorter proximal steps: the
-first is 100^-n tau, n = `careful`, and from round to round they grow by 10^(1/n) up to tau, to follow a structure that
-snaps through. Accepted steps take both back.
+**Failure.** A load step whose Newton's method fails, whose energy increases (`ledger`), or that does not come to rest
+in `MOST` rounds, is halved, together with its loads. One that cannot be halved again is taken with shorter proximal
+steps: the first is 100^-n tau, n = `careful`, and they grow by 10^(1/n) per round up to tau, to follow a structure that
+snaps through. Accepted steps reverse both.
 """
 
 import warp as wp
@@ -43,18 +43,18 @@ from warpffrf_kernels.core.scratch import OuterSystem, Residuals, Trial
 wp.set_module_options(MODULE_OPTIONS)
 
 BALANCED = wp.constant(wp.float64(1.0e-2))  # of the residual tolerance
-MOST = wp.constant(60)  # rounds: what has omega tau = 0.7 then comes to 1e-11, a mechanism never
+MOST = wp.constant(60)  # rounds: a motion with omega tau = 0.7 is then reduced to 1e-11, a mechanism never
 PULLED = wp.constant(wp.float64(1.0e-8))  # see `warpffrf.online.start.free_motions`
 TURNED = wp.constant(wp.float64(1.0e-5))
-MOST_HELD = wp.constant(5)  # rounds in which motions that friction resists are held by far more than inertia
-WEAKEST = wp.constant(wp.float64(1.0e-6))  # of what it was at first: motions held that little weigh nothing beside tau
-STANDS = wp.constant(wp.float64(1.0e-6))  # of a motion's square: what of it slides where a body turns
+MOST_HELD = wp.constant(5)  # rounds in which motions that friction resists are constrained far more than by inertia
+WEAKEST = wp.constant(wp.float64(1.0e-6))  # of the initial value: weaker constraints are negligible compared with tau
+STANDS = wp.constant(wp.float64(1.0e-6))  # of a motion's square: translational part where a body rotates
 GROWN = wp.constant(wp.float64(2.302585092994046))  # ln 10
 
 
 @wp.func
 def weaken(model: Model, w: int, hold_firm: int, hold_count: int, by: real, system: OuterSystem):
-    """Motions that are not held firmly, their holding times by^2: 4^-r in round r, and back, without round-off."""
+    """Multiplies the constraints of motions not held firmly by by^2: 4^-r in round r, and back, without round-off."""
     h = hold_firm
     while h < hold_count:
         i = int(0)
@@ -67,7 +67,7 @@ def weaken(model: Model, w: int, hold_firm: int, hold_count: int, by: real, syst
 
 @kernel
 def open_rounds(run: Run, system: OuterSystem, trial: Trial):
-    """Per world: the first round of an attempt is about the accepted state."""
+    """Per world: the first round of an attempt is centred on the accepted state."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -89,7 +89,7 @@ def open_rounds(run: Run, system: OuterSystem, trial: Trial):
 
 @wp.func
 def along_of(model: Model, w: int, h: int, trial: Trial, system: OuterSystem) -> real:
-    """Free motion h of a round."""
+    """Component of the increment of a round along free motion h."""
     along = real(0.0)
     b = int(0)
     while b < model.bodies.count:
@@ -103,8 +103,8 @@ def along_of(model: Model, w: int, h: int, trial: Trial, system: OuterSystem) ->
 
 @wp.func
 def held_back(model: Model, run: Run, w: int, h: int, along: real, given: real, system: OuterSystem) -> real:
-    """The force that holds free motion h over the one allowed, `given` of the largest, or where that is zero what loads
-    may leave of what is free; `along`: the motion less that of the round before."""
+    """Constraining force of free motion h over the allowed one: `given` of the largest force, or if that is zero the
+    limit of residual loads on free motions; `along`: the motion relative to the previous round."""
     force = real(0.0)
     slides = real(0.0)
     turns = real(0.0)
@@ -129,7 +129,7 @@ def held_back(model: Model, run: Run, w: int, h: int, along: real, given: real, 
 
 @kernel
 def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals):
-    """Per world in a load step whose iteration has just converged: another round where it has not come to rest."""
+    """Per world in a load step whose iteration has just converged: starts another round if it has not come to rest."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].mode != k.LOADING or run.ctl[w].attempt == 0 or run.ctl[w].run != 0 or run.ctl[w].failure != 0:
@@ -160,9 +160,10 @@ def end_round(run: Run, trial: Trial, system: OuterSystem, residuals: Residuals)
     if run.ctl[w].round >= MOST:
         run.ctl[w].failure = run.ctl[w].failure | k.RESTLESS
         return
-    if run.ctl[w].round <= MOST_HELD:  # later the inertia of the body bears it
+    if run.ctl[w].round <= MOST_HELD:  # later the inertia of the body constrains it
         system.hold_force[w] = dragged
-    # what the balance sees of the new centre, but for the inertia of deformed bodies, which the next iteration adds
+    # terms of the balance due to the new centre, except for the inertia of deformed bodies, which the next iteration
+    # adds
     h = int(0)
     while h < held:
         along = along_of(model, w, h, trial, system)

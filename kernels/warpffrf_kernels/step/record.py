@@ -1,6 +1,6 @@
-"""What is saved of an accepted step: a row of each array of the ring (`warpffrf.online.arrays.ring`).
+"""Saving of an accepted step: a row of each array of the ring (`warpffrf.online.arrays.ring`).
 
-Rows are written where the decision has set `record`. Bodies, modes and rows of joints are here, pairs in
+Rows are written if the decision has set `record`. Bodies, modes and rows of joints are handled here, pairs in
 `normal.contact_record` and `friction.history`; `close_row` counts the rows.
 """
 
@@ -49,7 +49,7 @@ def record_motion(run: Run, state: MotionState, loads: LoadState, residuals: Res
 
 @kernel
 def close_row(run: Run, saved: SavedBooks):
-    """Per world: time, step, counts and energies of the row that the others have written; the next one begins."""
+    """Per world: time, step, counts and energies of the row written by the other kernels; starts the next row."""
     w = wp.tid()
     if run.ctl[w].record == 0:
         return

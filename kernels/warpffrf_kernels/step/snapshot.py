@@ -1,8 +1,8 @@
-"""State that an attempt changes while it looks for its end, kept and put back where the attempt is rejected.
+"""Snapshot of the state that an attempt changes, restored if the attempt is rejected.
 
-Active sets, pressures, tractions and where the patch was: a halved or repeated attempt begins best from what was right.
-Which arrays these are is declared (`restored` in `core.declaration`); they are flat here, each pair's part behind that
-of the pair before, world by world. There is a kernel a type, as arrays of kernels have one.
+Active sets, pressures, tractions and patch positions: a halved or repeated attempt starts best from the accepted ones.
+The arrays are declared (`restored` in `core.declaration`); they are flat here, pair by pair, world by world. There is
+one kernel per type, as kernel arrays have one type.
 """
 
 import warp as wp
@@ -17,13 +17,13 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def is_meant(ctl: wp.array(dtype=Control), w: int, rejected: int) -> bool:
-    """Whether world w takes part in the attempt, and, where `rejected` is 1, has it rejected."""
+    """Whether world w takes part in the attempt, and, if `rejected` is 1, has it rejected."""
     return ctl[w].attempt != 0 and (rejected == 0 or ctl[w].accept == 0)
 
 
 @kernel
 def copy_reals(run: Run, rejected: int, source: wp.array(dtype=real), target: wp.array(dtype=real)):
-    """Per (world, pair), lanes over entries: before an attempt, or where it is `rejected`."""
+    """Per (world, pair), lanes over entries: before an attempt, or if it is `rejected`."""
     w, pair, lane = wp.tid()
     if not is_meant(run.ctl, w, rejected):
         return
@@ -38,7 +38,7 @@ def copy_reals(run: Run, rejected: int, source: wp.array(dtype=real), target: wp
 
 @kernel
 def copy_integers(run: Run, rejected: int, source: wp.array(dtype=int), target: wp.array(dtype=int)):
-    """The same of integers."""
+    """The same for integers."""
     w, pair, lane = wp.tid()
     if not is_meant(run.ctl, w, rejected):
         return

@@ -1,1 +1,1 @@
-"""Contact surfaces: points, normals, charts; which of them serve several pairs."""
+"""Contact surfaces: points, normals, charts; local-mode responses shared by several pairs."""

@@ -1,7 +1,8 @@
-"""What all loads on a side displace there: the sum over the loads of `responses`, one function for all directions.
+"""Displacement of a side due to all loads on it: the sum over the loads of `responses`, in all directions.
 
-Loads of a pair stand in two arrays, those of its first side per hat or cell of the first window, those of its second
-side per node of the second, in one direction or two (column by column, the rows of one direction before the other's).
+Loads of a pair are stored in two arrays, those of its first side per node or cell of the first window, those of its
+second side per node of the second, in one direction or two (column by column, the rows of one direction before the
+other's).
 """
 
 import warp as wp
@@ -29,9 +30,9 @@ def add_fields(
     geometry: ContactGeometry, first_load: wp.array(dtype=real), second_load: wp.array(dtype=real), start: int,
     field: wp.array(dtype=real),
 ):  # fmt: skip
-    """Adds to `field` (from `start`, the columns `low` and following of the side's window) the displacement by all
-    loads on the side, in `directions` (1 or 2), times `sign`. tables: of the loads on all sides, -1 where there is
-    none; they say in which directions is displaced."""
+    """Adds to `field` (from `start`, the columns from `low` on of the side's window) the displacement due to all loads
+    on the side, in `directions` (1 or 2), times `sign`. tables: of the loads on all sides, -1 where there is none; they
+    define the directions of displacement."""
     target = first_column(model, w, side, geometry.center) + low
     middle = target + columns / 2
     n = model.responses.load_start[side]
@@ -52,10 +53,10 @@ def add_fields(
                 end = (geometry.window[w, pair, 1] + model.window.half + 1) * lines
             else:
                 base = (w * model.pairs.count + pair) * directions * model.window.nodes
-                reach = (directions - 1) * model.window.share_columns  # shares of cells reach beyond those of hats
+                reach = (directions - 1) * model.window.share_columns  # shares of cells extend beyond those of nodes
                 i = wp.max(geometry.second_window[w, pair, 0] - reach, 0) * lines
                 end = wp.min(geometry.second_window[w, pair, 1] + reach + 1, model.window.second_columns) * lines
-            along = model.responses.width[table] * model.responses.target_lines[table]  # from a line to the next
+            along = model.responses.width[table] * model.responses.target_lines[table]  # from one line to the next
             while i < end:
                 at = place_of_load(model, table, origin + i / lines, 0, target, middle)
                 line = int(0)

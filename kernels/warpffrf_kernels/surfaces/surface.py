@@ -1,31 +1,31 @@
 """True contact surfaces on the device: points, normals, charts and signed distances.
 
-Coordinates are components along e_0, e_1, e_a of the surface's frame, counted from its origin. A *plane* has the point
+Coordinates are components along e_0, e_1, e_a of the surface's frame, measured from its origin. A *plane* has the point
 (0, theta, z), theta in metres, and the normal e_0. A *surface of revolution* has the point (R cos theta, R sin theta,
 z) with the profile
 
     R(z) = R_0 + T z - arc(z) - table(z),        arc(z) = sign(Rc) z^2/(|Rc| + sqrt(Rc^2 - z^2)),
 
-the arc written free of cancellation for a flat crown; Rc > 0 falls away from z = 0 (crown, sphere where Rc = R_0),
-Rc < 0 rises (a groove around a shaft). The table is cubic by pieces, of which the first and the last go on beyond it.
-`side` is 1 where the material is inside (shaft, ball), -1 where it is outside (bore, ring, cup); normals point away
-from it:
+the arc in a form free of cancellation for a flat crown; Rc > 0 decreases away from z = 0 (crown, sphere where Rc =
+R_0), Rc < 0 increases (a groove around a shaft). The table is piecewise cubic, extrapolated by its first and last
+pieces. `side` is 1 if the material is inside (shaft, ball), -1 if it is outside (bore, ring, cup); normals point out of
+it:
 
     n = side (e_r - R' e_a)/sqrt(1 + R'^2),        e_theta = side (-sin theta, cos theta, 0),        e_theta x t_z = n.
 
 Signed distance, positive in the free space: side times that of the point (rho, zeta) of the meridian plane from the
-profile, counted away from the axis. With d = rho - R_0 it is
+profile, positive away from the axis. With d = rho - R_0 it is
 
     a straight line (cylinder, cone)   (d - T zeta)/sqrt(1 + T^2),            foot z = (zeta + T d)/(1 + T^2),
     an arc (crown, sphere, groove)     sign(Rc) (d (d + 2 Rc) + zeta^2)/(h + |Rc|), h = sqrt((d + Rc)^2 + zeta^2),
                                        foot z = |Rc| zeta/h,
 
-exactly: the arc's centre lies at radius R_0 - Rc, and (h - |Rc|)(h + |Rc|) is free of cancellation. Of a point beyond
+exactly: the arc's centre lies at radius R_0 - Rc, and (h - |Rc|)(h + |Rc|) is free of cancellation. For a point beyond
 the centre of a hollow arc (sign(Rc) (d + Rc) < 0, side sign(Rc) = -1) the foot is the nearer end of the half circle.
-Other profiles need the foot, the root of f(z) = zeta - z + (rho - R) R', by Newton's method; the distance (rho - R -
-(zeta - z) R')/sqrt(1 + R'^2) errs by the square of what the foot is off. The gradient of the distance is the normal n
-at the foot. It turns with the point: around the axis by n_rho/rho, along the meridian by kappa/(1 + kappa d), the
-curvature of the surface that lies parallel through the point (kappa that of the foot, d the distance).
+Other profiles require the foot, the root of f(z) = zeta - z + (rho - R) R', by Newton's method; the error of the
+distance (rho - R - (zeta - z) R')/sqrt(1 + R'^2) is quadratic in the error of the foot. The gradient of the distance is
+the normal n at the foot. It rotates with the point: around the axis by n_rho/rho, along the meridian by kappa/(1 +
+kappa d), the curvature of the parallel surface through the point (kappa that of the foot, d the distance).
 """
 
 import warp as wp
@@ -35,12 +35,12 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, mat33, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-FOOT_STEPS = wp.constant(12)  # of Newton's method for a foot; four do where the gap is small against the curvature
-FOOT_TOLERANCE = wp.constant(wp.float64(1.0e-9))  # of the radius: the distance errs by its square
-STEEPEST = wp.constant(wp.float64(1.0e-6))  # of an arc's radius: least height over its ends, where the slope diverges
-LEAST_BEND = wp.constant(wp.float64(0.25))  # of 1 + R'^2: Newton's slope is kept off zero, also past the evolute
-EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evolute the normal has no direction
-CENTRE = wp.constant(wp.float64(1.0e-14))  # m: closer to an arc's centre there is no direction
+FOOT_STEPS = wp.constant(12)  # of Newton's method for a foot; four suffice if the gap is small against the curvature
+FOOT_TOLERANCE = wp.constant(wp.float64(1.0e-9))  # of the radius: the error of the distance is its square
+STEEPEST = wp.constant(wp.float64(1.0e-6))  # of an arc's radius: minimum height over its ends, where the slope diverges
+LEAST_BEND = wp.constant(wp.float64(0.25))  # of 1 + R'^2: lower bound of Newton's slope, also past the evolute
+EVOLUTE = wp.constant(wp.float64(1.0e-12))  # of 1 + kappa d: nearer to the evolute the normal is undefined
+CENTRE = wp.constant(wp.float64(1.0e-14))  # m: nearer to an arc's centre the direction is undefined
 
 
 @wp.func
@@ -137,8 +137,8 @@ def local_around(model: Model, s: int, theta: real) -> vec3:
 
 @wp.func
 def meridian_of(model: Model, s: int, rho: real, zeta: real) -> wp.vec4d:
-    """Of a point at radius rho and axial position zeta [m]: z of its foot, the signed distance counted away from the
-    axis, and the gradient of that by rho and zeta."""
+    """For a point at radius rho and axial position zeta [m]: z of its foot, the signed distance, positive away from the
+    axis, and its gradient with respect to rho and zeta."""
     d = rho - model.surfaces.radius[s]
     crown = model.surfaces.crown[s]
     tangent = model.surfaces.tangent[s]
@@ -217,7 +217,7 @@ def gradient_of(model: Model, s: int, x: vec3) -> vec3:
 
 @wp.struct
 class Foot:
-    """Of a point: theta (rad, of a plane m) and z [m] of its foot, the signed distance [m] and its unit gradient."""
+    """Foot of a point: theta (rad, for a plane m) and z [m], the signed distance [m] and its unit gradient."""
 
     theta: real
     z: real
@@ -250,7 +250,7 @@ def foot_of(model: Model, s: int, x: vec3) -> Foot:
 
 @wp.func
 def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
-    """Derivative [1/m] of `gradient_of` by x: symmetric, and 0 along the normal. On the axis it has no part around."""
+    """Derivative [1/m] of `gradient_of` by x: symmetric, 0 along the normal; no circumferential part on the axis."""
     if model.surfaces.planar[s] != 0:
         return mat33()
     rho = wp.sqrt(x[0] * x[0] + x[1] * x[1])
@@ -278,7 +278,7 @@ def gradient_slope_of(model: Model, s: int, x: vec3) -> mat33:
 
 @wp.func
 def origin_of(r1: wp.array2d(dtype=vec3), w: int, body: int) -> vec3:
-    """Centre of mass of a body in the world; the ground's (body -1) is the origin."""
+    """Centre of mass of a body in the world; for the ground (body -1) the origin."""
     if body < 0:
         return vec3(real(0.0), real(0.0), real(0.0))
     return r1[w, body]
@@ -286,7 +286,7 @@ def origin_of(r1: wp.array2d(dtype=vec3), w: int, body: int) -> vec3:
 
 @wp.func
 def axes_of(axes: wp.array2d(dtype=mat33), w: int, body: int) -> mat33:
-    """Axes of a body in the world; those of the ground (body -1) are the world's."""
+    """Axes of a body in the world; for the ground (body -1) the world axes."""
     if body < 0:
         return wp.identity(n=3, dtype=real)
     return axes[w, body]
