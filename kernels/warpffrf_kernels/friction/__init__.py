@@ -1,1 +1,1 @@
-"""Stick and slip of the cells of a patch."""
+"""Stick and slip of the cells of a contact."""

@@ -1,13 +1,13 @@
-"""Blocks of the cells that may carry friction, one a pair, and what couples them.
+"""Blocks of the cells that may carry friction, one per pair, and their coupling.
 
-With everything else condensed, weak slips follow tractions by
+With all other unknowns condensed, weak slips depend on tractions through
 
     K = D + L M L^T,
 
-D with a block for each pair, and L M L^T by the outer coordinates: L the gradients of the slips by the columns that
-their pair is coupled to, M the mobility, the inverse of the outer matrix B (`pressure_answer`). K itself is never
-formed, so that n pairs cost n times what one does. A pair's cells stand in the lines 2 i + d of its own block, i the
-slot, d the direction.
+D with a block for each pair, and L M L^T from the retained coordinates: L the gradients of the slips with respect to
+the columns that their pair is coupled to, M the receptance, the inverse of the retained matrix B (`pressure_answer`). K
+is never formed, so n pairs cost n times as much as one. A pair's cells are the lines 2 i + d of its own block, with i
+the slot and d the direction.
 """
 
 import warp as wp
@@ -20,8 +20,8 @@ from warpffrf_kernels.linear.block_elimination import follow_columns, push_colum
 wp.set_module_options(MODULE_OPTIONS)
 
 FRESH = wp.constant(0)  # columns of `cell_block`: first slot of a pair that is not assembled yet
-COUNT = wp.constant(1)  # slots in use, in the column where `pair_elimination.add_borders` looks for it
-FREE = wp.constant(2)  # free coordinates of the factor at hand
+COUNT = wp.constant(1)  # slots in use, in the column where `pair_elimination.add_borders` reads it
+FREE = wp.constant(2)  # free coordinates of the present factor
 
 
 @wp.func
@@ -35,29 +35,29 @@ def is_fresh(model: Model, w: int, block: wp.array3d(dtype=int)) -> bool:
 
 @wp.func
 def first_line(model: Model, w: int, pair: int) -> int:
-    """Of a pair's cells, counted over all worlds and pairs."""
+    """First line of a pair's cells, counted over all worlds and pairs."""
     return (w * model.pairs.count + pair) * 2 * model.capacity.cells
 
 
 @wp.func
 def block_of(model: Model, w: int, pair: int) -> int:
-    """Where the block of a pair begins, lines of 2 model.capacity.cells numbers."""
+    """Start of the block of a pair, lines of 2 model.capacity.cells numbers."""
     return first_line(model, w, pair) * 2 * model.capacity.cells
 
 
 @wp.func
 def borders_of(model: Model, w: int, pair: int) -> int:
-    """Where the lines of a pair over its coupled columns begin."""
+    """Start of the lines of a pair over its coupled columns."""
     return first_line(model, w, pair) * model.pairs.coupled_capacity
 
 
 @wp.func
 def square_at(model: Model, w: int, pair: int) -> int:
-    """Where the matrix of a pair over its coupled columns begins."""
+    """Start of the matrix of a pair over its coupled columns."""
     return (w * model.pairs.count + pair) * model.pairs.coupled_capacity * model.pairs.coupled_capacity
 
 
-# y += part D x of a block of n lines, lanes over the lines; contiguous runs, as `dot`.
+# y += part D x of a block of n lines, lanes over the lines; contiguous runs, as in `dot`.
 @wp.func_native("""
     const double* v = x.data + at_x;
     WP_TILE_SYNC();
@@ -87,7 +87,7 @@ def move_outer(
     model: Model, w: int, lane: int, tangential: FrictionSolve, L: wp.array(dtype=real), M: wp.array(dtype=real),
     x: wp.array(dtype=real), z: wp.array(dtype=real),
 ):  # fmt: skip
-    """z = M L^T x: the outer increments that tractions lead to."""
+    """z = M L^T x: the retained increments due to tractions."""
     N = model.outer.count
     i = lane
     while i < N:
@@ -116,7 +116,7 @@ def add_slips(
     model: Model, w: int, lane: int, part: real, tangential: FrictionSolve, D: wp.array(dtype=real),
     L: wp.array(dtype=real), M: wp.array(dtype=real), x: wp.array(dtype=real), y: wp.array(dtype=real),
 ):  # fmt: skip
-    """y += part K x over the lines of all pairs; leaves z = M L^T x."""
+    """y += part K x over the lines of all pairs; returns z = M L^T x in its array."""
     move_outer(model, w, lane, tangential, L, M, x, tangential.cell_moved_outer)
     pair = int(0)
     while pair < model.pairs.count:

@@ -1,15 +1,15 @@
-r"""Compliance of the cells that may carry friction ("cell slots"), with everything else condensed into it.
+r"""Compliance of the cells that may carry friction ("cell slots"), with all other unknowns condensed.
 
 In the weak slip S_k = area_k s_k and the tractions tau_l, two directions each, rows 2 i + d of slot i:
 
     G = area_k [D_tt^A]_kl area_l + (area Q o) D_tt^B (area Q o)^T + J sigma^-1 J^T,
     J_k = area_k [Phi_tA, -Q o Phi_tB]_k,      L = [dS/d(rigid), -J sigma^-1 C^T],
 
-as `contact_compliance` does for the pressures: symmetric, and positive definite where the cells are no finer than the
-mesh. Each pair has its own block of G, which stays assembled until the grids move against each other; what the
-pressures answer (`pressure_answer`) is put to it where cells or the active set of the pressures are new, after that set
-has settled. Cells of different pairs feel each other through the outer coordinates (`cell_blocks`), and not through
-local or condensed modes, which the Newton iteration takes in.
+as in `contact_compliance` for the pressures: symmetric, and positive definite if the cells are no finer than the mesh.
+Each pair has its own block of G, which stays assembled until the grids move relative to each other. The response of the
+pressures (`pressure_answer`) is added once their active set has converged, if cells or this set are new. Cells of
+different pairs are coupled through the retained coordinates (`cell_blocks`), but not through local or condensed modes,
+which the Newton iteration accounts for.
 """
 
 import warp as wp
@@ -37,8 +37,8 @@ ROUND_OFF = wp.constant(wp.float64(1.0e-14))  # of a cosine: tangents of paralle
 
 @kernel
 def take_cells(run: Run, cells: FrictionCells, tangential: FrictionSolve):
-    """Per world: a slot in its pair's block for each cell under pressure that has none; all are given back first when
-    the grids have moved, or where those that are no longer under pressure take room that others need."""
+    """Per world: assigns a slot in its pair's block to each active cell without one. All slots are released first if
+    the grids have moved, or if cells that are no longer under pressure occupy slots that others need."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
@@ -90,8 +90,8 @@ def take_cells(run: Run, cells: FrictionCells, tangential: FrictionSolve):
 def cell_modes(
     run: Run, geometry: ContactGeometry, tangential: FrictionSolve, cells: FrictionCells, impulses: ImpulsiveContact
 ):
-    """Per (world, pair): gradient J of the weak slip of the fresh slots by the global modes of A, then of B, times the
-    weight of the pair, and its transpose."""
+    """Per (world, pair): gradient J of the weak slip of the new slots with respect to the global modes of A, then of B,
+    times the weight of the pair, and its transpose."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_grid(model, pair):
@@ -186,7 +186,7 @@ def couple_first(
 ): ...
 
 
-# The columns of G that lines `line` and `line` + 1 are, up to there.
+# Columns of G that correspond to the lines `line` and `line` + 1, up to these.
 @wp.func_native("""
     const int cap = 2 * model.capacity.cells;
     double* g = G.data + ((size_t)w * model.pairs.count + pair) * cap * cap;
@@ -223,8 +223,8 @@ def shift_second(
     model: Model, w: int, pair: int, m: int, lane: int, low: int, high: int, origin_b: int, cells: FrictionCells,
     tangential: FrictionSolve,
 ):  # fmt: skip
-    """Displacement of the second surface's cells, columns `low` to `high` of its window, under unit tractions on cell m
-    in its two directions, (2, 2 node_capacity) flat: area D_tt^B (Q o)^T."""
+    """Displacement of the second surface's cells, columns `low` to `high` of its window, due to unit tractions on cell
+    m in its two directions, (2, 2 node_capacity) flat: area D_tt^B (Q o)^T."""
     rows_b = model.surfaces.rows[model.pairs.second[pair]]
     table = model.responses.tangential[own_load(model, 2 * pair + 1)]
     base = (w * model.pairs.count + pair) * 4 * model.window.nodes
@@ -261,7 +261,7 @@ def assemble_cells(
     run: Run, geometry: ContactGeometry, tangential: FrictionSolve, cells: FrictionCells, residuals: Residuals,
     cell_JT: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
+    """Per (world, pair): lines of the compliance of the new slots, without the retained coordinates."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_grid(model, pair):
@@ -308,8 +308,8 @@ def outer_cells(
     run: Run, trial: Trial, cells: FrictionCells, impulses: ImpulsiveContact, tangential: FrictionSolve,
     system: OuterSystem,
 ):  # fmt: skip
-    """Per (world, pair): gradient L of the weak slip by the coupled outer columns times the weight of the pair, at the
-    beginning of an attempt and where any pair has fresh slots."""
+    """Per (world, pair): gradient L of the weak slip with respect to the coupled retained columns times the weight of
+    the pair, at the start of an attempt and if any pair has new slots."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if (

@@ -1,10 +1,10 @@
 """Slip of the cells in a step, and the forces, energy and work of their tractions.
 
-The slip is what the surfaces slide as rigid bodies over the whole step and what the difference of their elastic
-displacements changes by on the same material of the first body. Work of friction in a step is sum tau.S with the
-tractions at its end, never positive: what the iteration leaves of slip in a cell that sticks, of either sign, is booked
-where it is negative only, and is otherwise a part of the contact grid's line. The contact energy takes up tau.e/2 with
-the part of e that the local modes have.
+The slip is the rigid-body slip of the surfaces over the whole step plus the change of the difference of their elastic
+displacements at the same material point of the first body. The work of friction in a step is sum tau.S with the
+tractions at its end, never positive: the iteration leaves a residual slip of either sign in sticking cells; its work is
+booked if negative, otherwise it is part of the contact grid's line. The contact energy includes tau.e/2 with the part
+of e due to the local modes.
 """
 
 import warp as wp
@@ -26,7 +26,7 @@ from warpffrf_kernels.surfaces.fields import clear_field
 wp.set_module_options(MODULE_OPTIONS)
 
 # Tractions are converged to this many times the tolerance of forces and gaps (of the largest bound): forces and moments
-# of the tractions at hand are balanced to that tolerance itself.
+# of the present tractions are balanced to that tolerance itself.
 TRACTION_SLACK = wp.constant(wp.float64(100.0))
 OPEN = wp.constant(0)
 STICK = wp.constant(1)
@@ -37,7 +37,7 @@ SLIP = wp.constant(2)
 def before_at(
     model: Model, w: int, pair: int, rows: int, m: int, geometry: ContactGeometry, friction: FrictionState
 ) -> int:
-    """Cell of the window of the last accepted step that lies on the same material; -1 outside that window."""
+    """Cell of the window of the last accepted step at the same material point; -1 outside that window."""
     A = model.pairs.first[pair]
     moved = geometry.center[w, pair, 0] - friction.history_center[w, pair]
     turn = model.surfaces.turn[A]
@@ -52,7 +52,7 @@ def before_at(
 @kernel
 def slide_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState):
     """Per (world, pair), lanes over cells: slip of the step [m]. Material without a history, from beyond the last
-    window, is credited with the rigid slip alone."""
+    window, has the rigid slip only."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
@@ -73,7 +73,7 @@ def slide_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells, frict
 
 @kernel
 def clear_modes(run: Run, friction_modal: wp.array(dtype=real)):
-    """Per (world, pair): no load of tractions on the modes of A and B yet."""
+    """Per (world, pair): clears the load of tractions on the modes of A and B."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -130,13 +130,14 @@ def creep_softness(model: Model, clk: wp.array(dtype=Clock), w: int, pair: int, 
 def add_friction(
     run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState, residuals: Residuals
 ):
-    """Per world: wrench, elastic energy and work of the tractions of every pair, and by how much they are not those of
-    their slip, as a fraction of the largest bound of all pairs: slips have round-off of 1e-17 m, which no pair resolves
-    whose bound is 1e-7 of another's, and what an idle roller transmits matters as little as it does to forces.
+    """Per world: wrench, elastic energy and work of the tractions of every pair, and their defect with respect to their
+    slip, as a fraction of the largest bound of all pairs: slips have a round-off of 1e-17 m, which cannot be resolved
+    by a pair whose bound is 1e-7 of another's, and the traction of an idle roller is negligible, as in the force
+    balance.
 
-    A traction is right where it is the projection of tau - (slip + k tau)/c on the disc of its bound, for any c > 0; k
-    is the softness of entering cells and of a regularised law. Of c = k + own, own the displacement per traction of the
-    cell itself, the defect is that of a cell alone: a smaller c overstates it where the law is soft.
+    A traction is correct if it is the projection of tau - (slip + k tau)/c onto the disc of its bound, for any c > 0; k
+    is the softness of entering cells and of a regularised law. With c = k + own, own the displacement per traction of
+    the cell itself, the defect is that of an isolated cell: a smaller c overstates it if the law is soft.
     """
     w = wp.tid()
     model = run.models[w]

@@ -1,12 +1,12 @@
-"""Where the cells of the first surface lie on those of the second.
+"""Overlap of the cells of the first surface with those of the second.
 
-The mean of a displacement over a cell of the first grid is the difference of its integral between the cell's two ends,
-which is known at the edges of the second grid's cells: interpolated linearly between them the parts would be those of
-the overlapping areas, and on grids half a cell apart the second body would look too stiff. A cubic through four edges
-is exact for quadratic displacements. Along the meridian, where tractions change little from row to row, the parts are
-the overlaps. Grids that are turned against each other are met by the cell's extents (root of the squares of its sides'
-projections, exact at right angles). The transposed parts spread the traction of a cell: loads and displacements are
-conjugate.
+The mean of a displacement over a cell of the first grid is the difference of its integral between the cell's two ends.
+The integral is known at the edges of the second grid's cells. Linear interpolation between them would give the parts of
+the overlapping areas, and on grids half a cell apart the second body would be too stiff. A cubic through four edges is
+exact for quadratic displacements. Along the meridian, where tractions change little between rows, the parts are the
+overlaps. For grids rotated relative to each other, the cell's extents are used (root of the squares of its sides'
+projections, exact at right angles). The transposed parts distribute the traction of a cell, so loads and displacements
+are conjugate.
 """
 
 import warp as wp
@@ -39,7 +39,7 @@ def overlap(low: real, high: real, a: real, b: real) -> real:
 
 @wp.func
 def reached(y: real, j: int) -> real:
-    """Derivative by the mean over cell j, which spans [j, j + 1], of the integral up to y: cubic between the edges."""
+    """Derivative, with respect to the mean over cell j in [j, j + 1], of the integral up to y: cubic between edges."""
     k_low = int(wp.floor(y))
     f = y - real(k_low)
     above = (f + real(1.0)) * f * (f - real(1.0)) / real(6.0)
@@ -57,8 +57,8 @@ def reached(y: real, j: int) -> real:
 
 @kernel
 def spread_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells):
-    """Per (world, pair), lanes over cells: the parts of a cell that lie on the cells of the second grid; 0 beyond the
-    second window, which only cells far from any patch reach: their hats would have failed the step (`keep_hat`)."""
+    """Per (world, pair), lanes over cells: the parts of a cell on the cells of the second grid; 0 beyond the second
+    window, which only cells far from any patch reach (their nodes would have failed the step, `keep_hat`)."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
@@ -82,7 +82,7 @@ def spread_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells):
         above = real(0.0)
         if row + 1 < rows:
             above = lower_edge(model, A, row + 1) - z
-        # the cell's rectangle, turned by Q: its extents along the second surface's tangents, and where its middle lies
+        # the cell's rectangle, rotated by Q: its extents along the second surface's tangents, and its centre
         half_along = real(0.5) * (above - below)
         middle = real(0.5) * (above + below)
         q_1 = cells.cell_turn[w, pair, m, 0]
@@ -148,7 +148,7 @@ def on_shares(model: Model, w: int, pair: int, m: int, cells: FrictionCells, sec
     return vec3(u_1, u_2, real(0.0))
 
 
-# out += part area Q o u_B of the first `count` cells in play of a pair, two numbers each, as `on_shares`; lanes over
+# out += part area Q o u_B of the first `count` active cells of a pair, two numbers each, as in `on_shares`; lanes over
 # the cells. Native, as the inner loop of two assemblies.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair, cells = here * model.window.hats;
@@ -193,7 +193,7 @@ def add_on_shares(
 
 @wp.func
 def line_of(model: Model, s: int, column: int, line: int) -> int:
-    """Line of `mode_tangent` of a grid column counted over full turns; -1 where the grid has none."""
+    """Line of `mode_tangent` of a grid column counted over full revolutions; -1 outside the grid."""
     node = node_of(model, s, column, 0)
     if node < 0:
         return -1

@@ -1,6 +1,6 @@
-"""Weak slips r = r_0 + K tau + softness tau of all cells under trial tractions, and how far these are from the law.
+"""Weak slips r = r_0 + K tau + softness tau of all cells for trial tractions, and their defect from the friction law.
 
-The defect of a cell is how far its traction is from the point of its disc that its slip asks for,
+The defect of a cell is the distance of its traction from the point of its disc that corresponds to its slip,
 
     tau = P(tau - r/c),      P: the nearest point of the disc, c: the mean of the diagonal of its block of K.
 """
@@ -16,8 +16,8 @@ wp.set_module_options(MODULE_OPTIONS)
 
 DEFECT = wp.constant(0)  # columns of `outcome`: the largest defect,
 LARGEST = wp.constant(1)  # the largest bound,
-CHANGED = wp.constant(2)  # 1 where the kind of a cell differs from that of the factorisation at hand,
-JUMPED = wp.constant(3)  # 1 where sliding cells are not on their circles yet
+CHANGED = wp.constant(2)  # 1 if the kind of a cell differs from that of the present factorisation,
+JUMPED = wp.constant(3)  # 1 if sliding cells are not on their circles yet
 
 
 @wp.func
@@ -54,7 +54,7 @@ def find_slips(
     add_soft_slips(model, w, lane, tangential, slopes, softness, slopes.speed_tau)
 
 
-# Who sticks (1), slides (2) or is free of load (0) of the cells of a pair, and where sliding ones are to jump; of one
+# Sticking (1), sliding (2) and unloaded (0) cells of a pair, and the points to which sliding ones are moved; by one
 # lane.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
@@ -138,7 +138,7 @@ def judge_cells(
     softness: wp.array(dtype=real),
 ) -> real:  # fmt: skip
     """Slips of the tractions, kinds of the cells, and the right-hand side of the reduced system: the slips after
-    sliding cells have jumped to their circles. Returns the defect of the tractions."""
+    sliding cells have been moved to their circles. Returns the defect of the tractions."""
     find_slips(model, w, lane, tangential, slopes, softness)
     defect = sort_cells(model, w, lane, tangential, slopes, radius, softness)
     if tangential.cell_outcome[w, JUMPED] != real(0.0):

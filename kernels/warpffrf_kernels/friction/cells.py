@@ -1,28 +1,28 @@
-r"""Cells of friction in the window of a pair: where they are, what they weigh, and how far they slide as rigid bodies.
+r"""Friction cells in the window of a pair: positions, areas, and rigid-body slip.
 
-A cell (j, k) surrounds the node (j, k) of the first surface's grid. On it the tangential traction tau (2,) on the first
-body is constant, along (e_theta, t_z) there. Numbers of a cell and direction d stand at column*2*rows + d*rows + row,
-so that the columns of a window are one contiguous run.
+A cell (j, k) surrounds the node (j, k) of the first surface's grid. The tangential traction tau (2,) on the first body
+is constant on it, with components along (e_theta, t_z) there. Numbers of a cell and direction d are stored at
+column*2*rows + d*rows + row, so the columns of a window are one contiguous run.
 
-Rigid slip of a step. Let y_k(t) be the point of the second true surface that lies opposite the centre x_k of a cell,
-along the common normal c of the pair, that of its force at the end of the last step (along the normal of the first
-surface where one of the two is an inside form),
-and (theta, z) its place in the chart of the second surface. Material that sticks keeps its partner, so the step's slip
-of the first surface relative to the second is what y_k has travelled over the second body's *material*,
+Rigid slip of a step. Let y_k(t) be the point of the second true surface opposite the centre x_k of a cell, along the
+common normal c of the pair (that of its force at the end of the last step; along the normal of the first surface if one
+of the two is an inside form),
+and (theta, z) its coordinates in the chart of the second surface. Sticking material keeps its opposite point, so the
+step's slip of the first surface relative to the second is the path of y_k over the second body's *material*,
 
     s_k = R_B (theta(t1) - theta(t0)) e_theta^B + (z(t1) - z(t0)) (R_B' e_r + e_a),
 
 arc lengths of the undeformed surfaces: for two rollers (Omega_A R_A - Omega_B R_B) h to all orders in the angle, since
-the opposite point shares the coordinate across c. Both places are computed from the two poses of the step, so that a
-cell that enters the patch is credited with the creep over the *whole* step, as Carter's solution needs.
+the opposite point has the same coordinate across c. Both points are computed from the two poses of the step, so a cell
+that enters the patch has the creep of the *whole* step, as Carter's solution requires.
 
-Directions of the tractions are (e_theta, t_z) projected on the plane across c where both forms are convex: that is the
-tangent plane of the deformed surfaces, in which all of a patch lies. In gross slip friction is then mu times the normal
-force and across it, however wide the patch and wherever it has moved to. Inside forms hug each other, and their
+Directions of the tractions are (e_theta, t_z) projected onto the plane normal to c if both forms are convex: that is
+the tangent plane of the deformed surfaces, which contains all of a patch. In gross slip, friction is then mu times the
+normal force and perpendicular to it, for any width and position of the patch. Inside forms are conformal, and their
 tractions follow the surface.
 
 The traction acts half way between the two true surfaces; its wrench on the first body, per unit traction, is also the
-gradient of the weak slip `S_k = area_k s_k` by a motion of the first body relative to the second.
+gradient of the weak slip `S_k = area_k s_k` with respect to a motion of the first body relative to the second.
 """
 
 import warp as wp
@@ -52,32 +52,32 @@ from warpffrf_kernels.surfaces.surface import (
 wp.set_module_options(MODULE_OPTIONS)
 
 STEEPEST = wp.constant(wp.float64(0.1))  # cosine between c and the second normal: cells beyond are far from any patch
-# columns that the grids may move against each other before the compliance of the cells is assembled anew: it changes by
-# about this fraction, and serves as a tangent only
+# columns that the grids may move relative to each other before the compliance of the cells is reassembled: it changes
+# by about this fraction, and is used as a tangent only
 PHASE_TOLERANCE = wp.constant(wp.float64(1.0e-2))
 
 
 @wp.func
 def rubs_on_grid(model: Model, pair: int) -> bool:
-    """Whether a pair has friction whose cells are those of the first surface's grid, bound to its material."""
+    """Whether a pair has friction on cells of the first surface's grid, fixed to its material."""
     return model.pairs.friction[pair] > real(0.0) and model.pairs.family[pair] != PATCH
 
 
 @wp.func
 def rubs_on_patch(model: Model, pair: int) -> bool:
-    """Whether a pair has friction on cells that travel with the patch (room `rolling`)."""
+    """Whether a pair has friction on contact-fixed cells (package `rolling`)."""
     return model.pairs.friction[pair] > real(0.0) and model.pairs.family[pair] == PATCH
 
 
 @wp.func
 def cell_at(rows: int, m: int, d: int) -> int:
-    """Place of cell m, direction d in tangential arrays, see the module."""
+    """Index of cell m, direction d in tangential arrays, see the module docstring."""
     return (m / rows) * 2 * rows + d * rows + m % rows
 
 
 @wp.func
 def opposite(model: Model, B: int, origin: vec3, frame: mat33, x: vec3, c: vec3, along_c: int) -> vec3:
-    """Chart place (theta, z) on surface B opposite the world point x, and the gap along the direction."""
+    """Chart coordinates (theta, z) on surface B opposite the world point x, and the gap along the direction."""
     local = wp.transpose(frame) * (x - origin)
     place = chart_of(model, B, local)
     steep = -wp.dot(wp.transpose(frame) * c, gradient_of(model, B, local))
@@ -92,8 +92,8 @@ def open_cells(
     run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState,
     friction_offset: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair): the tractions of the last attempt put where the patch is now (as `open_window` does with the
-    pressures); whether the compliance of the cells is to be assembled anew."""
+    """Per (world, pair): moves the tractions of the last attempt to the present window (as `open_window` does with the
+    pressures); decides whether the compliance of the cells is reassembled."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_grid(model, pair):
@@ -129,8 +129,8 @@ def open_cells(
 
 @wp.struct
 class Sight:
-    """Both surfaces of a pair at the beginning and the end of a step: origins and axes of their frames, and the common
-    normal; `inside` 1 where one of the two is an inside form."""
+    """Both surfaces of a pair at the start and the end of a step: origins and axes of their frames, and the common
+    normal; `inside` is 1 if one of the two is an inside form."""
 
     at_a: vec3
     at_b: vec3
@@ -147,8 +147,8 @@ class Sight:
 
 @wp.struct
 class Place:
-    """A cell: where it lies on the second surface (theta, z), components of that one's tangents in those of the first,
-    its own tangents u_1, u_2, the arm of its tractions about the first body's origin, and the rigid slip along both."""
+    """A cell: its position on the second surface (theta, z), components of that surface's tangents in those of the
+    first, its own tangents u_1, u_2, the arm of its tractions about the first body's origin, and its rigid slip."""
 
     theta: real
     z: real
@@ -164,8 +164,8 @@ class Place:
 def look(
     model: Model, w: int, A: int, B: int, state: MotionState, trial: Trial, known: vec3, theta: real, z: real
 ) -> Sight:
-    """The surfaces A and B of a pair; `known`: the common normal, zero before the first touch, where it is that of A at
-    (theta, z)."""
+    """The surfaces A and B of a pair; `known`: the common normal, zero before the first contact; then that of A at
+    (theta, z) is used."""
     a = model.surfaces.body[A]
     b = model.surfaces.body[B]
     axes_a = axes_of(trial.axes, w, a)
@@ -196,7 +196,7 @@ def look(
 
 @wp.func
 def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> Place:
-    """The cell whose centre is the place (theta, z) of surface A."""
+    """The cell whose centre is the point (theta, z) of surface A."""
     point = local_point(model, A, theta, z)
     n = local_normal(model, A, theta, z)
     t_1 = local_around(model, A, theta)
@@ -229,7 +229,7 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
     found = Place()
     found.theta = now[0]
     found.z = now[1]
-    # the second surface's tangents span the same plane but for the angle between the normals: 1 - cos of it is lost
+    # the second surface's tangents span the same plane up to the angle between the normals, an error of 1 - cos of it
     found.turn = wp.vec4d(wp.dot(u_1, v_1), wp.dot(u_1, v_2), wp.dot(u_2, v_1), wp.dot(u_2, v_2))
     found.u_1 = u_1
     found.u_2 = u_2
@@ -241,7 +241,7 @@ def find_cell(model: Model, A: int, B: int, s: Sight, theta: real, z: real) -> P
 
 @wp.func
 def keep_cell(w: int, pair: int, rows: int, m: int, area: real, found: Place, cells: FrictionCells):
-    """What all cells are known by: area, turn, wrench per unit traction, rigid slip."""
+    """Stores the data common to all cells: area, rotation, wrench per unit traction, rigid slip."""
     cells.cell_area[w, pair, m] = area
     for i in range(4):
         cells.cell_turn[w, pair, m, i] = found.turn[i]
@@ -260,7 +260,7 @@ def keep_cell(w: int, pair: int, rows: int, m: int, area: real, found: Place, ce
 def place_cells(
     run: Run, geometry: ContactGeometry, state: MotionState, trial: Trial, friction: FrictionState, cells: FrictionCells
 ):
-    """Per (world, pair), lanes over the cells of the window: area, opposite grid place (column, row coordinate) on the
+    """Per (world, pair), lanes over the cells of the window: area, opposite grid point (column, row coordinate) on the
     second surface, components of its tangents in those of the first, wrench per unit traction, displacement by a unit
     traction of their own, and rigid slip."""
     w, pair, lane = wp.tid()

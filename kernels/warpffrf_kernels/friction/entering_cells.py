@@ -1,26 +1,27 @@
-r"""Cells that the patch reaches during a step: how far they resist what is left of it.
+r"""Cells that the patch reaches during a step: their resistance to the rest of the step.
 
 Slip is counted over the whole step. Material that the patch reaches after the part 1 - phi of the step slides freely
-until then, and only what happens afterwards is resisted. With the other tractions linear in time and its own growing
-from zero at that moment, the elastic slip until the touch is (1 - phi) (e_1 - e_0 - c tau), c tau the displacement by
-the cell's own traction, and the rigid one (1 - phi) s_r.
-"No slip since the touch" is then, divided by phi,
+until then; only the later slip is resisted. With the other tractions linear in time and its own growing from zero at
+that moment, the elastic slip until contact is (1 - phi) (e_1 - e_0 - c tau), c tau the displacement by the cell's own
+traction, and the rigid one (1 - phi) s_r.
+"No slip since contact" is then, divided by phi,
 
     s + k tau = 0,      k = (1 - phi)/phi c,      s the slip of the whole step:
 
 a softness on the diagonal, zero for a cell that was under pressure all the time, and so large for one just reached that
-it carries nothing yet. It takes work tau.s = -k tau^2, never energy given.
+it carries no traction yet. Its work is tau.s = -k tau^2, so it never supplies energy.
 
-What one cell gains the others lose, so that the displacement far away, in common to all of them, must not count:
+What one cell gains, the others lose, so the displacement far away, common to all of them, must not count:
 c = 2 (D_mm - D_mn) area, n the cell behind. The patch advances by a columns in the step, and its edge is d columns
-ahead of the node: then (1 - phi)/phi = a/d - 1. The pressure of the last hat grows in proportion to how far the edge is
-beyond it, up to 0.91 of its neighbour's a column later (half-planes of 5 to 12 cells in a half-width, every phase). A
-cell's front touches half a column before its node; 1/8 is added to d. The factor 2 and the 1/8 are measured: with
-them Carter's force is right to 0.5 % at eight cells in a half-width, at every phase of the grid and at up to two cells
-a step; charged with the whole step it is 1 to 6 % high, by the phase, and 3 to 7 % at two (docs/studies/carter.md).
+ahead of the node: then (1 - phi)/phi = a/d - 1. The pressure of the last node grows in proportion to the distance of
+the edge beyond it, up to 0.91 of its neighbour's a column later (half-planes of 5 to 12 cells in a half-width, every
+phase). A cell's front makes contact half a column before its node; 1/8 is added to d. The factor 2 and the 1/8 are
+measured: with them the error of Carter's force is 0.5 % at eight cells in a half-width, at every phase of the grid and
+at up to two cells per step; without this softness it is 1 to 6 % high, depending on the phase, and 3 to 7 % at two
+(docs/studies/carter.md).
 
-A node that was under pressure before is not reached anew, whatever the advance is said to be (where there are two
-patches it may jump). Along the rows the advance is not known: cells that are reached that way count the whole step.
+A node that was under pressure before is not reached anew, whatever the computed advance (which may jump if there are
+two patches). The advance along the rows is not known: cells reached in that direction count the whole step.
 """
 
 import warp as wp
@@ -40,11 +41,11 @@ from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 
 wp.set_module_options(MODULE_OPTIONS)
 
-COLUMNS_PER_RATIO = wp.constant(wp.float64(1.1))  # edge beyond the last hat, over its pressure's ratio to the next
-BOTH = wp.constant(wp.float64(2.0))  # what a cell gains its neighbour loses
-AHEAD = wp.constant(wp.float64(0.125))  # columns; between the touch of the node, 0, and that of the cell's front, 1/2
-# columns: a cell that the edge has not reached resists as one it has passed by this much, so that what stands still
-# (advances of less) is not touched by it and gross sliding still loads every cell
+COLUMNS_PER_RATIO = wp.constant(wp.float64(1.1))  # edge beyond the last node, over its pressure's ratio to the next
+BOTH = wp.constant(wp.float64(2.0))  # what a cell gains, its neighbour loses
+AHEAD = wp.constant(wp.float64(0.125))  # columns; between the contact of the node, 0, and that of the cell's front, 1/2
+# columns: a cell that the edge has not reached resists like one it has passed by this much, so a stationary patch
+# (advances of less) is not affected and gross sliding still loads every cell
 JUST_REACHED = wp.constant(wp.float64(0.02))
 
 
@@ -65,8 +66,8 @@ def advanced_columns(model: Model, w: int, pair: int, geometry: ContactGeometry,
 def response_between(
     model: Model, w: int, pair: int, m: int, n: int, geometry: ContactGeometry, cells: FrictionCells
 ) -> real:
-    """Displacement around of both surfaces' local modes, mean over cell n, under a unit force around on cell m of the
-    same row [m/N]."""
+    """Circumferential displacement of both surfaces' local modes, mean over cell n, due to a circumferential unit force
+    on cell m of the same row [m/N]."""
     rows = model.surfaces.rows[model.pairs.first[pair]]
     origin = geometry.center[w, pair, 0] - model.window.half
     total = real(0.0)
@@ -101,11 +102,11 @@ def lag_of_touch(
     model: Model, w: int, pair: int, m: int, advanced: real, low: int, high: int, contact: ContactState,
     cells: FrictionCells, geometry: ContactGeometry,
 ) -> real:  # fmt: skip
-    """(1 - phi)/phi = a/d - 1 of cell m, not below 0."""
+    """(1 - phi)/phi = a/d - 1 of cell m, at least 0."""
     ahead = model.surfaces.rows[model.pairs.first[pair]]
     if advanced < real(0.0):
         ahead = -ahead
-    # the last hat under pressure ahead of the cell, or the one behind it
+    # the last node under pressure ahead of the cell, or the one behind it
     last = m
     d = real(0.0)
     if not (pressed(model, w, pair, m, low, high, contact, cells, geometry) > real(0.0)):
@@ -113,7 +114,7 @@ def lag_of_touch(
         d = real(-1.0)
     here = pressed(model, w, pair, last, low, high, contact, cells, geometry)
     if not (here > real(0.0)):
-        return real(0.0)  # beside the patch
+        return real(0.0)  # outside the patch
     following = pressed(model, w, pair, last + ahead, low, high, contact, cells, geometry)
     while following > real(0.0):
         last += ahead
@@ -135,9 +136,9 @@ def soften_late(
     run: Run, geometry: ContactGeometry, friction: FrictionState, contact: ContactState, cells: FrictionCells,
     of_state: int,
 ):  # fmt: skip
-    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
-    last step ended without contact: the patch advances from nowhere. apart: D_mm - D_mn of the cells that were asked
-    for since the bodies have moved, -1 of the others."""
+    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero if the
+    last step ended without contact; the patch then has no previous position. apart: D_mm - D_mn of the cells requested
+    since the bodies have moved, -1 for the others."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_grid(model, pair):
@@ -178,7 +179,7 @@ def soften_late(
 
 @kernel
 def keep_pressed(run: Run, geometry: ContactGeometry, contact: ContactState, friction: FrictionState):
-    """Per (world, pair), lanes over cells: which nodes an accepted step leaves under pressure, for the next one."""
+    """Per (world, pair), lanes over cells: nodes under pressure at the end of an accepted step, for the next one."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].accept == 0 or not rubs_on_grid(model, pair):

@@ -1,9 +1,9 @@
-"""End of an attempt for friction: history carried with the material, and what a record shows of it.
+"""End of an attempt for friction: history fixed to the material, and recorded quantities.
 
-The elastic slip e of all cells of the window is kept with the grid column of the window's centre: the next step finds
+The elastic slip e of all cells of the window is stored with the grid column of the window's centre: the next step finds
 its material again by the difference of the columns. Records: power -tau.S/h, rigid creep velocity at the cell nearest
-to the patch's centre, mean velocity of the two surfaces through the patch, and the most columns that the patch advanced
-in a step since the last record (`patch_advance`).
+to the patch's centre, mean velocity of the two surfaces through the patch, and the largest advance of the patch in
+columns in a step since the last record (`patch_advance`).
 """
 
 import warp as wp
@@ -34,7 +34,7 @@ def keep_slips(run: Run, friction: FrictionState, cells: FrictionCells, geometry
     A = model.pairs.first[pair]
     rows = model.surfaces.rows[A]
     H = model.window.half
-    # columns beyond the window looked at have no displacement computed: they repeat its outermost column
+    # no displacement is computed for columns beyond the evaluated window: they repeat its outermost column
     low = geometry.window[w, pair, 0] + H
     high = geometry.window[w, pair, 1] + H
     while i < 2 * rows * model.window.columns:
@@ -56,7 +56,7 @@ def keep_slips(run: Run, friction: FrictionState, cells: FrictionCells, geometry
         if is_whole(run.ctl, w) and h > real(0.0):
             creep = cells.rigid_slip[w, pair, cell_at(rows, m, 0)] / h
             z = model.surfaces.z[model.surfaces.z_start[A] + row]
-            # material of the first surface runs against the columns that the patch advances
+            # material of the first surface moves opposite to the advance of the patch in columns
             through = (
                 -cells.advanced[w, pair] * model.surfaces.pitch[A] * radius_of(model, A, z) * model.surfaces.side[A] / h
             )
@@ -68,7 +68,7 @@ def keep_slips(run: Run, friction: FrictionState, cells: FrictionCells, geometry
 
 @kernel
 def add_friction_second(run: Run, geometry: ContactGeometry, cells: FrictionCells, fields: ContactFields):
-    """Per (world, pair): tractions act on the second body along the same lines, so that their wrench there is the
+    """Per (world, pair): tractions act on the second body along the same lines, so their wrench there is the
     opposite."""
     w, pair = wp.tid()
     if run.ctl[w].record == 0:
@@ -79,7 +79,7 @@ def add_friction_second(run: Run, geometry: ContactGeometry, cells: FrictionCell
 
 @kernel
 def record_friction(run: Run, friction: FrictionState, cells: FrictionCells, saved: SavedFriction):
-    """Per (world, pair), lanes over cells. The most columns that the patch advanced are counted anew from here."""
+    """Per (world, pair), lanes over cells. The largest advance of the patch in columns is reset here."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0:

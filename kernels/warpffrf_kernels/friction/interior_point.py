@@ -1,13 +1,13 @@
-"""Tractions near the solution of the problem of stick and slip (`stick_slip_solve`), from any start.
+"""Tractions near the solution of the stick-slip problem (`stick_slip_solve`), from any start.
 
-On a body that turns freely, which all tractions move alike, by 1e4 times as much as what they do to each other, Newton
-goes from all sliding one way to all sliding the other. With c_i = (b_i^2 - |tau_i|^2)/2 > 0 and lambda_i > 0, a Newton
-step of
+On a body that rotates freely, which all tractions move together, by 1e4 times as much as they displace each other,
+Newton's method alternates between all cells sliding one way and all sliding the other. With
+c_i = (b_i^2 - |tau_i|^2)/2 > 0 and lambda_i > 0, a Newton step of
 
     r + lambda tau = 0,      lambda_i c_i = mu,      (K + lambda + (lambda/c) tau tau^T) dtau = -r - (mu/c) tau,
 
-mu a tenth of the mean of lambda c, goes at most to where a cell would leave its disc, or its lambda be negative; some
-ten of them suffice (the primal-dual method of convex programs).
+mu a tenth of the mean of lambda c, is limited to the point at which a cell would leave its disc, or its lambda become
+negative; about ten of them suffice (the primal-dual method of convex programs).
 """
 
 import warp as wp
@@ -25,12 +25,12 @@ wp.set_module_options(MODULE_OPTIONS)
 
 STEPS = wp.constant(60)  # at most: 10 to 20 are needed
 CENTRED = wp.constant(wp.float64(0.1))  # mu, of the mean of lambda c
-WITHIN = wp.constant(wp.float64(0.995))  # of the way to the border: the most that a step goes
+WITHIN = wp.constant(wp.float64(0.995))  # of the way to the boundary: maximum step
 MU = wp.constant(0)  # columns of `inside`: sum of lambda c of all cells,
 LENGTH = wp.constant(1)  # length of the step
 
 
-# Start: no tractions, slips as they are then, lambda the slope of the slip.
+# Start: zero tractions, the corresponding slips, lambda the slope of the slip.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = model.capacity.cells;
     const double *b = radius.data + here * cap, *k = diagonal.data + here * cap * 3;
@@ -133,7 +133,7 @@ def pose_inside(
 ): ...
 
 
-# How far the step may go (`move` 0: shortens `inside`), or the step by that length (1), of a pair; of one lane.
+# Longest permitted step (`move` 0: shortens `inside`), or the step by that length (1), of a pair; by one lane.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
     double *x = tau.data + here * cap, *lambda = slope.data + here * cap / 2;

@@ -1,9 +1,9 @@
-"""Mobility M = (A + W^T W)^-1 of the outer coordinates, and what it makes of tractions.
+"""Receptance M = (A + W^T W)^-1 of the retained coordinates, and its effect on tractions.
 
-The columns that pairs with friction are coupled to, as nothing else is pushed, by the sparse factor of the last solve,
-where the pressures' answer is new (`pressure_answer`): the outer matrix changes by next to nothing within a step. Of a
-pair, V = L M over the columns that it is coupled to is what the tractions of a cell do to the others of its pair by the
-outer coordinates.
+It is computed for the columns that pairs with friction are coupled to, since no others are loaded, with the sparse
+factor of the last solution, if the response of the pressures is new (`pressure_answer`): the retained matrix hardly
+changes within a step. For a pair, V = L M over its coupled columns is the effect of the tractions of a cell on the
+other cells of its pair through the retained coordinates.
 """
 
 import warp as wp
@@ -25,7 +25,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def is_pushed(model: Model, c: int) -> bool:
-    """Whether tractions push outer column c."""
+    """Whether tractions load retained column c."""
     pair = int(0)
     while pair < model.pairs.count:
         i = int(0)
@@ -41,7 +41,7 @@ def is_pushed(model: Model, c: int) -> bool:
 def invert_outer(
     run: Run, tangential: FrictionSolve, normal: ContactSolve, system: OuterSystem, patterns: wp.array(dtype=Pattern)
 ):
-    """Per world: M, column by column with the factor of the last solve, where Y is new."""
+    """Per world: M, column by column with the factor of the last solution, if Y is new."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, RENEWED] == 0:
@@ -133,7 +133,7 @@ def move_pair(
 
 @kernel
 def diagonal_blocks(run: Run, tangential: FrictionSolve):
-    """Per (world, pair): what each cell's tractions do to the outer coordinates and to its own slip, where new."""
+    """Per (world, pair): effect of each cell's tractions on the retained coordinates and on its own slip, if new."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
     lines = 2 * tangential.cell_block[w, pair, COUNT]

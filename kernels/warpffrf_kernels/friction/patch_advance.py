@@ -1,13 +1,14 @@
-"""How far the patch of a pair with friction advances in a step, in columns of the first grid.
+"""Advance of the patch of a pair with friction in a step, in columns of the first grid.
 
-A cell that enters the patch within a step is charged with the creep of the whole step, so the patch should advance by
-one column a step at most. Where the patch is, is where the surfaces are nearest: on the line of centres its phase, else
-the place that `closest_point` finds. That place is the nearest of all, and where one pair touches in two patches it may
-pass from one to the other while neither moves. So the patch is followed: from its place at the end of the last step,
-the minimum of the gap is looked for again at the poses of this one, in the same section; the way between the two is
-what the patch advanced. The next step starts from the nearest place of all, whichever patch that is.
+A cell that enters the patch within a step has the creep of the whole step, so the patch should advance by at most one
+column per step. The position of the patch is the point where the surfaces are nearest: with parallel-axes kinematics
+the phase of the line of centres, otherwise the point found by `closest_point`. That point is the global minimum, and if
+a pair has two patches it may jump from one to the other while neither moves. The patch is therefore tracked: starting
+from its position at the end of the last step, the minimum of the gap is located at the poses of this step, in the same
+section; the distance between the two is the advance. The next step starts from the global minimum, in whichever patch
+it lies.
 
-The largest advance since the last saved row is kept with the state, so that none is missed where not all are saved.
+The largest advance since the last saved row is kept with the state, so none is missed if not all steps are saved.
 """
 
 import warp as wp
@@ -31,7 +32,7 @@ wp.set_module_options(MODULE_OPTIONS)
 @kernel
 def follow_patch(run: Run, trial: Trial, geometry: ContactGeometry, friction: FrictionState, cells: FrictionCells):
     """Per (world, pair with friction), after an accepted attempt: columns `advanced` (signed), the largest since the
-    last saved row, and the place now: column and z [m] on the first surface (z of pairs at points alone)."""
+    last saved row, and the present position: column and z [m] on the first surface (z only for closest-point pairs)."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].accept == 0 or not rubs_on_grid(model, pair):

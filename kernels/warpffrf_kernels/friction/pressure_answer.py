@@ -1,33 +1,32 @@
-r"""How the pressures and the outer coordinates answer to a change of the tractions.
+r"""Response of the pressures and the retained coordinates to a change of the tractions.
 
-With ds the change of the pressures of the active set, dtau that of the tractions and dz that of the outer coordinates,
-G, L, A of the gaps (`contact_solve`), K, L_t of the weak slips (`cell_compliance`), a linearised step is
-
+With ds the change of the pressures of the active set, dtau that of the tractions and dz that of the retained
+coordinates, G, L, A of the gaps (`contact_solve`), K, L_t of the weak slips (`cell_compliance`), a linearised step is
     opened + G ds + N^T dtau + L dz = 0,     r + N ds + K dtau + L_t dz in the law of friction,
     A dz = L^T ds + L_t^T dtau,
 
     N^T = -M D_nt^A area - l D_nt^B (area Q o)^T + J_n sigma^-1 J^T.
 
-Pressures are solved for first, tractions with these. Were the pressures held, each iteration would take back what the
-tractions of the last one did to the gaps, and leave N^T K^-1 N G^-1 of an error, however short the step: where all
-cells stick beta^2 on half-spaces with Dundurs' constant beta, 0.24 to 0.33 on rollers on a rigid plane, the more the
-finer they are along the axis, and nearly all where little but the contact holds a body. So this answer is condensed,
-pair by pair, with the active set as it is: with U^T U = G, W = U^-T L and U^T Y = N^T,
+Pressures are solved first, tractions with these. If the pressures were held fixed, each iteration would undo the effect
+of the last tractions on the gaps, and leave N^T K^-1 N G^-1 of an error, however short the step: if all cells stick,
+beta^2 for half-spaces with Dundurs' constant beta; 0.24 to 0.33 for rollers on a rigid plane, growing with the
+refinement along the axis; and nearly all if little but the contact supports a body. The response is therefore
+condensed, pair by pair, with the present active set: with U^T U = G, W = U^-T L and U^T Y = N^T,
 
     ds = -U^-1 (Y dtau + W dz),      L' = L_t - Y^T W,      (A + W^T W) dz = L'^T dtau,
 
     r + K' dtau,      K' = D + L' M L'^T,      D = K - Y^T Y,      M = (A + W^T W)^-1,
 
-a Schur complement of a positive semidefinite matrix, which is one. D has a block for each pair (`cell_blocks`); M is
-in `mobility`.
+a Schur complement of a positive semidefinite matrix, hence positive semidefinite. D has a block for each pair
+(`cell_blocks`); M is computed in `mobility`.
 
-On cells that travel with the patch (`rolling`) Y, which costs what grows with the third power of their number, is
-nothing in K (`answering`), so that K stays from step to step. Pressures follow the change of the tractions there, N^T
-dtau by the fields themselves (`take_gaps`), and what they do to slips in turn is left to the next iteration.
+On contact-fixed cells (`rolling`) Y, whose cost grows with the third power of their number, is omitted from K
+(`answering`), so K is kept from step to step. There the pressures follow the change of the tractions, N^T dtau by the
+fields themselves (`take_gaps`), and the resulting change of the slips is left to the next iteration.
 
-The bounds follow that answer too: tractions and bounds are solved for in turn, in rounds, with the same matrices. Each
-leaves some mu N^T G^-1 of an error, which converges where friction has one solution, and costs next to nothing where
-nobody changes sides.
+The bounds follow that response as well: tractions and bounds are solved alternately, in rounds, with the same matrices.
+Each round leaves a fraction mu N^T G^-1 of an error, which converges if friction has a unique solution, and costs
+little if no cell changes its state.
 """
 
 import warp as wp
@@ -54,24 +53,24 @@ from warpffrf_kernels.surfaces.responses import own_load, place_in_table
 wp.set_module_options(MODULE_OPTIONS)
 
 
-ACTIVE = wp.constant(0)  # columns of `answer_state`: active slots that Y was made for
-RENEWED = wp.constant(1)  # 1 where Y is new in this iteration
+ACTIVE = wp.constant(0)  # columns of `answer_state`: active slots for which Y was computed
+RENEWED = wp.constant(1)  # 1 if Y is new in this iteration
 OPEN = wp.constant(2)  # 1 while the bounds do not follow the pressures yet
 ROUND = wp.constant(3)  # rounds of tractions and bounds in this iteration
-SAME = wp.constant(wp.float64(1.0e-3))  # of the first answer: a round that changes the pressures by less is the last
-NEGLIGIBLE = wp.constant(wp.float64(1.0e-10))  # of the largest pressure: a tenth of what a step converges to
-ROUNDS = wp.constant(20)  # of an iteration: a half of the change left by each, for friction close to its limits
+SAME = wp.constant(wp.float64(1.0e-3))  # of the first response: a round that changes the pressures by less is the last
+NEGLIGIBLE = wp.constant(wp.float64(1.0e-10))  # of the largest pressure: a tenth of the convergence tolerance of a step
+ROUNDS = wp.constant(20)  # of an iteration: each leaves half of the change, for friction close to its limits
 
 
 @wp.func
 def hat_of(model: Model, w: int, slot: int, slot_hat: wp.array3d(dtype=int)) -> int:
-    """The hat of a slot, numbered over all pairs."""
+    """The node of a slot, numbered over all pairs."""
     return slot_hat[w, slot, 0] * model.window.hats + slot_hat[w, slot, 1]
 
 
 @wp.func
 def answering(model: Model, pair: int, slots: int) -> int:
-    """Lines of Y of a pair with so many active slots."""
+    """Lines of Y of a pair with `slots` active slots."""
     if rubs_on_patch(model, pair):
         return 0
     return slots
@@ -79,7 +78,7 @@ def answering(model: Model, pair: int, slots: int) -> int:
 
 @wp.func
 def is_new(model: Model, w: int, n: int, tangential: FrictionSolve, normal: ContactSolve) -> bool:
-    """Whether there are fresh cells, or the active set is not the one that Y was made for."""
+    """Whether there are new cells, or the active set is not the one for which Y was computed."""
     if n != tangential.answer_state[w, ACTIVE] or is_fresh(model, w, tangential.cell_block):
         return True
     a = int(0)
@@ -90,15 +89,15 @@ def is_new(model: Model, w: int, n: int, tangential: FrictionSolve, normal: Cont
 
 @kernel
 def open_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
-    """Per world: whether Y is to be made anew, for the active slots in the order of the last solve."""
+    """Per world: whether Y is recomputed, for the active slots in the order of the last solution."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
-    n = normal.block[w, 0, LEFT_START]  # the places before are those of active slots
-    # in every attempt the pressures' G is another one, and with it Y, and gradients by the motion of the bodies
+    n = normal.block[w, 0, LEFT_START]  # the preceding places are those of active slots
+    # the pressures' G differs in every attempt, and with it Y and the gradients with respect to the bodies' motion
     renewed = run.ctl[w].iteration == 0 or is_new(model, w, n, tangential, normal)
-    # and so is the outer matrix that the receptance of tractions is condensed with, where it is inverted anew
+    # so does the retained matrix with which the receptance of tractions is condensed, if it is inverted again
     renewed = renewed or run.ctl[w].refresh != 0
     tangential.answer_state[w, ACTIVE] = n
     tangential.answer_state[w, RENEWED] = 0
@@ -117,8 +116,8 @@ def couple_near(
     model: Model, w: int, pair: int, a: int, m: int, lane: int, tangential: FrictionSolve, cells: int,
     geometry: ContactGeometry, rubbing: FrictionCells,
 ):  # fmt: skip
-    """Adds to line `a` of Y the part of the local modes: slips of the cells under a unit pressure on hat m, as
-    `tangential_fields.press_cells` has them."""
+    """Adds the part of the local modes to line `a` of Y: slips of the cells due to a unit pressure at node m, as in
+    `tangential_fields.press_cells`."""
     B = model.pairs.second[pair]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     flexible = model.surfaces.shear_start[B] >= 0
@@ -211,7 +210,7 @@ def answer_on_grid(
 
 @kernel
 def reduce_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
-    """Per (world, pair): Y = U^-T N^T; kept while cells and the active set stay."""
+    """Per (world, pair): Y = U^-T N^T; reused while cells and the active set are unchanged."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
     cells = tangential.cell_block[w, pair, COUNT]
@@ -301,7 +300,7 @@ def border_lines(
 
 @kernel
 def condense_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
-    """Per (world, pair): D and L', where Y is new."""
+    """Per (world, pair): D and L', if Y is new."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
     lines = 2 * tangential.cell_block[w, pair, COUNT]
@@ -309,7 +308,7 @@ def condense_answer(run: Run, normal: ContactSolve, tangential: FrictionSolve):
         return
     start = normal.block[w, pair, START]
     n = answering(model, pair, normal.block[w, pair, SLOTS])
-    if n > 0 or tangential.cell_block[w, pair, FRESH] < tangential.cell_block[w, pair, COUNT]:  # else D is G as it was
+    if n > 0 or tangential.cell_block[w, pair, FRESH] < tangential.cell_block[w, pair, COUNT]:  # else D is G
         subtract_answer(model, w, pair, start, n, lines, tangential.cell_Y, tangential.cell_G, tangential.cell_D)
     border_lines(
         model, w, pair, start, n, lines, tangential.cell_L, tangential.cell_Y, normal.W, tangential.cell_bordered
@@ -350,8 +349,8 @@ def take_gaps(
     model: Model, w: int, pair: int, lane: int, start: int, hats: int, cells: int, normal: ContactSolve,
     rolling: RollingScratch, tangential: FrictionSolve, residuals: Residuals,
 ):  # fmt: skip
-    """step = -N^T dtau of a pair whose cells travel with the patch: by far fields and half-spaces `gap_change`, and by
-    the modes that are condensed."""
+    """step = -N^T dtau of a pair on contact-fixed cells: by far fields and half-spaces `gap_change`, and by the
+    condensed modes."""
     width = model.pairs.most_modes
     scaled = (w * model.pairs.count + pair) * 2 * width
     n = lane
@@ -380,8 +379,8 @@ def press_with_tractions(
     run: Run, normal: ContactSolve, tangential: FrictionSolve, impulses: ImpulsiveContact, fields: ContactFields,
     rolling: RollingScratch, residuals: Residuals, contact: ContactState, solution: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per world: the pressures with their answer to the tractions found in this round, none below zero, and whether the
-    bounds are to follow them in another one. change: of the largest in the first round; z_change: outer increments."""
+    """Per world: the pressures with their response to the tractions of this round, none below zero, and whether the
+    bounds follow them in another round. change: of the largest in the first round; z_change: retained increments."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
@@ -454,7 +453,7 @@ def press_with_tractions(
 
 @kernel
 def count_rounds(run: Run, tangential: FrictionSolve):
-    """One thread: do the bounds of any world still follow its pressures?"""
+    """One thread: whether the bounds of any world still follow its pressures."""
     open_worlds = int(0)
     w = int(0)
     while w < run.ctl.shape[0]:

@@ -4,7 +4,7 @@ With D^ and L^ the lines of D and L (`cell_blocks`) reduced to the free coordina
 
     D^ x + L^ z = y,      B z = L^^T x   =>   W = U^-T L^,  (B + sum W^T W) z = sum W^T U^-T y,  x = U^-1 (U^-T y - W z)
 
-with U^T U = D^. B + sum W^T W has the pattern of the outer matrix, and is factored as that.
+with U^T U = D^. B + sum W^T W has the pattern of the retained matrix, and is factorised like it.
 """
 
 import warp as wp
@@ -24,7 +24,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def factor_reduced(model: Model, p: Pattern, w: int, tangential: FrictionSolve, slopes: SlipSpeedSolve) -> int:
-    """U in place of D^, W in place of L^, and `outer` = `bordered` + sum W^T W; 1 where a block is not definite."""
+    """U replaces D^, W replaces L^, and `outer` = `bordered` + sum W^T W; 1 if a block is not definite."""
     stride = 2 * model.capacity.cells
     width = model.pairs.coupled_capacity
     bad = int(0)
@@ -52,7 +52,7 @@ def factor_reduced(model: Model, p: Pattern, w: int, tangential: FrictionSolve, 
 def solve_reduced(
     model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, tangential: FrictionSolve, system: OuterSystem
 ) -> int:
-    """x <- solution for the right-hand side x; `renew`: of new factors. 1 where the outer matrix is singular."""
+    """x <- solution for the right-hand side x; `renew`: with new factors. 1 if the retained matrix is singular."""
     stride = 2 * model.capacity.cells
     i = lane
     while i < model.outer.count:

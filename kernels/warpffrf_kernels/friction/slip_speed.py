@@ -1,27 +1,27 @@
 r"""Coefficients of friction that depend on the slip speed: bounds mu(v) p, and their slopes condensed into the cells.
 
-Law (`warpffrf.model.friction`). With w the slip of a cell in the step h, after its touch (`entering_cells`), and
+Law (`warpffrf.model.friction`). With w the slip of a cell in the step h, after contact (`entering_cells`), and
 v = |w|/h, the bound is mu(v) p. In each round of tractions and bounds it is replaced by a tangent, whose slope is
-condensed into K, the compliance of the cells with everything else condensed (`cell_compliance`). With r = area w the
-weak slip, b_k and r_k bound and slip at hand and s = mu' p/(h area)
+condensed into K, the compliance of the cells with all other unknowns condensed (`cell_compliance`). With r = area w the
+weak slip, b_k and r_k the present bound and slip and s = mu' p/(h area)
 
     |tau| = b_k + s (|r| - |r_k|)      <=>      |tau'| = b_k - s |r_k|   with   tau' = tau + s r,
 
-as tau points against r. tau' and r obey Coulomb's law with a constant disc, and r = r_0 + K tau gives
+since tau is opposite to r. tau' and r obey Coulomb's law with a constant disc, and r = r_0 + K tau gives
 
     r = r_0' + K' tau',      K' = (K^-1 + s)^-1,      r_0' = (1 + K s)^-1 r_0 = r_0 - K' s r_0,
 
-symmetric, so that the same solver takes them. A rise is a damper beside the cells, a fall a negative one: K' is
-positive definite, and the step has one solution, where K^-1 + s is, that is where what holds the cells resists more
-than the bound falls (`slope_condensation`).
+symmetric, so the same solver applies. A rising law is a damper in parallel with the cells, a falling one a negative
+damper: K' is positive definite, and the step has a unique solution, if K^-1 + s is, that is if the resistance of the
+structure exceeds the fall of the bound (`slope_condensation`).
 
-Other slopes than the tangent's have the same solution, and rounds converge, more slowly, with any that is nowhere below
-it: what is left of an error is (s - mu' p/(h area))/(K^-1 + s) of it, in [0, 1). So a cell whose pivot is not clearly
-positive takes s = 0. With a fall the rounds then go one way only, as less traction is more slip everywhere, and end at
-the solution next to the state at hand; the pair is marked. Where the fall is too steep for G alone, the compliance
-without outer coordinates, a shorter step is no cure: its local part does not change with h, and s grows. Where tangents
-do not settle, as at kinks, s is at least the slope of the chord to the slip of the round before. It is at most
-b_k/|r_k|, so that the disc does not vanish.
+Slopes other than the tangent's have the same solution, and rounds converge, more slowly, with any slope that is nowhere
+below it: the remaining fraction of an error is (s - mu' p/(h area))/(K^-1 + s), in [0, 1). A cell whose pivot is not
+clearly positive therefore takes s = 0. With a falling law the rounds then are monotonic, because less traction is more
+slip everywhere, and end at the solution next to the present state; the pair is marked. If the fall is too steep for G
+alone, the compliance without retained coordinates, a shorter step does not help: its local part does not depend on h,
+and s grows. If tangents do not converge, as at kinks, s is at least the slope of the chord to the slip of the previous
+round. It is at most b_k/|r_k|, so the disc does not vanish.
 """
 
 import warp as wp
@@ -42,12 +42,12 @@ from warpffrf_kernels.friction.pressure_answer import OPEN, ROUND, ROUNDS
 
 wp.set_module_options(MODULE_OPTIONS)
 
-ON_DISC = wp.constant(wp.float64(1.0e-9))  # of its radius: what the solver leaves of a cell that slides
-FOLLOWED = wp.constant(wp.float64(1.0e-6))  # of the largest bound: a round that ends so near the law is the last
-UNIQUE = wp.constant(0)  # marks of a pair: every slip was the only one,
-SHORTER = wp.constant(1)  # a shorter step would make it so,
-MILDER = wp.constant(2)  # or a milder fall alone
-MARK = wp.constant(0)  # columns of steep: mark of the attempt, steps accepted with a mark, the largest of them
+ON_DISC = wp.constant(wp.float64(1.0e-9))  # of its radius: residual of the solver for a sliding cell
+FOLLOWED = wp.constant(wp.float64(1.0e-6))  # of the largest bound: a round that ends this close to the law is the last
+UNIQUE = wp.constant(0)  # marks of a pair: every slip was unique,
+SHORTER = wp.constant(1)  # a shorter step would make it unique,
+MILDER = wp.constant(2)  # or only a less steep law would
+MARK = wp.constant(0)  # columns of steep: mark of the attempt, steps accepted with a mark, the largest mark of these
 COUNT = wp.constant(1)
 WORST = wp.constant(2)
 
@@ -73,13 +73,13 @@ def coefficient(model: Model, pair: int, speed: real) -> wp.vec2d:
 
 @wp.func
 def share_of(model: Model, pair: int, speed: real) -> wp.vec2d:
-    """The same, as parts of the largest coefficient, with which bounds are made (`traction_bounds`)."""
+    """The same, as fractions of the largest coefficient, with which bounds are computed (`traction_bounds`)."""
     return coefficient(model, pair, speed) / model.pairs.friction[pair]
 
 
 @wp.func
 def sliding(rows: int, w: int, pair: int, m: int, cells: FrictionCells, friction: FrictionState) -> wp.vec2d:
-    """Slip [m] of a cell in the step, since its touch."""
+    """Slip [m] of a cell in the step, since contact."""
     i = cell_at(rows, m, 0)
     j = cell_at(rows, m, 1)
     return wp.vec2d(
@@ -90,7 +90,7 @@ def sliding(rows: int, w: int, pair: int, m: int, cells: FrictionCells, friction
 
 @kernel
 def open_attempt(run: Run, cells: FrictionCells):
-    """Per (world, pair): no mark yet."""
+    """Per (world, pair): clears the mark."""
     w, pair = wp.tid()
     if run.ctl[w].attempt != 0 and run.models[w].elements[0].slip_speeds.pieces[pair] > 0:
         cells.steep[w, pair, MARK] = UNIQUE
@@ -98,7 +98,7 @@ def open_attempt(run: Run, cells: FrictionCells):
 
 @kernel
 def follow_slips(run: Run, geometry: ContactGeometry, cells: FrictionCells, friction: FrictionState):
-    """Per (world, pair), lanes over cells: bounds mu(v) p of the slips at hand, from those of the largest mu."""
+    """Per (world, pair), lanes over cells: bounds mu(v) p of the present slips, from those of the largest mu."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if (
@@ -123,7 +123,7 @@ def begin_slips(
     run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, friction: FrictionState,
     slopes: SlipSpeedSolve,
 ):  # fmt: skip
-    """Per (world, pair), lanes over slots: weak slips r of the state at hand, 0 of what sticks in it."""
+    """Per (world, pair), lanes over slots: weak slips r of the present state, 0 for sticking cells."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
@@ -153,7 +153,7 @@ def split_tractions(
     run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, slopes: SlipSpeedSolve
 ):
     """Per world, one lane: tau = tau' - s r with the slips r `found`, and whether the law is far enough from its
-    tangents there to ask for another round."""
+    tangents there to require another round."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0 or lane != 0:
@@ -195,7 +195,7 @@ def split_tractions(
 
 @kernel
 def keep_following(run: Run, slopes: SlipSpeedSolve, tangential: FrictionSolve):
-    """Per world: another round where the bounds do not follow the speeds yet."""
+    """Per world: requests another round if the bounds do not follow the speeds yet."""
     w = wp.tid()
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or run.ctl[w].failure != 0:
         return
@@ -205,7 +205,7 @@ def keep_following(run: Run, slopes: SlipSpeedSolve, tangential: FrictionSolve):
 
 @kernel
 def mark(run: Run, cells: FrictionCells):
-    """Per (world, pair): counts the accepted steps in which a pair slid that was marked, see the module docstring."""
+    """Per (world, pair): counts the accepted steps in which a marked pair slid, see the module docstring."""
     w, pair = wp.tid()
     if run.ctl[w].attempt == 0 or run.ctl[w].accept == 0 or run.models[w].elements[0].slip_speeds.pieces[pair] == 0:
         return

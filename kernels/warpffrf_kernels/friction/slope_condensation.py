@@ -2,10 +2,10 @@ r"""Slopes of the bounds of friction condensed into the compliance of the cells,
 
 Cells are condensed one after another,
 
-    K -= K_i B K_i^T,      B = s (1 + s K_ii)^-1      (2 x 2, K_ii what those before have left),
+    K -= K_i B K_i^T,      B = s (1 + s K_ii)^-1      (2 x 2, K_ii after elimination of the previous cells),
 
-and K^-1 + s is positive definite if and only if all the 1 + s K_ii are: the pivots of an elimination. As K stays in its
-factors, D + L M L^T (`cell_blocks`), with b = s (1 + s D_ii)^-1,
+and K^-1 + s is positive definite if and only if all the 1 + s K_ii are: the pivots of an elimination. Since K is stored
+as factors, D + L M L^T (`cell_blocks`), with b = s (1 + s D_ii)^-1,
 
     D -= D_i b D_i^T,      L -= D_i b L_i,      M -= M L_i^T B L_i M,      M^-1 += L_i^T b L_i.
 """
@@ -27,13 +27,13 @@ wp.set_module_options(MODULE_OPTIONS)
 
 LEAST = wp.constant(wp.float64(0.1))  # of a pivot: with less, K' would be ten times K and the tangent of little use
 ALIKE = wp.constant(wp.float64(0.05))  # of 1 + s K_ii: slopes that differ by less converge as fast
-UNSETTLED = wp.constant(3)  # rounds after which slopes are no less than those of the chords between iterates
+UNSETTLED = wp.constant(3)  # rounds after which slopes are at least those of the chords between iterates
 
 
 @wp.func
 def stiff_enough(lines: int, row: int, slope: real, G: wp.array(dtype=real), at: int, stride: int) -> bool:
-    """Would the local compliance of a pair alone, a block from `at` on, leave one solution, if all cells slid like the
-    one with the line `row`?"""
+    """Whether the local compliance of a pair alone, a block from `at` on, leaves a unique solution if all cells slide
+    like the one with the line `row`."""
     all = real(0.0)
     j = row % 2
     while j < lines:
@@ -75,7 +75,7 @@ def subtract_pair(
 
 @wp.func
 def sloped(s: real, k_00: real, k_01: real, k_11: real) -> vec3:
-    """Entries 00, 01, 11 of s (1 + s k)^-1, k symmetric, 2 x 2; zero where 1 + s k is not clearly positive."""
+    """Entries 00, 01, 11 of s (1 + s k)^-1, k symmetric, 2 x 2; zero if 1 + s k is not clearly positive."""
     p_00 = real(1.0) + s * k_00
     p_11 = real(1.0) + s * k_11
     det = p_00 * p_11 - s * s * k_01 * k_01
@@ -89,8 +89,8 @@ def condense(
     model: Model, w: int, lane: int, pair: int, lines: int, row: int, s: real, slopes: SlipSpeedSolve,
     bordered: wp.array(dtype=real),
 ) -> int:  # fmt: skip
-    """Takes a slope s of the cell with the lines `row`, `row` + 1 of a pair into D, L, M and M^-1; returns 0, and
-    nothing is done, where its pivot is not clearly positive. line, border and motion hold its lines of D, L and L M."""
+    """Condenses a slope s of the cell with the lines `row`, `row` + 1 of a pair into D, L, M and M^-1. Returns 0
+    without any change if its pivot is not clearly positive. line, border and motion hold its lines of D, L and L M."""
     stride = 2 * model.capacity.cells
     width = model.pairs.coupled_capacity
     coupled = model.pairs.coupled_count[pair]
@@ -172,8 +172,8 @@ def condense(
 
 @wp.func
 def wanted_slope(model: Model, h: real, pair: int, b: real, area: real, speed: real, before: real, rounds: int) -> real:
-    """s of a cell with the bound b of the largest mu, at its speed; of one that sticks only where mu rises. before: the
-    speed of the round before."""
+    """s of a cell with the bound b of the largest mu, at its speed; for a sticking cell only if mu rises. before: the
+    speed of the previous round."""
     at = share_of(model, pair, speed)
     s = at[1]
     if rounds >= UNSETTLED and speed != before:
@@ -190,7 +190,7 @@ def slope_of(
     model: Model, h: real, w: int, pair: int, i: int, m: int, rounds: int, impulses: ImpulsiveContact,
     cells: FrictionCells, slopes: SlipSpeedSolve,
 ) -> real:  # fmt: skip
-    """s of a slot; 0 where the coefficient is constant or nothing presses."""
+    """s of a slot; 0 if the coefficient is constant or the pressure is zero."""
     b = cells.bound[w, pair, m]
     if model.elements[0].slip_speeds.pieces[pair] == 0 or b <= real(0.0):
         return real(0.0)
@@ -204,7 +204,7 @@ def has_changed(
     model: Model, h: real, w: int, rounds: int, tangential: FrictionSolve, impulses: ImpulsiveContact,
     cells: FrictionCells, slopes: SlipSpeedSolve,
 ) -> bool:  # fmt: skip
-    """Whether any slope is clearly another than that which is condensed, or a cell is late now."""
+    """Whether any slope differs clearly from the condensed one, or a cell is now late."""
     changed = bool(False)
     pair = int(0)
     while pair < model.pairs.count:
@@ -228,8 +228,8 @@ def condense_slopes(
     run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, slopes: SlipSpeedSolve,
     bordered: wp.array(dtype=real), speed_bordered: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per world: K' in its factors for the slips at hand. What softens a late cell is part of it here. It is made anew
-    where K is, where cells are late, and where slopes have changed."""
+    """Per world: K' as factors for the present slips. The softness of late cells is included. It is recomputed if K is
+    new, if cells are late, and if slopes have changed."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
@@ -272,7 +272,7 @@ def condense_slopes(
                 slopes.speed_D[start + i * stride + i] = slopes.speed_D[start + i * stride + i] + soft
             i += wp.block_dim()
         i = int(0)
-        while i < lines / 2:  # every lane looks for itself
+        while i < lines / 2:  # every lane checks this itself
             if model.elements[0].slip_speeds.pieces[pair] > 0 and cells.late[
                 w, pair, tangential.cell_slot[w, pair, i]
             ] > real(0.0):
@@ -313,7 +313,7 @@ def condense_slopes(
 def pose_slopes(
     run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, slopes: SlipSpeedSolve
 ):
-    """Per world: r_0', discs, a first guess of tau' and the blocks of the cells for the slips at hand."""
+    """Per world: r_0', discs, an initial guess of tau' and the blocks of the cells for the present slips."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:

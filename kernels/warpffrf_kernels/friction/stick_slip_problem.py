@@ -1,13 +1,14 @@
-"""The problem of stick and slip of a Newton iteration posed, and its solution given back to bodies and modes.
+"""Formulation of the stick-slip problem of a Newton iteration, and transfer of its solution to bodies and modes.
 
-With the pressures just solved for, and their answer to the tractions in K (`pressure_answer`), the weak slips of all
-cell slots are r_0 + K tau, where
+With the pressures just solved for, and their response to the tractions in K (`pressure_answer`), the weak slips of all
+cell slots are r_0 + K tau, with
 
     r_0 = S + dS(ds) + L z + J sigma^-1 (-r_m + J_n^T ds) - K tau_base:
 
-S the slip of the present state, dS what the change ds of the pressures does to it through the local modes, z the outer
-increments with those pressures, r_m the residual of the global modes and J_n the gradient of the gaps by them. Slips,
-tractions and discs are times the weight of their pair here (`impulsive_contact`), as L, J and J_n are.
+S the slip of the present state, dS its change through the local modes due to the change ds of the pressures, z the
+retained increments with those pressures, r_m the residual of the global modes and J_n the gradient of the gaps with
+respect to them. Slips, tractions and discs are multiplied by the weight of their pair here (`impulsive_contact`), as
+are L, J and J_n.
 """
 
 import warp as wp
@@ -35,7 +36,7 @@ def drive_modes(
     run: Run, contact: ContactState, normal: ContactSolve, impulses: ImpulsiveContact, fields: ContactFields,
     residuals: Residuals, tangential: FrictionSolve,
 ):  # fmt: skip
-    """Per world: what pushes the global modes after the solve of the pressures, -r_m + J^T ds."""
+    """Per world: load on the global modes after the solution of the pressures, -r_m + J^T ds."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
@@ -54,8 +55,8 @@ def pose_tractions(
     run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells, friction: FrictionState,
     residuals: Residuals, system: OuterSystem,
 ):  # fmt: skip
-    """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and first guess of all slots.
-    pressed_slip: by the local modes under the change of the pressures."""
+    """Per (world, pair): right-hand side S + dS(ds) + L z + J sigma^-1 (modal drive), and initial guess of all slots.
+    pressed_slip: slip by the local modes due to the change of the pressures."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     count = tangential.cell_block[w, pair, COUNT]
@@ -94,7 +95,7 @@ def pose_tractions(
 
 @kernel
 def take_off_base(run: Run, tangential: FrictionSolve):
-    """Per world: the right-hand side less K tau_base."""
+    """Per world: subtracts K tau_base from the right-hand side."""
     w, lane = wp.tid()
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
         return
@@ -106,8 +107,7 @@ def take_off_base(run: Run, tangential: FrictionSolve):
 
 @kernel
 def limit_tractions(run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, cells: FrictionCells):
-    """Per (world, pair): discs and softness of all slots, with the bounds of the pressures as they are in this
-    round."""
+    """Per (world, pair): discs and softness of all slots, with the bounds of the pressures in this round."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or tangential.answer_state[w, OPEN] == 0:
@@ -128,7 +128,7 @@ def limit_tractions(run: Run, tangential: FrictionSolve, impulses: ImpulsiveCont
 def take_tractions(
     run: Run, tangential: FrictionSolve, impulses: ImpulsiveContact, system: OuterSystem, friction: FrictionState
 ):
-    """Per world: the tractions found, and the outer increments with them and with the pressures' answer."""
+    """Per world: the tractions found, and the retained increments with them and with the pressures' response."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:
@@ -147,8 +147,8 @@ def take_tractions(
 
 @kernel
 def push_modes(run: Run, tangential: FrictionSolve, system: OuterSystem, receptance: wp.array2d(dtype=real)):
-    """Per world: adds the increments of the global modes by the change of the tractions (those without inertia terms;
-    the others are outer coordinates)."""
+    """Per world: adds the increments of the global modes due to the change of the tractions (modes without inertia
+    terms; the others are retained coordinates)."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:

@@ -1,30 +1,30 @@
-r"""Tractions of the cells: stick and slip of all cells at once, for given bounds.
+r"""Tractions of the cells: simultaneous stick-slip solution of all cells, for given bounds.
 
-With r(tau) = r_0 + K tau the weak slips that the tractions lead to, K symmetric positive definite
-(`cell_compliance`) and everything else that moves with them condensed, Coulomb's law in every cell i reads
+With r(tau) = r_0 + K tau the weak slips due to the tractions, K symmetric positive definite (`cell_compliance`) and all
+other unknowns condensed, Coulomb's law in every cell i reads
 
     |tau_i| <= b_i,     r_i = 0 where |tau_i| < b_i,     r_i = -lambda_i tau_i, lambda_i >= 0 where |tau_i| = b_i,
 
-the conditions of the strictly convex problem min tau.K tau/2 + r_0.tau over discs: its solution exists and is the only
-one (Panagiotopoulos; Kalker's tangential problem). The regularised law adds `area h v_slip/b_i` to the diagonal, a cell
+the conditions of the strictly convex problem min tau.K tau/2 + r_0.tau over discs: its solution exists and is unique
+(Panagiotopoulos; Kalker's tangential problem). The regularised law adds `area h v_slip/b_i` to the diagonal, a cell
 that the patch has reached during the step its softness (`bounds`).
 
-A few sweeps of projected Gauss-Seidel over 2 x 2 blocks, which decrease the objective always, find who sticks; a
-semismooth Newton method then has quadratic convergence. With y_i = tau_i - r_i/c (c the block's stiffness) a cell
-sticks where |y_i| <= b_i and is free in both directions. A sliding one is put on its circle, tau = b d + alpha t with
-d = y/|y| and t across it, and keeps the free coordinate alpha: t.r + lambda alpha = 0 with lambda = -r.d/b, so that the
+A few sweeps of projected Gauss-Seidel over 2 x 2 blocks, which always decrease the objective, identify the sticking
+cells; a semismooth Newton method then converges quadratically. With y_i = tau_i - r_i/c (c the block's stiffness) a
+cell sticks if |y_i| <= b_i and is free in both directions. A sliding cell is put on its circle, tau = b d + alpha t
+with d = y/|y| and t across it, and keeps the free coordinate alpha: t.r + lambda alpha = 0 with lambda = -r.d/b, so the
 reduced matrix stays symmetric positive definite.
 
-With K = D + L M L^T, D of blocks (`cell_blocks`), the reduced system K dtau = -r is, with the outer increments z that
-the tractions lead to,
+With K = D + L M L^T, D of blocks (`cell_blocks`), the reduced system K dtau = -r is, with the retained increments z due
+to the tractions,
 
     D dtau + L z = -r,      B z = L^T dtau,      B = M^-1,
 
-so that it has the form of that of the pressures (`contact_solve`) and is solved as they are: the free coordinates of
-each pair are eliminated on their own, and B + sum W^T W is sparse.
+so it has the form of that of the pressures (`contact_solve`) and is solved in the same way: the free coordinates of
+each pair are eliminated separately, and B + sum W^T W is sparse.
 
-Where Newton does not settle, an interior-point method comes near the solution (`interior_point`). Sweeps are the last
-resort.
+If Newton's method does not converge, an interior-point method approaches the solution (`interior_point`). Sweeps are
+the last resort.
 """
 
 import warp as wp
@@ -45,18 +45,18 @@ from warpffrf_kernels.linear.sparse_factor import Pattern
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SLOW = wp.constant(wp.float64(0.1))  # of the defect before: an old factor that leaves more is formed anew
+SLOW = wp.constant(wp.float64(0.1))  # of the previous defect: an old factor that leaves more is recomputed
 SETTLED = wp.constant(wp.float64(1.0e-12))  # of the largest bound: below the tolerance of the outer iteration
 SWEEPS = wp.constant(3)  # of Gauss-Seidel before Newton
-MORE_SWEEPS = wp.constant(20)  # where Newton has not settled from within either
+MORE_SWEEPS = wp.constant(20)  # if Newton has not converged after the interior-point method either
 NEWTON = wp.constant(12)  # iterations between two rounds of sweeps
 ROUNDS = wp.constant(20)  # of sweeps and Newton iterations
-NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound, or SETTLED: where they end the first time, and again
+NEAR = wp.constant(wp.float64(1.0e-6))  # of the largest bound: first interior-point run; the second: SETTLED
 
 
-# A sweep over the cells of a pair: each takes the traction that is best for it with the others held, the point of its
-# disc where its 2 x 2 problem has its minimum. `turned` are the outer increments; what the sweep changes of their loads
-# is left in `push`. Of one lane: Gauss-Seidel is sequential.
+# A sweep over the cells of a pair: each takes its optimal traction with the others fixed, the point of its disc at
+# which its 2 x 2 problem is minimal. `turned` are the retained increments; the change of their loads by the sweep is
+# returned in `push`. By one lane: Gauss-Seidel is sequential.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair;
     const int cap = 2 * model.capacity.cells, width = model.pairs.coupled_capacity, n = 2 * count;
@@ -138,7 +138,7 @@ def sweep_cells(
     model: Model, w: int, lane: int, sweeps: int, tangential: FrictionSolve, slopes: SlipSpeedSolve,
     radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ):  # fmt: skip
-    """Gauss-Seidel over the cells of all pairs, with the outer increments that all tractions lead to."""
+    """Gauss-Seidel over the cells of all pairs, with the retained increments due to all tractions."""
     N = model.outer.count
     move_outer(
         model, w, lane, tangential, slopes.speed_L, slopes.speed_M, slopes.speed_tau, tangential.cell_moved_outer
@@ -170,8 +170,8 @@ def sweep_cells(
             pair += 1
 
 
-# Lines of D and L of a pair's free coordinates: two of a cell that sticks, the one across its direction of a cell that
-# slides. Returns their number.
+# Lines of D and L of a pair's free coordinates: two for a sticking cell, the one across its direction for a sliding
+# cell. Returns their number.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair;
     const int cap = 2 * model.capacity.cells, lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
@@ -233,8 +233,8 @@ def reduce_pair(
 ) -> int: ...
 
 
-# Right-hand side of the free coordinates of a pair; of sliding cells along their *present* tangents (with those of an
-# old factor a slide's own force would count as an error). Lanes over the coordinates.
+# Right-hand side of the free coordinates of a pair; for sliding cells along their *present* tangents (with those of an
+# old factor the sliding force itself would count as an error). Lanes over the coordinates.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
     const double *r = slip.data + here * cap, *dir = direction.data + here * cap;
@@ -261,7 +261,7 @@ def pose_reduced(
 ): ...
 
 
-# Moves the tractions of a pair: those that stick by the solution, sliding ones along their circles. Lanes over the
+# Updates the tractions of a pair: sticking cells by the solution, sliding ones along their circles. Lanes over the
 # cells, then the coordinates.
 @wp.func_native("""
     const size_t here = (size_t)w * model.pairs.count + pair; const int cap = 2 * model.capacity.cells;
@@ -302,11 +302,11 @@ def solve_tractions(
     run: Run, slopes: SlipSpeedSolve, system: OuterSystem, tangential: FrictionSolve, patterns: wp.array(dtype=Pattern),
     radius: wp.array(dtype=real), softness: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per world: the tractions tau of all slots, from a first guess, for r = right + K tau + softness tau and discs of
-    `radius`. A problem that does not settle is a failure of the attempt.
+    """Per world: the tractions tau of all slots, from an initial guess, for r = right + K tau + softness tau and discs
+    of `radius`. If the problem does not converge, the attempt fails.
 
-    The factors of the last solve serve as long as nobody changes sides and they are good for a tenth of the defect:
-    within a step the matrix hardly changes.
+    The factors of the last solution are reused as long as no cell changes its state and each iteration reduces the
+    defect to a tenth: within a step the matrix hardly changes.
     """
     w, lane = wp.tid()
     model = run.models[w]
@@ -321,7 +321,8 @@ def solve_tractions(
     defect = judge_cells(model, w, lane, tangential, slopes, radius, softness)
     while turn < ROUNDS and defect > SETTLED:
         changed = tangential.cell_outcome[w, CHANGED] != real(0.0)
-        poor = free == 0 or changed or (n > 0 and defect > NEAR)  # all may slide to and fro
+        # without good factors: sweeps first, then twice the interior-point method, then sweeps again
+        poor = free == 0 or changed or (n > 0 and defect > NEAR)  # all may slide back and forth
         if poor and n % NEWTON == 0:
             if turn == 1 or turn == 2:
                 wanted = SETTLED
@@ -341,6 +342,7 @@ def solve_tractions(
             turn += 1
             defect = judge_cells(model, w, lane, tangential, slopes, radius, softness)
             changed = tangential.cell_outcome[w, CHANGED] != real(0.0)
+        # semismooth Newton step, with new factors if states changed or convergence is slow
         renew = int(0)
         bad = int(0)
         if free == 0 or changed or (before > real(0.0) and defect > SLOW * before):

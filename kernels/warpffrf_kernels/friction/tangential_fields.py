@@ -1,14 +1,14 @@
-r"""Tangential displacement of the cells by the modes of both bodies, and what tractions do to gaps and bodies.
+r"""Tangential displacement of the cells by the modes of both bodies, and the effect of tractions on gaps and bodies.
 
 With the cell forces f_k = area_k tau_k on the first body and their shares on the cells of the second, f^B = -o^T Q^T f
-(o: part of the cell that lies on a cell of the second grid, Q: tangents of the second surface in those of the first),
+(o: part of the cell on a cell of the second grid, Q: tangents of the second surface in those of the first),
 
     u_A = Phi_tA q + D_tt^A f - (M D_nt^A)^T s,        u_B = Phi_tB q + D_tt^B f^B - D_nt^B^T l s,
     e_k = u_A - Q o u_B,        slip of the step    s_k = rigid_k + e_k - e_k(before),
 
-s pressures, l the stencils of the pressures on the second surface. e(before) is carried with the first body's material.
+s pressures, l the stencils of the pressures on the second surface. e(before) is fixed to the first body's material.
 The tractions open the weak gap by -(M D_nt^A f)_i - l_i D_nt^B f^B (the coupling of unlike materials, and of bodies
-that are no half-spaces). All operators are applied to the present loads, never read off the matrix of the solve.
+that are not half-spaces). All operators are applied to the present loads, never computed with the solver's matrix.
 """
 
 import warp as wp
@@ -77,7 +77,7 @@ def force_cells(
 
 @wp.func
 def second_low(model: Model, w: int, pair: int, second_window: wp.array3d(dtype=int)) -> int:
-    """First column of the second window that the shares of the cells reach: a cubic reaches beyond what hats do."""
+    """First column of the second window that the shares of the cells reach: a cubic reaches further than nodes do."""
     return wp.max(second_window[w, pair, 0] - model.window.share_columns, 0)
 
 
@@ -90,7 +90,7 @@ def second_high(model: Model, w: int, pair: int, second_window: wp.array3d(dtype
 @kernel
 def push_gaps(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_force: wp.array(dtype=real)):
     """Per (world, pair), with and without friction of its own: the displacements by the local modes with which the
-    tractions of all pairs on its bodies open its gaps, as those of `contact_fields.local_fields`."""
+    tractions of all pairs on its bodies open its gaps, as in `contact_fields.local_fields`."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -117,7 +117,7 @@ def push_gaps(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_
 
 @kernel
 def add_push(run: Run, cells: FrictionCells, fields: ContactFields):
-    """Per (world, pair): adds what `push_gaps` found to the displacements by the pressures."""
+    """Per (world, pair): adds the result of `push_gaps` to the displacements by the pressures."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or (not rubs_on_grid(model, pair) and not loaded_by_others(model, pair)):
@@ -140,7 +140,7 @@ def press_cells(
     second_load: wp.array(dtype=real), of_state: int,
 ):  # fmt: skip
     """Per (world, pair): tangential displacements of both surfaces' cells by the pressures (0 where inactive) of all
-    pairs on the two bodies and the loads that they are on second surfaces."""
+    pairs on the two bodies and by their loads on second surfaces."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_grid(model, pair):
@@ -170,7 +170,8 @@ def press_cells(
 
 @kernel
 def shift_slips(run: Run, geometry: ContactGeometry, cells: FrictionCells):
-    """Per (world, pair), lanes over cells: what changes of the pressures make of their slips by the local modes [m]."""
+    """Per (world, pair), lanes over cells: change of their slips by the local modes, for changes of the pressures
+    [m]."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_grid(model, pair):
@@ -191,7 +192,7 @@ def shift_slips(run: Run, geometry: ContactGeometry, cells: FrictionCells):
 
 @kernel
 def rub_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_force: wp.array(dtype=real)):
-    """Per (world, pair): adds what the tractions of all pairs on the two bodies displace along both surfaces."""
+    """Per (world, pair): adds the tangential displacement of both surfaces by the tractions of all pairs on them."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_grid(model, pair) or run.ctl[w].moved == 0:
@@ -217,7 +218,7 @@ def rub_cells(run: Run, geometry: ContactGeometry, cells: FrictionCells, second_
 @kernel
 def displace_cells(run: Run, geometry: ContactGeometry, rubbing: FrictionCells, trial: Trial):
     """Per (world, pair), lanes over the cells: difference e of the tangential displacements of both bodies [m], by the
-    local modes alone and in all; the shifts are those of `press_cells` and `rub_cells`."""
+    local modes alone and in total; the shifts are those of `press_cells` and `rub_cells`."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_grid(model, pair) or run.ctl[w].moved == 0:
@@ -286,7 +287,7 @@ def displace_cells(run: Run, geometry: ContactGeometry, rubbing: FrictionCells, 
 def change_pressures(
     run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields, cells: FrictionCells
 ):
-    """Per (world, pair): what the solve of the pressures has changed, and the loads that this is on the second
+    """Per (world, pair): change of the pressures in the solution, and the corresponding loads on the second
     surface."""
     w, pair, lane = wp.tid()
     model = run.models[w]

@@ -1,15 +1,16 @@
-r"""Bounds mu p of the cells, and how far a cell resists that the patch has reached during the step.
+r"""Bounds mu p of the cells, and the resistance of cells that the patch has reached during the step.
 
-**Bound.** A hat's pressure is tent-shaped, a cell's traction constant. With f_i the coefficient of the hat of a node,
-times the part of the hat that faces the second surface, the mean of the tents over the cell of a node is, in one
-direction with neighbours equally far, (f_- + 6 f_0 + f_+)/8. The bound goes half the way from the node to that mean,
+**Bound.** The pressure of a node is tent-shaped, the traction of a cell constant. With f_i the coefficient of the node,
+times the part of its shape function that faces the second surface, the mean of the tents over the cell of a node is, in
+one direction with equally spaced neighbours, (f_- + 6 f_0 + f_+)/8. The bound is half way between the node and that
+mean,
 
-    b_i = mu (f_i + sum_j c_ij (f_j - f_i)),      c_ij A_i = c_ji A_j,      c = 1/16 where cells are alike,
+    b_i = mu (f_i + sum_j c_ij (f_j - f_i)),      c_ij A_i = c_ji A_j,      c = 1/16 for equal cells,
 
-an exchange between neighbours along both directions, which keeps the sum of f_i A_i: sliding transmits mu times the
-load. A cell beside the last hat under pressure thereby has a small bound. At the node alone the bound of the outermost
-cells jumps as the patch moves against the grid, and the loss of a loading cycle, made in the outermost cells, is up to
-ten per cent low; at the mean it is as much high.
+an exchange between neighbours along both directions, which keeps the sum of f_i A_i: in sliding, mu times the load is
+transmitted. A cell next to the last node under pressure thereby has a small bound. With the value at the node, the
+bound of the outermost cells jumps as the patch moves relative to the grid, and the loss of a loading cycle, which
+occurs in the outermost cells, is up to ten per cent low; with the mean it is as much too high.
 """
 
 import warp as wp
@@ -26,7 +27,7 @@ from warpffrf_kernels.friction.cells import cell_at, rubs_on_grid
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SPREAD = wp.constant(wp.float64(1.0 / 16.0))  # c of like neighbours: half of the 1/8 of the mean over the cell
+SPREAD = wp.constant(wp.float64(1.0 / 16.0))  # c of equal neighbours: half of the 1/8 of the mean over the cell
 
 
 @wp.func
@@ -34,8 +35,8 @@ def pressed(
     model: Model, w: int, pair: int, m: int, low: int, high: int, contact: ContactState, cells: FrictionCells,
     geometry: ContactGeometry,
 ) -> real:  # fmt: skip
-    """Pressure of the hat of cell m times its facing part [Pa]; -1 where there is no cell of the window that faces the
-    second surface."""
+    """Pressure of the node of cell m times its facing part [Pa]; -1 if no cell of the window there faces the second
+    surface."""
     if m < low or m > high:
         return real(-1.0)
     if not (cells.cell_area[w, pair, m] > real(0.0) and geometry.area[w, pair, m] > real(0.0)):
@@ -63,8 +64,8 @@ def exchanged(model: Model, z0: int, rows: int, row: int, other: int) -> real:
 def bound_cells(
     run: Run, geometry: ContactGeometry, contact: ContactState, cells: FrictionCells, friction: FrictionState, clip: int
 ):
-    """Per (world, pair), lanes over cells: the bounds [Pa] of the present pressures; with `clip` tractions beyond them
-    are cut. Friction acts in steps in time and load steps: a first equilibrium or a start has no slip to speak of."""
+    """Per (world, pair), lanes over cells: the bounds [Pa] of the present pressures; with `clip`, tractions are cut to
+    them. Friction acts in time steps and load steps: a first equilibrium or a start has no significant slip."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_grid(model, pair):

@@ -1,62 +1,62 @@
-r"""Contact that opens, closes or rebounds within a step: impulsive steps of a pair, in which its force keeps no memory.
+r"""Contact that opens, closes or rebounds within a step: impulsive steps of a pair, whose force has no memory.
 
-The integrators of `motion` remember forces, in a_0 and vdot_0: of a force f that acts at the end of one step only,
+The integrators of `motion` store forces, in a_0 and vdot_0: for a force f that acts at the end of one step only,
 
     v_1 = v_0 + gamma h f/m,      v_2 = v_1 + (1 - gamma) h f/m,
 
-the second part comes after contact has opened. A body that meets a stiff partner with speed V after the part t of a
-step needs f/m = V (1 - t)/(beta h) to be there at its end; both parts are up to V/beta, 4 V for the trapezoidal rule,
-where 2 V is all that an elastic impact takes. Generalized-alpha (rho 0.8) multiplies the energy of an unresolved impact
-by up to 8.5, whatever the step. So a pair whose contact does not go on through a step takes it as an *impulsive* one
-(after Kane, Repetto, Ortiz and Marsden 1999; like schemes that keep impulses out of the recursion of generalized-alpha,
-Bruels, Acary and Cardona 2014): a mean f of its force acts all through it and stays out of the accelerations. With a
-and vdot without it, w = M^-1 f,
+the second part acts after contact has opened. A body that meets a stiff partner with speed V after the part t of a step
+requires f/m = V (1 - t)/(beta h) to be there at its end; both parts are up to V/beta, 4 V for the trapezoidal rule,
+whereas an elastic impact requires 2 V only. Generalized-alpha (rho 0.8) multiplies the energy of an unresolved impact
+by up to 8.5, for any step. A pair whose contact does not persist through a step therefore takes it as an *impulsive*
+one (after Kane, Repetto, Ortiz and Marsden 1999; like schemes that keep impulses out of the recursion of
+generalized-alpha, Bruels, Acary and Cardona 2014): a mean f of its force acts throughout the step and is excluded from
+the accelerations. With a and vdot without it, w = M^-1 f,
 
     d = h v_0 + h^2 ((1/2 - beta) a_0 + beta a_1 + b w),
-    v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1 + w),           M vdot_1 = F_1, the pair left out.
+    v_1 = v_0 + h ((1 - gamma) a_0 + gamma a_1 + w),           M vdot_1 = F_1, without the pair.
 
-With f_0 and f_1 the pair's generalised forces at both ends of the step, friction among them,
+With f_0 and f_1 the pair's generalised forces at both ends of the step, including friction,
 
     f = (1 - theta) f_0 + theta f_1;
 
-`impulsive_means` says which theta gives back the energy that contact takes, and when a step is impulsive. Next to such
-a step the pair goes on as usual, of second order and damped as the integrator damps: its part of the accelerations is
-known as f_0 and the *memory* of it, generalized-alpha's filter of the pair's force,
+`impulsive_means` defines the theta that returns the energy stored by contact, and when a step is impulsive. In steps
+before and after, the pair is integrated as usual, with second order and the damping of the integrator: its part of the
+accelerations is known as f_0 and its *memory*, generalized-alpha's filter of the pair's force,
 
     (1 - alpha_m) m_1 + alpha_m m_0 = (1 - alpha_f) f_1 + alpha_f f_0,
 
-so that it can be taken out (`begin_contact`) and put in again (`impulsive_memory.finish_rates`) without a trace.
+so it can be removed (`begin_contact`) and restored (`impulsive_memory.finish_rates`) exactly.
 
-b is 1/2: the impulse f h does the work f.(v_0 + v_1) h/2 = f.d on the motion that it is part of. In the first step of
-an impact all other forces act by the trapezoidal rule (alphas 0, beta 1/4, gamma 1/2, from the true accelerations):
-what holds a body against the impulse, a joint or a stiff mode, then acts as the impulse does, and v_1 = 2 d/h - v_0.
-With the weights of generalized-alpha it would be left with the velocity h (1 - gamma/(2 beta)) w, and a force that a
-load pushes up slowly would end too high by (2 gamma - 1) of its rise. In impulsive steps that follow one upon the other
-they act as the integrator takes them, which is damped: by the trapezoidal rule what is stiff and not resolved would
-ring on from one step to the next, as the loads of a bearing do whose idle rollers chatter. Scenes with layers keep the
-trapezoidal rule: the work of a damped one may be more than any mean of its force balances.
+b is 1/2: the impulse f h does the work f.(v_0 + v_1) h/2 = f.d on its own part of the motion. In the first step of an
+impact all other forces act by the trapezoidal rule (alphas 0, beta 1/4, gamma 1/2, from the true accelerations): the
+reaction of a joint or a stiff mode to the impulse then acts as the impulse does, and v_1 = 2 d/h - v_0. With the
+weights of generalized-alpha the velocity h (1 - gamma/(2 beta)) w would remain, and a force that a load increases
+slowly would end too high by (2 gamma - 1) of its rise. In consecutive impulsive steps the other forces act as in the
+integrator, which is damped: with the trapezoidal rule, stiff unresolved parts would oscillate from step to step, for
+example the loads of a bearing whose idle rollers chatter. Scenes with layers keep the trapezoidal rule: the work of a
+damped layer may exceed what any mean of its force balances.
 
-In scenes with dynamic local modes, where theta is 1 and all steps keep their rule, b is a little more: 1/2 keeps what
-is pressed at rest, a_0 = a_1 = -w, d = v_1 = 0, and makes v_1 = -v_0 where a rigid surface holds a face; beta/gamma
-damps that alternation, v_1 = -(gamma/beta - 1) v_0, and gives what is pressed the velocity -h (b - 1/2) w. Hence,
+In scenes with dynamic local modes, where theta is 1 and all steps keep their rule, b is slightly larger: 1/2 keeps a
+pressed body at rest, a_0 = a_1 = -w, d = v_1 = 0, and gives v_1 = -v_0 if a rigid surface constrains a face; beta/gamma
+damps that alternation, v_1 = -(gamma/beta - 1) v_0, and gives a pressed body the velocity -h (b - 1/2) w. Hence, with
 omega that of a local mode, and for bodies and global modes that of the highest global mode,
 
     b = 1/2 + (beta/gamma - 1/2)/(1 + (omega h)^2).
 
-**In the unknowns of `motion`** the above is: its formulas, with a_0 and vdot_0 freed of contact, and a contact force in
-the balance that is multiplied by
+**In the unknowns of `motion`** this is: its formulas, with a_0 and vdot_0 without contact, and a contact force in the
+balance that is multiplied by
 
     kappa = (1 - alpha_m)/(1 - alpha_f) b/beta - c h (1 - gamma b/beta),
 
 c the damping; the formulas' vdot^, a^ and v^ are vdot_1 + (1 - alpha_m)/(1 - alpha_f) (b/beta) w, a_1 + (b/beta) w, and
-v_1 - h (1 - gamma b/beta) w. Joints' dampers and gyroscopic forces see v^. A mode with the exact step takes the
-constant load all through the step, kappa = 1, which does exactly the work of it.
+v_1 - h (1 - gamma b/beta) w. Joints' dampers and gyroscopic forces use v^. A mode with the exact step has the constant
+load throughout the step, kappa = 1, which does exactly its work.
 
-In the linear systems an end force f_1 moves what it acts on as kappa theta f_1 would. With D = diag(kappa theta) over
-the hats of impulsive pairs, 1 of others, the contact matrix G + B D, B = L H L^T + J sigma^-1 J^T, becomes symmetric in
-D^(1/2) ds, rows times D^(1/2): G + D^(1/2) B D^(1/2). So L, V and J sigma^-1 carry the *weight* (kappa theta)^(1/2) of
-their pair, as do gaps, slips, bounds and tractions where they meet them; the local part G needs none but between pairs
-that differ.
+In the linear systems an end force f_1 acts as kappa theta f_1. With D = diag(kappa theta) over the nodes of impulsive
+pairs, 1 for others, the contact matrix G + B D, B = L H L^T + J sigma^-1 J^T, becomes symmetric in D^(1/2) ds, rows
+times D^(1/2): G + D^(1/2) B D^(1/2). L, V and J sigma^-1 are therefore multiplied by the *weight* (kappa theta)^(1/2)
+of their pair, as are the corresponding gaps, slips, bounds and tractions; the local part G requires no weight except
+between pairs with different weights.
 """
 
 import warp as wp
@@ -77,7 +77,7 @@ from warpffrf_kernels.normal.pair_forces import force_on, is_closed, mean_of, mo
 
 wp.set_module_options(MODULE_OPTIONS)
 
-LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes as the step ends
+LEAST_WEIGHT = wp.constant(wp.float64(1.0e-4))  # of a pair that closes at the end of the step
 
 
 @wp.func
@@ -104,7 +104,7 @@ def kappa_of(c: Coefficients, part: real) -> real:
 
 @wp.func
 def slip_of(h: real, c: Coefficients, part: real) -> real:
-    """What the velocity has above the formula's, over w [s]."""
+    """Difference between the velocity and the formula's, over w [s]."""
     return h * (real(1.0) - c.gamma * part)
 
 
@@ -116,7 +116,7 @@ def outer_kappa(model: Model, clk: wp.array(dtype=Clock), w: int) -> real:
 
 @wp.func
 def mode_share(model: Model, run: Run, w: int, m: int) -> real:
-    """b over beta of mode m; 0 where it steps exactly and needs none."""
+    """b over beta of mode m; 0 if it has the exact step, which requires none."""
     rule = rule_of(model, run, w, m)
     part = real(0.0)
     if rule == OUTER:
@@ -128,7 +128,7 @@ def mode_share(model: Model, run: Run, w: int, m: int) -> real:
 
 @wp.func
 def mode_kappa(model: Model, run: Run, w: int, m: int) -> real:
-    """kappa of mode m, less what its damper makes of the velocity."""
+    """kappa of mode m, minus the effect of its damper on the velocity."""
     rule = rule_of(model, run, w, m)
     if rule == EXACT:
         return real(1.0)
@@ -143,18 +143,19 @@ def weight_of(kappa: real, theta: real) -> real:
     return wp.max(wp.sqrt(kappa * theta), LEAST_WEIGHT)
 
 
-# --- the beginning of an attempt
+# --- start of an attempt
 
 
 @kernel
 def begin_contact(
     run: Run, state: MotionState, contact: ContactState, friction: FrictionState, impulses: ImpulsiveContact
 ):
-    """Per world: which pairs are impulsive in this attempt, and the accelerations of its beginning without them."""
+    """Per world: the impulsive pairs of this attempt, and the initial accelerations without them."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
         return
+    # kind of each pair, and the initial theta, bracket and weight of the search
     if lane == 0:
         run.ctl[w].round = 0
         run.ctl[w].even = 0
@@ -187,6 +188,7 @@ def begin_contact(
                 impulses.weight[w, pair] = weight_of(outer_kappa(model, run.clk, w), impulses.theta[w, pair])
             pair += 1
     sync()
+    # initial accelerations of bodies, then of modes, minus the forces and the memory of impulsive pairs
     rubs = model.capacity.cells > 0
     b = lane
     while b < model.bodies.count:
@@ -248,8 +250,8 @@ def push_bodies(
     run: Run, trial: Trial, geometry: ContactGeometry, cells: FrictionCells, contact: ContactState,
     impulses: ImpulsiveContact, friction: FrictionState, loads: LoadState, residuals: Residuals,
 ):  # fmt: skip
-    """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal ones
-    and friction, and what of them acts in the step, off the residuals."""
+    """Per world: contact forces (world axes) and torques (body axes) of the trial state on A, then on B, normal and
+    friction; subtracts the forces that act in the step from the residuals."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -261,6 +263,7 @@ def push_bodies(
         while pair < model.pairs.count:
             A = model.surfaces.body[model.pairs.first[pair]]
             B = model.surfaces.body[model.pairs.second[pair]]
+            # trial forces on both bodies: normal (part 0), then friction
             for part in range(2):
                 if part == 0 or rubs:
                     f = vec3(
@@ -287,7 +290,7 @@ def push_bodies(
                             f -= f_n
                             t -= t_n
                     t_a = wp.transpose(trial.axes[w, A]) * t
-                    t_b = vec3(real(0.0), real(0.0), real(0.0))  # on the ground it does nothing
+                    t_b = vec3(real(0.0), real(0.0), real(0.0))  # the ground is fixed
                     if B >= 0:
                         t_b = -(wp.transpose(trial.axes[w, B]) * (t + wp.cross(trial.r1[w, A] - trial.r1[w, B], f)))
                     for i in range(3):
@@ -301,6 +304,7 @@ def push_bodies(
                             friction.friction_force[w, pair, 1, 3 + i] = t_a[i]
                             friction.friction_force[w, pair, 1, 6 + i] = -f[i]
                             friction.friction_force[w, pair, 1, 9 + i] = t_b[i]
+            # their effect in the step: for impulsive pairs kappa times the mean
             for i in range(12):
                 before = whole(model, contact.pair_force, friction.friction_force, w, pair, 0, i)
                 after = whole(model, contact.pair_force, friction.friction_force, w, pair, 1, i)
@@ -338,8 +342,8 @@ def push_bodies(
 
 @kernel
 def compare_receptances(run: Run, impulses: ImpulsiveContact, receptance: wp.array2d(dtype=real)):
-    """Per world: kappa sigma^-1 of the modes over kappa of bodies, the answer to a contact force without its pair's
-    weight; of scenes with dynamic local modes, which have a kappa of their own."""
+    """Per world: kappa sigma^-1 of the modes over kappa of bodies, the response to a contact force without its pair's
+    weight; for scenes with dynamic local modes, which have their own kappa."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -358,8 +362,8 @@ def push_further(
     run: Run, contact: ContactState, normal: ContactSolve, fields: ContactFields, impulses: ImpulsiveContact,
     system: OuterSystem, receptance: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per world, lanes over modes: what the modal increments lack of `contact_receptance`. Modes that carry inertia
-    terms have it from the outer system (their receptance is 0)."""
+    """Per world, lanes over modes: the part of `contact_receptance` missing in the modal increments. Modes with inertia
+    terms have it from the retained system (their receptance is 0)."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].impulsive != k.IMPULSIVE or run.ctl[w].mode != k.DYNAMIC:

@@ -1,39 +1,40 @@
-r"""Means of impulsive pairs: the theta with which contact gives back its energy, and the pairs that are impulsive.
+r"""Means of impulsive pairs: the theta with which contact returns its energy, and the choice of impulsive pairs.
 
 **The mean.** The force of an impulsive pair (`impulsive_contact`) acts through the step as its mean (1 - theta) f_0 +
 theta f_1. With d the motion in the step, W = f.d of the normal forces, and E the energy of the pair's contact,
 
-    created = (1 - theta) W_0 + theta W_1 + E_1 - E_0 + what a damped layer takes = 0,
+    created = (1 - theta) W_0 + theta W_1 + E_1 - E_0 + dissipation of a damped layer = 0,
 
-a discrete gradient of E. E is a convex function of the gaps, f its negative gradient, so that E_1 - E_0 lies between
--W_0 and -W_1: theta is in [0, 1]. While the active set stays it is 1/2; a spring that closes after the part 1 - rho of
-the motion has rho/2. Contact gives back what it was given, at any step and any stiffness, pair by pair, however light a
-body is beside others: a bounce that takes a step or less ends with the velocity that momentum and energy say, halving
-nothing. Friction acts through the same mean and is none of the balance; it takes what it takes.
+a discrete gradient of E. E is a convex function of the gaps, f its negative gradient, so E_1 - E_0 lies between -W_0
+and -W_1: theta is in [0, 1]. While the active set is unchanged it is 1/2; for a spring that closes after the part 1 -
+rho of the motion it is rho/2. Contact returns the energy that it has received, for any step and any stiffness, pair by
+pair, however light a body is compared with others: a bounce within a step or less ends with the velocity given by
+momentum and energy, without step halving. Friction acts through the same mean and is not part of the balance; it
+dissipates.
 
-theta is found in rounds: the Newton loop converges with one, then the next is chosen (`balance_means`), where the pair
-*swings*: takes up or gives back more than SWING of its contact energy. Elsewhere theta stays 1/2: there E also changes
-because the patch moves over the grids, which no mean of forces makes good. Such a change may be more than any theta in
-[0, 1] balances, where a body is carried along a deformed surface until it touches: forces act along undeformed normals
-and do not resist. Then theta is 1, which gives the motion the least. A step that must end takes the end of its bracket
-on which energy is lost.
+theta is found in rounds: the Newton loop converges with one, then the next is chosen (`balance_means`), if the pair
+*swings*: stores or releases more than SWING of its contact energy. Otherwise theta stays 1/2: E then also changes
+because the patch moves over the grids, which no mean of forces compensates. Such a change may be more than any theta in
+[0, 1] balances, if a body is carried along a deformed surface until contact: forces act along undeformed normals and do
+not resist. Then theta is 1, which supplies the least energy to the motion. A step that must end uses the end of its
+bracket on which energy is lost.
 
-A pair whose own energy is below IDLE of the contact energy of all pairs on its two bodies gets no search: its theta is
-1 at once, with which it never gains, and loses what is little beside contacts that carry; idle rollers of a bearing,
-which bounce under their own weight, would otherwise cost a round each. It is no matter of what moves: a light body that
-bounces where nothing else is pressed gets its search, however much energy the machine has.
+A pair whose own energy is below IDLE of the contact energy of all pairs on its two bodies has no search: its theta is 1
+at once, with which it never gains energy, and loses little compared with contacts that carry load; otherwise idle
+rollers of a bearing, which bounce under their own weight, would cost a round each. Energies of other bodies are not
+considered: a light body that bounces where nothing else is pressed has its search, however much energy the machine has.
 
-**When.** A pair is impulsive in a step that it begins open: without forces at its beginning there is nothing to forget,
-and where it stays open both kinds of step are the same. A step in which it swings, or in which the memory of its force
-does more work than the trapezoidal rule by OWN of the pair's own energy (contact energy, or kinetic energy along the
-force), is taken again as an impulsive one (`judge_pairs`).
+**When.** A pair is impulsive in a step that it begins open: without forces at its beginning there is no memory to
+remove, and if it stays open both kinds of step are the same. A step in which it swings, or in which the memory of its
+force does more work than the trapezoidal rule by OWN of the pair's own energy (contact energy, or kinetic energy along
+the force), is repeated as an impulsive one (`judge_pairs`).
 
-**Local modes with inertia** leave contact next to no compliance (D_rest), and what stops a face in a step would chatter
-on it. There theta is 1, the force at the end: E is convex, so that nothing is gained and a face may lose all of its own
-kinetic energy, which is less the more modes there are. Scenes that have such modes take all pairs as impulsive
-together, from the repetition of a step in which the forces of the hats change by more than CALM of their sum, or in
-which the integrator gains more than the energy tolerance, until contact is calm (`find_restless`); the gate of `commit`
-holds for both.
+**Local modes with inertia** leave almost no compliance to contact (D_rest), and a force that stops a face within a step
+would chatter on it. There theta is 1, the force at the end: E is convex, so no energy is gained and a face may lose all
+of its own kinetic energy, which decreases with the number of modes. Scenes with such modes treat all pairs as impulsive
+together, from the repetition of a step in which the nodal forces change by more than CALM of their sum, or in which the
+integrator gains more than the energy tolerance, until contact is calm (`find_restless`); the gate of `commit` applies
+to both.
 """
 
 import warp as wp
@@ -65,24 +66,24 @@ from warpffrf_kernels.normal.pair_forces import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# of the larger contact force: a step in which the forces of the hats change by more does not resolve them
+# of the larger contact force: a step in which the nodal forces change by more does not resolve them
 CALM = wp.constant(wp.float64(0.5))
-# of a pair's own energy: what a step in which it stays closed may create; more than the grids of a patch of a few
-# columns do
+# of a pair's own energy: what a step in which it stays closed may create; more than the movement of a patch of a few
+# columns over the grids creates
 OWN = wp.constant(wp.float64(2.0e-3))
-# of the larger contact energy: what a pair takes up or gives back by more than that is no matter of the grids
+# of the larger contact energy: a pair that stores or releases more than that does so not because of the grids
 SWING = wp.constant(wp.float64(0.5))
-# of a pair's own energy: what the mean force of an impulsive step is to lose, and may miss that by: it makes none
+# of a pair's own energy: target loss of the mean force of an impulsive step, and its tolerance: it creates none
 LOST = wp.constant(wp.float64(1.0e-4))
-MISSED = wp.constant(wp.float64(1.0001e-4))  # round-off apart
-IDLE = wp.constant(wp.float64(2.5e-4))  # of the contact energy on its bodies: a pair below that gets no search
-MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket that loses
+MISSED = wp.constant(wp.float64(1.0001e-4))  # plus round-off
+IDLE = wp.constant(wp.float64(2.5e-4))  # of the contact energy on its bodies: a pair below that has no search
+MOST_ROUNDS = wp.constant(12)  # of theta; then the end of the bracket with a loss is used
 
 
 @wp.func
 def kinetic_along(model: Model, w: int, pair: int, contact: ContactState, state: MotionState) -> real:
     """Kinetic energy [J] of the motion along the force of a pair, before or after the attempt, of the bodies alone or
-    with their modes, the largest: against stiff modes the motion of the bodies is little of a force on both."""
+    with their modes, the largest: with stiff modes the motion of the bodies is a small part of that along a force."""
     energy = real(0.0)
     for side in range(2):
         power = body_work(model, w, pair, side, contact.pair_force, state.v, state.omega)
@@ -98,7 +99,7 @@ def kinetic_along(model: Model, w: int, pair: int, contact: ContactState, state:
 
 @wp.func
 def own_energy(model: Model, w: int, pair: int, contact: ContactState, state: MotionState) -> real:
-    """Of a pair: contact energy, or the kinetic energy along its force with which the step begins, the largest."""
+    """Of a pair: contact energy, or the initial kinetic energy along its force in the step, the largest."""
     approach = kinetic_along(model, w, pair, contact, state)
     return wp.max(approach, wp.max(contact.pair_energy[w, pair, 0], contact.pair_energy[w, pair, 1]))
 
@@ -129,7 +130,7 @@ def energy_about(model: Model, w: int, pair: int, pair_energy: wp.array3d(dtype=
 
 @wp.func
 def swings(pair_energy: wp.array3d(dtype=real), w: int, pair: int) -> bool:
-    """Whether a pair takes up or gives back most of its contact energy in the attempt."""
+    """Whether a pair stores or releases most of its contact energy in the attempt."""
     before = pair_energy[w, pair, 0]
     after = pair_energy[w, pair, 1]
     return wp.abs(after - before) > SWING * wp.max(before, after)
@@ -137,7 +138,7 @@ def swings(pair_energy: wp.array3d(dtype=real), w: int, pair: int) -> bool:
 
 @wp.func
 def has_converged(ctl: wp.array(dtype=Control), w: int) -> bool:
-    """Whether the iteration of a world has just converged, with means of impulsive pairs that may have to be found."""
+    """Whether the iteration of a world has just converged, with means of impulsive pairs that may need a search."""
     return ctl[w].attempt != 0 and ctl[w].run == 0 and ctl[w].failure == 0 and ctl[w].even == 0
 
 
@@ -146,17 +147,17 @@ def balance_means(
     run: Run, state: MotionState, trial: Trial, contact: ContactState, friction: FrictionState,
     impulses: ImpulsiveContact, residuals: Residuals,
 ):  # fmt: skip
-    """Per world whose iteration has just converged: theta of the impulsive pairs that do not give back their energy,
-    and another round of the loop with them. `pair_loss`: what a damped layer takes.
+    """Per world whose iteration has just converged: theta of the impulsive pairs that do not return their energy, and
+    another round of the loop with them. `pair_loss`: dissipation of a damped layer.
 
-    bracket: the lower and the upper end, what the pair creates with the one (positive) and the other (negative), 0
-    where it is not known.
+    bracket: the lower and the upper end, the energy that the pair creates with the one (positive) and the other
+    (negative), 0 if unknown.
     """
     w = wp.tid()
     model = run.models[w]
     if not has_converged(run.ctl, w):
         return
-    # an attempt that is not a repeated one is repeated where a pair swings
+    # an attempt that is not a repetition is repeated if a pair swings
     if run.ctl[w].mode != k.DYNAMIC or run.ctl[w].again == 0 or run.ctl[w].round > MOST_ROUNDS:
         run.ctl[w].even = 1
         return
@@ -200,7 +201,7 @@ def balance_means(
                 changed = int(1)
                 impulses.theta[w, pair] = to
                 impulses.weight[w, pair] = weight_of(kappa, to)
-                # what the balance sees of it
+                # its part of the balance
                 for side in range(2):
                     surface = surface_of(model, pair, side)
                     b = model.surfaces.body[surface]
@@ -229,12 +230,12 @@ def balance_means(
     run.ctl[w].run = 1
     run.ctl[w].reweighed = 1
     run.ctl[w].stale = 1
-    run.ctl[w].refresh = 1  # the outer matrix has the weights, and what is condensed into it, too
+    run.ctl[w].refresh = 1  # the retained matrix contains the weights, and what is condensed into it too
 
 
 @wp.func
 def narrow(bracket: wp.array3d(dtype=real), w: int, pair: int, side: int, at: real, excess: real):
-    """Put one end of the bracket there. Where the same end moves twice running, what the other one is known to make is
+    """Moves one end of the bracket. If the same end moves twice in succession, the energy known at the other end is
     scaled, so that it moves too (Anderson and Bjoerck 1973)."""
     if bracket[w, pair, 4] == real(side) and bracket[w, pair, 2 + side] != real(0.0):
         scale = real(1.0) - excess / bracket[w, pair, 2 + side]
@@ -259,16 +260,16 @@ def next_theta(
     stored: real,
     ease: real,
 ) -> real:
-    """Between the ends of the bracket, the upper one if it must be more: where a spring between two masses that closes
-    or opens would give back its energy; of one that stays closed by W_1 - W_0 (`after - before`), what it makes of a
-    change of theta, be it the motion or the mean force that is given. From the second time on by the secant, but of one
-    that opens, which the formula then knows.
+    """Next theta between the ends of the bracket (the upper one if it must be larger): where a spring between two
+    masses that closes or opens would return its energy; for one that stays closed from W_1 - W_0 (`after - before`),
+    the effect of a change of theta, whether the motion or the mean force is prescribed. From the second round on by the
+    secant, except for one that opens, for which the formula is then known.
 
-    With F the size of the force that changes (M^-1 the metric), d the motion along it and x F the mean, a motion
-    without contact loses or gains c x F, c = h^2/2 (`ease`) where no joint holds the bodies, in the second round from
-    what has changed. A spring of stiffness k = F/delta that closes (x = theta, E_1 = F delta/2) stores x F d where c k
+    With F the size of the changing force (M^-1 the metric), d the motion along it and x F the mean, a motion without
+    contact loses or gains c x F, c = h^2/2 (`ease`) if no joint constrains the bodies, in the second round from the
+    observed change. A spring of stiffness k = F/delta that closes (x = theta, E_1 = F delta/2) stores x F d where c k
     (d - delta) x^2 + (d + c x_0 F) x = (delta + c x_0 F)/2, x_0 its present value; one that opens (x = 1 - theta) has
-    given E_0 where c F x^2 + (d - c x_0 F) x = E_0/F.
+    released E_0 where c F x^2 + (d - c x_0 F) x = E_0/F.
     """
     low = bracket[w, pair, 0]
     high = bracket[w, pair, 1]
@@ -329,11 +330,11 @@ def root(a: real, b: real, c: real) -> real:
 
 @kernel
 def judge_pairs(run: Run, contact: ContactState, impulses: ImpulsiveContact, trial: Trial, state: MotionState):
-    """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be taken again as
-    impulsive: where it swings and its mean was not looked for, or its memory creates more than OWN of its own energy.
+    """Per (world, pair): the energy that its contact creates in the attempt, and whether it is to be repeated as
+    impulsive: if it swings and its mean was not searched, or its memory creates more than OWN of its own energy.
 
-    Created is the work of what the normal force is through the step, what the contact energy changes by, and what
-    damped layers take. Local modes with inertia may step exactly, by other forces: nothing is judged there.
+    Created is the work of the effective normal force in the step, plus the change of the contact energy, plus the
+    dissipation of damped layers. Local modes with inertia may step exactly, with other forces: nothing is judged there.
     """
     w, pair = wp.tid()
     model = run.models[w]
@@ -368,8 +369,8 @@ def find_restless(
     run: Run, geometry: ContactGeometry, contact: ContactState, impulses: ImpulsiveContact,
     pressure_before: wp.array3d(dtype=real), patch_offset_before: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair): 1 where the forces of the hats changed by more than CALM in the attempt, the sum of |change|.
-    Where the window was laid anew, the hats of before are those that `line_of_centres.open_window` put in their place.
+    """Per (world, pair): 1 if the nodal forces changed by more than CALM in the attempt (the sum of |change|). If the
+    window was moved, the previous nodes are those that `line_of_centres.open_window` transferred to it.
     """
     w, pair = wp.tid()
     model = run.models[w]

@@ -1,4 +1,4 @@
-"""The end of an attempt with impulsive pairs: rates with them, and what the integrator remembers of pairs (see
+"""End of an attempt with impulsive pairs: rates including them, and the integrator's memory of pairs (see
 `impulsive_contact`)."""
 
 import warp as wp
@@ -25,7 +25,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def filtered(clk: wp.array(dtype=Clock), w: int, rule: int, before: real, after: real, memory: real) -> real:
-    """Memory at the end of a usual step of a coordinate that steps by `rule`; where it steps EXACT it is the force."""
+    """Memory at the end of a usual step of a coordinate that steps by `rule`; for EXACT it is the force."""
     if rule == EXACT:
         return after
     c = coefficients_of(clk, w, rule)
@@ -38,8 +38,8 @@ def filtered(clk: wp.array(dtype=Clock), w: int, rule: int, before: real, after:
 def memory_after(
     model: Model, run: Run, w: int, pair: int, rule: int, contact: ContactState, before: real, after: real, memory: real
 ) -> real:
-    """Memory of a component of a pair's force at the end of the attempt. After an impulsive step it is the force there,
-    and what generalized-alpha is ahead of it by where contact goes on."""
+    """Memory of a component of a pair's force at the end of the attempt. After an impulsive step it is the final force,
+    plus the lead of generalized-alpha over it if contact persists."""
     if contact.impulsive[w, pair] == 0:
         return filtered(run.clk, w, rule, before, after, memory)
     if not is_closed(contact.pair_force, w, pair, 1):
@@ -53,8 +53,8 @@ def memory_after(
 
 @kernel
 def finish_rates(run: Run, contact: ContactState, impulses: ImpulsiveContact, friction: FrictionState, trial: Trial):
-    """Per world: velocities and accelerations of an attempt with the impulsive pairs in them, and `rest`, what its
-    algorithmic accelerations have beside the formula's."""
+    """Per world: velocities and accelerations of an attempt including the impulsive pairs, and `rest`, the difference
+    of its algorithmic accelerations from the formula's."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].attempt == 0 or run.ctl[w].mode != k.DYNAMIC:
@@ -111,7 +111,7 @@ def finish_rates(run: Run, contact: ContactState, impulses: ImpulsiveContact, fr
         pair = int(0)
         while pair < model.pairs.count:
             i = modal_place(model, pair, n)
-            if contact.impulsive[w, pair] != 0 and i >= 0 and rule != EXACT:  # an exact step needs no correction
+            if contact.impulsive[w, pair] != 0 and i >= 0 and rule != EXACT:  # an exact step requires no correction
                 before = whole(model, contact.pair_modal, friction.friction_modal, w, pair, 0, i)
                 after = whole(model, contact.pair_modal, friction.friction_modal, w, pair, 1, i)
                 remembered = whole(model, contact.modal_memory, friction.modal_friction_memory, w, pair, 0, i)
@@ -130,7 +130,7 @@ def keep_forces(
     model: Model, run: Run, w: int, pair: int, lane: int, contact: ContactState, force: wp.array4d(dtype=real),
     modal: wp.array4d(dtype=real), memory: wp.array4d(dtype=real), modal_memory: wp.array4d(dtype=real),
 ):  # fmt: skip
-    """Memory of the forces of a pair, and its accepted loads of the modes; `pair_force` says what is closed."""
+    """Memory of the forces of a pair, and its accepted loads of the modes; `pair_force` defines which are closed."""
     dynamic = run.ctl[w].mode == k.DYNAMIC
     i = lane
     while i < 12:

@@ -1,1 +1,1 @@
-"""Joints that slide a little: cells of fixed partners, their unilateral contact and friction."""
+"""Small-sliding contact: cells with fixed partners, their unilateral contact and friction."""

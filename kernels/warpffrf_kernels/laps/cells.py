@@ -1,6 +1,6 @@
-"""States of cells: what their independent numbers should be, which state each should have, and what their forces are.
+"""States of cells: target values of their independent numbers, required state changes, and their forces.
 
-Loops over the cells of a group, by one lane; `at` is where the group's numbers begin.
+Loops over the cells of a group, by one lane; `at` is the start of the group's numbers.
 """
 
 import warp as wp
@@ -11,7 +11,7 @@ from warpffrf_kernels.laps.forms import Form
 wp.set_module_options(MODULE_OPTIONS)
 
 NEAR = wp.constant(wp.float64(0.1))
-TINY = wp.constant(wp.float64(1.0e-9))  # of mu p: a traction across that says nothing of kappa
+TINY = wp.constant(wp.float64(1.0e-9))  # of mu p: a transverse traction below that does not determine kappa
 NO_PRESSURE = wp.constant(wp.float64(1.0e-11))  # of the largest force of a cell
 
 
@@ -33,7 +33,7 @@ def put_triple(x: wp.array(dtype=real), at: int, components: int, value: vec3):
 
 @wp.struct
 class Aim:
-    """Where the small independent numbers of a slipping cell should be; far: 1 where its form is too far off, and the
+    """Target values of the small independent numbers of a slipping cell; far: 1 if its form is too far off, and the
     direction and kappa of a better one."""
 
     target: vec3
@@ -44,7 +44,7 @@ class Aim:
 
 @wp.func
 def aim_of(form: Form, u: vec3, v: vec3, largest: real, own: real) -> Aim:
-    """Of a slipping cell with u and v; `largest` force of a cell [N], `own` compliance along the face [m/N]."""
+    """For a slipping cell with u and v; `largest` force of a cell [N], `own` compliance along the face [m/N]."""
     out = Aim()
     out.target = vec3(real(0.0))
     out.d = form.d
@@ -55,7 +55,7 @@ def aim_of(form: Form, u: vec3, v: vec3, largest: real, own: real) -> Aim:
         return out
     across = u[2] - form.kappa * v[2]
     size = wp.sqrt(along * along + across * across)
-    if not (size > real(0.0)):  # squares below what numbers reach
+    if not (size > real(0.0)):  # squares below the smallest representable number
         return out
     kappa = size / bound
     apart = wp.abs(v[2]) > NEAR * bound

@@ -1,4 +1,4 @@
-"""Cells change their states, and the table of their tableau follows where too many differ from those of its making.
+"""State changes of cells, and updates of the table of their tableau if too many differ from the states of the table.
 
 See `tableau`.
 """
@@ -43,7 +43,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def renew(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
-    """The table becomes that of the states that M has its factors for."""
+    """Updates the table to the states for which M is factorised."""
     components = model.elements[0].laps[0].components[group]
     first = model.elements[0].laps[0].cell_start[group]
     all = lines_of(model, group)
@@ -130,7 +130,7 @@ def renew(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
 
 @wp.func
 def make_room(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
-    """For one more cell that is to change: where as many as there may be differ, the table is made anew."""
+    """Makes room for one more cell that is to change: at the maximum number of differing cells, updates the table."""
     components = model.elements[0].laps[0].components[group]
     if tableau.lap_words[w, group, ROOM] < components:
         sync()
@@ -146,8 +146,8 @@ def make_room(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
 
 @wp.func
 def press_cells(model: Model, w: int, group: int, lane: int, laps: LapState, tableau: LapScratch):
-    """Cells that have been under pressure, and those that lie on each other to begin with, stick; others are open. The
-    first table of a tableau is made for these states."""
+    """Cells that were under pressure, and those initially in contact, stick; others are open. The first table of a
+    tableau is computed for these states."""
     components = model.elements[0].laps[0].components[group]
     first = model.elements[0].laps[0].cell_start[group]
     ready = tableau.lap_words[w, group, READY]
@@ -176,8 +176,8 @@ def press_cells(model: Model, w: int, group: int, lane: int, laps: LapState, tab
 
 @wp.func
 def change_cells(model: Model, w: int, group: int, lane: int, both: bool, tableau: LapScratch) -> bool:
-    """Cells become what they are asked to: gaps and pressures first, and where none of them changes or with `both`,
-    what sticks and slips. Whether any has another state then."""
+    """Applies requested state changes: gaps and pressures first; if none of them changes, or with `both`, also stick
+    and slip. Returns whether any state has changed."""
     components = model.elements[0].laps[0].components[group]
     first = model.elements[0].laps[0].cell_start[group]
     lines = line_at(model, w, group)

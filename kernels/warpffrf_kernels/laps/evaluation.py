@@ -1,4 +1,4 @@
-"""What an evaluation of laps begins with: the motion, the tableau, and numbers of cells from their forces."""
+"""Start of an evaluation of small-sliding contacts: the motion, the tableau, and numbers of cells from their forces."""
 
 import warp as wp
 
@@ -58,7 +58,7 @@ def look_at_motion(model: Model, w: int, group: int, trial: Trial, q1: wp.array2
 def displaced(
     model: Model, w: int, group: int, lane: int, with_forces: int, tableau: LapScratch, lap_z: wp.array(dtype=real)
 ):
-    """J z, and G s with forces, at all lines of cells, into `lap_strip`."""
+    """J z, and with forces G s, at all lines of cells, into `lap_strip`."""
     n = unknowns_of(model, group)
     lines = line_at(model, w, group)
     first = w * model.elements[0].laps[0].column_start[model.elements[0].laps[0].count]
@@ -150,8 +150,8 @@ def put_right(model: Model, w: int, group: int, laps: LapState, tableau: LapScra
 
 @wp.func
 def book(model: Model, w: int, group: int, laps: LapState, tableau: LapScratch):
-    """Gaps and slips of the step, the energy of what yields, the work of friction and the rest of the trapezoidal work;
-    J z stands in `lap_strip`. By one lane."""
+    """Gaps and slips of the step, the elastic energy, the work of friction and the remainder of the trapezoidal work;
+    J z is in `lap_strip`. By one lane."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     first = model.elements[0].laps[0].cell_start[group]

@@ -1,15 +1,15 @@
-r"""What is independent of a cell in each of its states, and how one choice follows from another.
+r"""Independent numbers of a cell in each of its states, and the maps between these choices.
 
-A cell has forces s = (p, t) on the second face and what they do to its gap and slip, y = (g, w). Of six numbers three
-are independent, u, which its state prescribes, and three follow, v:
+A cell has forces s = (p, t) on the second face and the resulting gap and slip, y = (g, w). Of six numbers three are
+independent, u, prescribed by its state, and three are dependent, v:
 
     OPEN         u = s                                    v = y
     STICK        u = y                                    v = s
     SLIP         u = (g, t_d - mu p, w_e + kappa t_e)     v = (p, w_d, t_e)
     SMOOTH       u = (g, t)                               v = (p, w)              (without friction)
 
-with d the direction of the traction and e across it. All u are zero in a state that is met exactly; of SLIP they are
-small: t = -mu p w/|w| reads t_d = sqrt((mu p)^2 - t_e^2) and w_e = -|w|/(mu p) t_e, so that
+with d the direction of the traction and e transverse to it. All u are zero in a state that is satisfied exactly; for
+SLIP they are small: t = -mu p w/|w| reads t_d = sqrt((mu p)^2 - t_e^2) and w_e = -|w|/(mu p) t_e, so
 u = (0, t_d - mu p, (kappa - |w|/(mu p)) t_e). Both directions between (s, y) and (u, v) are linear.
 """
 
@@ -27,7 +27,7 @@ SMOOTH = wp.constant(3)
 
 @wp.struct
 class Form:
-    """A state of a cell: which, the direction d of the traction, kappa [m/N], and the coefficient of friction."""
+    """A state of a cell: its kind, the direction d of the traction, kappa [m/N], and the coefficient of friction."""
 
     state: int
     d: wp.vec2d
@@ -100,7 +100,7 @@ def from_form(form: Form) -> Four:
 
 @wp.func
 def after(second: Four, first: Four) -> Four:
-    """Both, the first before the second."""
+    """The composition, `first` applied before `second`."""
     out = Four()
     out.a = second.a * first.a + second.b * first.c
     out.b = second.a * first.b + second.b * first.d
@@ -121,7 +121,7 @@ def second_of(map: Four, x: vec3, y: vec3) -> vec3:
 
 @wp.func
 def unit_of(form: Form, i: int, yields: real) -> real:
-    """What independent number i is compared by: `yields` [m/N] of those that are lengths, 1 of forces."""
+    """Unit for comparing independent number i: `yields` [m/N] for lengths, 1 for forces."""
     if form.state == STICK or (i == 0 and form.state != OPEN) or (i == 2 and form.state == SLIP):
         return yields
     return real(1.0)

@@ -1,6 +1,6 @@
-"""What laps keep of an accepted attempt, what they lose, and what of them is saved.
+"""Stored quantities of small-sliding contacts after an accepted attempt, their dissipation, and saved quantities.
 
-Slip is counted from where the scene begins; what a cell without pressure slides is part of it.
+Slip is counted from the start of the scene and includes the sliding of cells without pressure.
 """
 
 import warp as wp
@@ -19,7 +19,7 @@ from warpffrf_kernels.laps.words import ANEW, NONE, READY, SINCE
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# --- numbers of a cell that are saved: forces p, t1, t2 on the second face [N], then
+# --- saved numbers of a cell: forces p, t1, t2 on the second face [N], then
 GAP = wp.constant(3)  # m
 SLIPPED = wp.constant(4)  # slip so far along t1, t2, m
 STATE = wp.constant(6)  # 0 open, 1 stick, 2 slip
@@ -30,8 +30,8 @@ LOST = wp.constant(7)  # by friction so far, J
 def keep_laps(run: Run, tableau: LapScratch, laps: LapState):
     """Per (world, group), lanes over cells: the trial forces become the accepted ones.
 
-    After a rejected attempt the next one begins with cells under pressure sticking: a load that
-    turns back makes slipping cells stick, which Newton's method misses where it begins soft and goes too far.
+    After a rejected attempt the next one begins with sticking cells under pressure: a load reversal makes slipping
+    cells stick, which Newton's method misses if it starts with a compliant tangent and overshoots.
     """
     w, group, lane = wp.tid()
     model = run.models[w]
@@ -59,7 +59,7 @@ def keep_laps(run: Run, tableau: LapScratch, laps: LapState):
 
 @kernel
 def commit_laps(run: Run, tableau: LapScratch, laps: LapState):
-    """Per (world, group), lanes over cells: slips of the evaluated state become history, and begin anew."""
+    """Per (world, group), lanes over cells: adds the slips of the evaluated state to the history, and resets them."""
     w, group, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].commit == 0 or model.elements[0].laps[0].components[group] == 1:

@@ -1,4 +1,4 @@
-"""Loops over contiguous numbers of a tableau, in C++: lanes over stretches of lines or over columns."""
+"""Loops over contiguous numbers of a tableau, in C++: lanes over segments of lines or over columns."""
 
 import warp as wp
 
@@ -53,8 +53,8 @@ def add_columns(
 def take(n: int, x: wp.array(dtype=real), start: int, y: wp.array(dtype=real), at: int): ...
 
 
-# sum[at + c] = sum_i lines[c][i] x[i] and the sum of their sizes, `count` lines from `start` on, `n` apart; lanes over
-# lines. Eight sums at a time, so that none waits for the one before.
+# sum[at + c] = sum_i lines[c][i] x[i] and the sum of their absolute values, `count` lines from `start` on, `n` apart;
+# lanes over lines. Eight sums at a time, so none waits for the previous one.
 @wp.func_native("""
     const double* s = x.data + at_x;
     for (int c = WP_TILE_THREAD_IDX; c < count; c += WP_TILE_BLOCK_DIM) {
@@ -156,8 +156,8 @@ def scale_columns(
 ): ...
 
 
-# Step k of the factors P M = L U of a matrix of `rank` lines kept by columns `most` apart: the largest number of its
-# column comes to the diagonal; by one lane.
+# Step k of the factors P M = L U of a matrix of `rank` lines stored by columns `most` apart: moves the largest number
+# of its column to the diagonal; by one lane.
 @wp.func_native("""
     double* A = factor.data + at;
     int best = k;
@@ -178,7 +178,7 @@ def choose_pivot(
 ): ...
 
 
-# The columns behind k less what step k takes of them; lanes over columns.
+# Elimination of step k in the columns after k; lanes over columns.
 @wp.func_native("""
     double* A = factor.data + at;
     const double* p = A + (size_t)k * most;
@@ -191,7 +191,7 @@ def choose_pivot(
 def eliminate(rank: int, k: int, most: int, factor: wp.array(dtype=real), at: int): ...
 
 
-# x[at : at + rank] becomes M^-1 x in the units of M's columns, by columns of the factors; by one lane.
+# x[at : at + rank] <- M^-1 x in the units of M's columns, by columns of the factors; by one lane.
 @wp.func_native("""
     const double* A = factor.data + at_factor;
     double* X = x.data + at;
@@ -222,7 +222,7 @@ def substitute(
 ): ...
 
 
-# Lines x[at + r n : at + (r + 1) n], r < rank, become M^-1 of them in the units of M's columns; lanes over stretches of
+# Lines x[at + r n : at + (r + 1) n], r < rank, <- M^-1 of them in the units of M's columns; lanes over segments of
 # columns, of which 64 at a time stay in the cache.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
@@ -272,7 +272,7 @@ def substitute_lines(
 ): ...
 
 
-# Columns active[r] of the table go into lines r of `left` and are zero from then on; lanes over columns.
+# Moves columns active[r] of the table to lines r of `left` and sets them to zero; lanes over columns.
 @wp.func_native("""
     for (int r = WP_TILE_THREAD_IDX; r < rank; r += WP_TILE_BLOCK_DIM) {
         double* t = table.data + base + (size_t)active.data[slots + r] * n;
@@ -292,8 +292,8 @@ def take_columns(
 ): ...
 
 
-# The table of n columns += left right, both of `rank` lines of n numbers; lanes over fours of columns. Four lines of
-# left at a time serve four columns: 16 products for four numbers read.
+# The table of n columns += left right, both of `rank` lines of n numbers; lanes over groups of four columns. Four lines
+# of left at a time are used for four columns: 16 products for four numbers read.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM;
     const double* A = left.data + start; const double* B = right.data + start; double* T = table.data + at;

@@ -1,19 +1,19 @@
-r"""Motion that laps see: the relative motion of two bodies in the axes of the first, and their global modes.
+r"""Motion of small-sliding contacts: the relative motion of two bodies in the axes of the first, and global modes.
 
-With R_A, R_B the axes of the bodies, r their centres of mass, a point c that is at rho_A and rho_B in them where the
-scene begins, and R_0 = R_A^T R_B there,
+With R_A, R_B the axes of the bodies, r their centres of mass, a point c whose initial positions in the bodies are rho_A
+and rho_B, and the initial R_0 = R_A^T R_B,
 
     d = R_A^T (x - r_A) - rho_A,     x = r_B + R_B rho_B,        exp(theta^) = R_A^T R_B R_0^T,
 
-so that places of B move by d + theta x (y - c) beside A, to first order in theta; both vanish as the scene begins, and
-do not change when both bodies move as one. With phi_A, phi_B turns of the bodies (world axes) and J_l the left
+so points of B move by d + theta x (y - c) relative to A, to first order in theta; both are initially zero, and do not
+change if both bodies move as one. With phi_A, phi_B rotations of the bodies (world axes) and J_l the left
 Jacobian of the exponential map,
 
     delta d = R_A^T (delta r_B + phi_B x R_B rho_B - delta r_A - phi_A x (x - r_A)),
     delta theta = J_l(theta)^-1 R_A^T (phi_B - phi_A).
 
-Forces F and couples M that do work on d and theta act on B as R_A F at x and R_A J_l^-T M, on A as their opposite at
-the same place: forces and moments of the two cancel to the last digit.
+Forces F and couples M conjugate to d and theta act on B as R_A F at x and R_A J_l^-T M, on A as their opposite at the
+same point: forces and moments of the two cancel to the last digit.
 """
 
 import warp as wp
@@ -25,13 +25,13 @@ from warpffrf_kernels.core.scratch import Trial
 
 wp.set_module_options(MODULE_OPTIONS)
 
-RIGID = wp.constant(6)  # coordinates d, theta of a lap between two bodies
+RIGID = wp.constant(6)  # coordinates d, theta of a contact between two bodies
 WRENCH = wp.constant(12)  # motions of its bodies, six each
 
 
 @wp.struct
 class Relative:
-    """d and theta of a lap; the place x of the point of B, axes of both, and J_l^-1(theta)."""
+    """d and theta of a contact; the position x of the point of B, axes of both, and J_l^-1(theta)."""
 
     d: vec3
     theta: vec3
@@ -70,7 +70,8 @@ def relative_motion(model: Model, w: int, lap: int, trial: Trial) -> Relative:
 
 @wp.func
 def rigid_gradient(seen: Relative, i: int) -> vec3:
-    """Change of d by motion i of the bodies: of A, then of B, three translations (world) and three turns (own axes)."""
+    """Change of d by motion i of the bodies: of A, then of B, three translations (world), three rotations (own
+    axes)."""
     if i < 3:
         return -wp.transpose(seen.first_axes) * unit(i)
     if i < 6:

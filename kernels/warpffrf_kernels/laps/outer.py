@@ -1,8 +1,9 @@
-r"""What laps do to bodies and modes, and their tangent in the outer system.
+r"""Loads of small-sliding contacts on bodies and modes, and their tangent in the retained system.
 
 Forces f on the coordinates z are B^T f on motions of the bodies, B the gradients of the rigid part (`motion`), and f
-itself on modes. As the cells follow the motion, f changes by T_zz dz, T_zz the block of the tableau (never positive),
-so the tangent of the residual is -B^T T_zz B, and what turning forces and arms add; the turn of J_l is left out.
+itself on modes. As the cells follow the motion, f changes by T_zz dz, T_zz the block of the tableau (negative
+semidefinite), so the tangent of the residual is -B^T T_zz B, plus the effect of rotating forces and arms; the
+derivative of J_l is neglected.
 """
 
 import warp as wp
@@ -23,7 +24,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def body_of(model: Model, lap: int, i: int) -> int:
-    """Of motion i of a lap's bodies; -1 the ground."""
+    """Body of motion i of a contact; -1 for the ground."""
     if i < 6:
         return model.elements[0].laps[0].first[lap]
     return model.elements[0].laps[0].second[lap]
@@ -31,7 +32,7 @@ def body_of(model: Model, lap: int, i: int) -> int:
 
 @kernel
 def push_laps(run: Run, tableau: LapScratch, residuals: Residuals):
-    """Per world: subtract the forces of all laps from the residuals of their bodies and of the modes."""
+    """Per world: subtracts the forces of all small-sliding contacts from the residuals of their bodies and modes."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -60,7 +61,7 @@ def push_laps(run: Run, tableau: LapScratch, residuals: Residuals):
 def gradient_of(
     model: Model, w: int, lap: int, c: int, body: int, i: int, lap_gradient: wp.array4d(dtype=real)
 ) -> real:
-    """Change of coordinate c of a lap by motion i of a body."""
+    """Change of coordinate c of a contact by motion i of a body."""
     sum = real(0.0)
     if model.elements[0].laps[0].first[lap] == body:
         sum += lap_gradient[w, lap, c, i]
@@ -71,7 +72,7 @@ def gradient_of(
 
 @kernel
 def stiffen_by_laps(run: Run, tableau: LapScratch, system: OuterSystem):
-    """Per world, lanes over the outer columns of each group: -B^T T_zz B."""
+    """Per world, lanes over the retained columns of each group: -B^T T_zz B."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
@@ -157,7 +158,7 @@ def stiffen_by_laps(run: Run, tableau: LapScratch, system: OuterSystem):
 
 @kernel
 def turn_laps(run: Run, trial: Trial, tableau: LapScratch, system: OuterSystem):
-    """Per world: forces of laps turn with their first body, and their arms move."""
+    """Per world: forces of small-sliding contacts rotate with their first body, and their arms move."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or run.ctl[w].refresh == 0:
@@ -177,7 +178,7 @@ def turn_laps(run: Run, trial: Trial, tableau: LapScratch, system: OuterSystem):
             for i in range(WRENCH):
                 moves = body_of(model, lap, i)
                 if moves >= 0:
-                    shift = vec3(real(0.0))  # of B beside A, at the place of the force
+                    shift = vec3(real(0.0))  # of B relative to A, at the point of the force
                     first_turn = vec3(real(0.0))
                     second_turn = vec3(real(0.0))
                     if i < 3:

@@ -1,4 +1,4 @@
-"""A pass of the cells of a group of laps: where their independent numbers go, and which of them change their states."""
+"""A pass over the cells of a group: new values of their independent numbers, and required state changes."""
 
 import warp as wp
 
@@ -23,13 +23,13 @@ from warpffrf_kernels.laps.words import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-MIXED = 3  # differences that Anderson's rule has
+MIXED = 3  # differences in Anderson's method
 RIDGE = wp.constant(wp.float64(1.0e-14))  # of their squares
 
 
 @wp.func
 def largest_force(model: Model, w: int, group: int, lines: int, tableau: LapScratch) -> real:
-    """Of the cells that are not open [N]."""
+    """Largest force of the cells that are not open [N]."""
     components = model.elements[0].laps[0].components[group]
     first = model.elements[0].laps[0].cell_start[group]
     largest = real(0.0)
@@ -43,7 +43,7 @@ def largest_force(model: Model, w: int, group: int, lines: int, tableau: LapScra
 
 @wp.func
 def pressed_state(mu: real, components: int) -> int:
-    """Of a cell under pressure, before it is known whether it slips."""
+    """State of a cell under pressure before slip is known."""
     if components == 3 and mu == real(0.0):
         return SMOOTH
     return STICK
@@ -51,8 +51,8 @@ def pressed_state(mu: real, components: int) -> int:
 
 @wp.func
 def product(many: int, n: int, start: int, r: int, c: int, scale: real, lap_rest: wp.array(dtype=real)) -> real:
-    """Of differences r and c of the steps that are kept, or of r and the newest step where c is -1; `scale` makes
-    lengths, every second number, forces."""
+    """Inner product of differences r and c of the stored steps, or of r and the newest step if c is -1; `scale`
+    converts lengths, every second number, to forces."""
     sum = real(0.0)
     i = int(0)
     while i < many:
@@ -69,10 +69,10 @@ def product(many: int, n: int, start: int, r: int, c: int, scale: real, lap_rest
 
 @wp.func
 def mix(slipping: int, n: int, lines: int, known: int, scale: real, tableau: LapScratch) -> int:
-    """Anderson's rule: the step target - u less what the last differences of steps and of u say of it.
+    """Anderson's method: the step target - u minus its part explained by the last differences of steps and of u.
 
-    Kept are `known` earlier u and steps, n apart, the newest first; returns how many there are then. They are of the
-    lines along the face of those `slipping` cells that are listed by their first lines; `scale` makes lengths forces.
+    Stored are `known` earlier u and steps, n apart, the newest first; returns their new number. They contain the
+    tangential lines of the `slipping` listed cells, given by first lines; `scale` converts lengths to forces.
     """
     start = 4 * lines
     many = 2 * slipping
@@ -117,7 +117,7 @@ def mix(slipping: int, n: int, lines: int, known: int, scale: real, tableau: Lap
 
 @wp.func
 def aim_cells(model: Model, w: int, group: int, tableau: LapScratch) -> real:
-    """Lists the changes of independent numbers of a pass, and takes them; returns the largest, of the largest force."""
+    """Lists and applies the changes of independent numbers of a pass; returns the largest, over the largest force."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     n = unknowns_of(model, group)
@@ -175,7 +175,7 @@ def aim_cells(model: Model, w: int, group: int, tableau: LapScratch) -> real:
 
 @wp.func
 def judge_cells(model: Model, w: int, group: int, tableau: LapScratch, least: real):
-    """Which cells are to change their state, and to which; by one lane. Forces below `least` [N] are none."""
+    """Cells that must change their state, and the new states; by one lane. Forces below `least` [N] count as zero."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     first = model.elements[0].laps[0].cell_start[group]
@@ -198,7 +198,7 @@ def judge_cells(model: Model, w: int, group: int, tableau: LapScratch, least: re
                 tableau.lap_next[w, cell, 1] = real(0.0)
                 if components == 3 and mu > real(0.0):
                     own = own_block(model, w, group, c, tableau)
-                    f = -(wp.inverse(own) * v)  # brings it to rest, all others as they are
+                    f = -(wp.inverse(own) * v)  # brings it to rest with all others unchanged
                     size = wp.sqrt(f[1] * f[1] + f[2] * f[2])
                     tableau.lap_flips[w, cell] = tableau.lap_flips[w, cell] + 1
                     rubs = size > mu * wp.max(f[0], real(0.0))

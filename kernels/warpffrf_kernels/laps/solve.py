@@ -1,19 +1,17 @@
-r"""Forces of laps for a given motion of their bodies: contact and friction of all cells of a group, exactly.
+r"""Forces of small-sliding contacts for a given motion of their bodies: exact solution for all cells of a group.
 
 With z the motion, p and t normal and tangential forces of a cell, g its gap and w its slip since the last accepted
 state,
-
     (g, w) = G s + J z + (gap, -slip so far),     0 <= p, g >= 0, p g = 0,     |t| <= mu p,   t = -mu p w/|w| where w is
     not 0.
 
-Cells have states (`forms`) in which this is linear, but for slipping ones, whose small independent numbers follow in
-passes, mixed by Anderson's rule. A pass takes them to where they should be, looks at all cells, and lets those change
-whose sign is wrong: of the gaps first, then stick and slip, all three of them in every third pass. A gap that closes
-has the force that its own block of the tableau gives it: whether it then sticks or slips decides its state; where it
-comes back time and again, the other one is tried. Cells that lie on each other to begin with are taken as pressed, so
-that the first step of Newton's method does not drive the faces through each other. Tableau and states stay from one
-evaluation to the next, few cells change in a step. What round-off makes of the numbers that follow is put right from
-G itself every REFRESHED steps.
+Cells have states (`forms`) in which this is linear, except for slipping ones, whose small independent numbers are
+updated in passes with Anderson's method. A pass sets them to their target values, checks all cells, and changes the
+state of those with a wrong sign: gaps first, then stick and slip, all three of them in every third pass. A gap that
+closes has the force given by its own block of the tableau: whether it would then stick or slip decides its state; if it
+recurs, the other state is tried. Cells initially in contact are treated as pressed, so the first Newton step does not
+drive the faces through each other. Tableau and states are kept between evaluations, since few cells change in a step.
+Round-off in the dependent numbers is removed with G itself every REFRESHED steps.
 """
 
 import warp as wp
@@ -55,20 +53,20 @@ from warpffrf_kernels.laps.words import (
 
 wp.set_module_options(MODULE_OPTIONS)
 
-SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and what it yields
+SETTLED = wp.constant(wp.float64(1.0e-11))  # of the largest force, and of its displacement
 ROUGHLY = wp.constant(wp.float64(1.0e-4))  # in the first iteration whose balance counts, ...
 NEARLY = wp.constant(wp.float64(1.0e-7))  # ... and in the second
 EARLY = wp.constant(3)  # iterations in which states change once, and the motion follows, ...
-EARLY_LOADING = wp.constant(8)  # ... and of a load step, in which more of them change
-UNSETTLED = wp.constant(wp.float64(0.01))  # what is told of forces whose cells have just changed
+EARLY_LOADING = wp.constant(8)  # ... and in a load step, in which more of them change
+UNSETTLED = wp.constant(wp.float64(0.01))  # reported defect of forces whose cells have just changed
 MOST_PASSES = wp.constant(150)
-SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: what round-off leaves of a gap that is none
+SAME_PLACE = wp.constant(wp.float64(1.0e-15))  # of the scene's length: round-off of a closed gap
 REFRESHED = wp.constant(25)
 
 
 @kernel
 def look_ahead(run: Run, tableau: LapScratch):
-    """Per (world, group): the evaluation that follows is that of a prediction."""
+    """Per (world, group): marks the next evaluation as that of a prediction."""
     w, group = wp.tid()
     if run.ctl[w].run != 0:
         tableau.lap_words[w, group, AHEAD] = 1
@@ -79,7 +77,7 @@ def solve_laps(
     run: Run, trial: Trial, laps: LapState, tableau: LapScratch, q1: wp.array2d(dtype=real),
     lap_z_flat: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per (world, group): forces of all cells at the trial state, what they do to the motion, their energy."""
+    """Per (world, group): forces of all cells at the trial state, their loads on the motion, and their energy."""
     w, group, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -106,6 +104,7 @@ def solve_laps(
             c += 1
     if tableau.lap_words[w, group, HELD] != 0:
         return
+    # tableau: new, or with the states of the accepted forces
     if ready == NONE:
         begin_table(model, w, group, lane, tableau)
     if ready != STANDS:
@@ -116,6 +115,7 @@ def solve_laps(
             put_triple(tableau.lap_trial, lines + components * c, components, s)
             c += wp.block_dim()
         sync()
+    # change of the motion since the last evaluation, and removal of round-off
     factorise(model, w, group, lane, tableau)
     if ready == STANDS:
         if lane == 0:
@@ -139,6 +139,7 @@ def solve_laps(
             put_right(model, w, group, laps, tableau)
             tableau.lap_words[w, group, SINCE] = 0
         sync()
+    # passes over the cells until states and independent numbers have converged
     done = int(0)
     if ahead != 0 and ready == STANDS:
         done = int(1)
@@ -193,6 +194,7 @@ def solve_laps(
     if lane == 0 and done == 2:
         run.ctl[w].failure = run.ctl[w].failure | k.NOT_CONVERGED
         tableau.lap_words[w, group, READY] = NONE
+    # forces of the cells, their loads on the motion, and the energies
     own_forces(model, w, group, lane, tableau)
     weigh_lines(
         n, columns, model.elements[0].laps[0].motion, model.elements[0].laps[0].motion_start[group], tableau.lap_trial,

@@ -1,23 +1,23 @@
-r"""The tableau of a group of laps: what all its dependent numbers are of the independent ones.
+r"""The tableau of a group of small-sliding contacts: all dependent numbers as a function of the independent ones.
 
-With s the forces of all cells, y what they and the motion z of the bodies make of gaps and slips, f what they do to
-this motion,
+With s the forces of all cells, y the gaps and slips due to them and to the motion z of the bodies, f their generalised
+forces on this motion,
 
     y = G s + J z + y_0,      f = J^T s,            begins as      (y, f) = T (s, z) + const,   T = [[G, J], [J^T, 0]].
 
 A cell that changes its state has other independent numbers u', v' of its old ones, u' = a u + b v, v' = c u + d v
-(`forms`). The table stays that of the states it was made for, and the cells that have left these are kept beside it.
+(`forms`). The table remains that of its original states; cells that have left these are stored separately.
 With A their lines in which u' is not u, R = a + b T the lines of b applied to the table, M = R_AA, o all others,
 
     u_A = M^-1 (u'_A - R_Ao u'_o),       v = T_:A u_A + T_:o u'_o,       v' = c u + d v  of the cells themselves.
 
-M is as small as there are cells that differ, and its factors, in units in which forces and the lengths that they yield
-are alike, are all that a change costs: one that goes to and fro, or slips in another direction, leaves the table alone.
-When A has as many lines as it may, the table becomes that of the states of now,
+M is as large as the number of differing lines. A change only requires its factors, in units in which forces and the
+corresponding displacements are of equal size: a cell that alternates, or slips in another direction, leaves the table
+unchanged. When A has its maximum number of lines, the table is updated to the present states,
 
     T'_:o = T_:o - T_:A M^-1 R_Ao,       T'_:A = T_:A M^-1,              and c u + d v of these in the cells' own lines,
 
-at the speed of a product of matrices. The table is kept by columns.
+at the speed of a matrix product. The table is stored by columns.
 """
 
 import warp as wp
@@ -40,10 +40,10 @@ from warpffrf_kernels.laps.words import COUNT, DIFFERING, FACTORED, RANK, ROOM
 
 wp.set_module_options(MODULE_OPTIONS)
 
-MOST = 512  # lines of cells that differ, and half of all where these are fewer
+MOST = 512  # lines of differing cells, and half of all lines if these are fewer
 
 
-# --- where numbers of a group stand
+# --- start of a group's numbers
 
 
 @wp.func
@@ -64,7 +64,7 @@ def unknowns_of(model: Model, group: int) -> int:
 
 @wp.func
 def line_at(model: Model, w: int, group: int) -> int:
-    """Where what each line of the tableau has one of begins, flat."""
+    """Flat start of the numbers with one entry per line of the tableau."""
     total = model.elements[0].laps[0].line_start[model.elements[0].laps[0].count]
     return w * total + model.elements[0].laps[0].line_start[group]
 
@@ -82,13 +82,13 @@ def table_at(model: Model, w: int, group: int) -> int:
 
 @wp.func
 def most_of(model: Model, group: int) -> int:
-    """Lines of cells that may differ."""
+    """Maximum number of lines of differing cells."""
     return model.elements[0].laps[0].differing_start[group + 1] - model.elements[0].laps[0].differing_start[group]
 
 
 @wp.func
 def slots_at(model: Model, w: int, group: int) -> int:
-    """Where what each line of A has one of begins, flat."""
+    """Flat start of the numbers with one entry per line of A."""
     total = model.elements[0].laps[0].differing_start[model.elements[0].laps[0].count]
     return w * total + model.elements[0].laps[0].differing_start[group]
 
@@ -99,7 +99,7 @@ def factor_at(model: Model, w: int, group: int) -> int:
     return w * total + model.elements[0].laps[0].factor_start[group]
 
 
-# --- cells that differ from those that the table was made for
+# --- cells that differ from the states of the table
 
 
 @wp.func
@@ -111,14 +111,14 @@ def is_same(a: Form, b: Form) -> bool:
 
 @wp.func
 def differs(b: mat33, a: mat33, i: int) -> bool:
-    """Whether u' is anything but u in line i."""
+    """Whether u' differs from u in line i."""
     own = wp.abs(a[i, i] - real(1.0)) + wp.abs(a[i, (i + 1) % 3]) + wp.abs(a[i, (i + 2) % 3])
     return own + wp.abs(b[i, 0]) + wp.abs(b[i, 1]) + wp.abs(b[i, 2]) > real(0.0)
 
 
 @wp.func
 def gather_differing(model: Model, w: int, group: int, tableau: LapScratch):
-    """Numbers the cells that differ (`lap_slot`, -1 of others) and their lines (`lap_place`), keeps their maps; by one
+    """Numbers the differing cells (`lap_slot`, -1 for others) and their lines (`lap_place`), stores their maps; by one
     lane."""
     components = model.elements[0].laps[0].components[group]
     first = model.elements[0].laps[0].cell_start[group]
@@ -169,7 +169,7 @@ def gather_differing(model: Model, w: int, group: int, tableau: LapScratch):
 
 @wp.func
 def factorise(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
-    """Factors of M for the states of now, unless they stand."""
+    """Factors of M for the present states, unless they are up to date."""
     stands = tableau.lap_words[w, group, FACTORED]
     sync()
     if stands != 0:
@@ -220,7 +220,7 @@ def factorise(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
 
 @wp.func
 def slot_of(model: Model, w: int, group: int, line: int, lap_slot: wp.array2d(dtype=int)) -> int:
-    """Of the cell of a line, -1 of one that does not differ and of lines of the motion."""
+    """Slot of the cell of a line, -1 if it does not differ and for lines of the motion."""
     if line >= unknowns_of(model, group):
         return -1
     cell = model.elements[0].laps[0].cell_start[group] + line / model.elements[0].laps[0].components[group]
@@ -229,7 +229,7 @@ def slot_of(model: Model, w: int, group: int, line: int, lap_slot: wp.array2d(dt
 
 @wp.func
 def ask(model: Model, w: int, group: int, line: int, by: real, tableau: LapScratch):
-    """M u_A (`lap_weight`) for u' of `line` more by `by`; by one lane."""
+    """M u_A (`lap_weight`) for a change `by` of u' of `line`; by one lane."""
     components = model.elements[0].laps[0].components[group]
     all = lines_of(model, group)
     lines = line_at(model, w, group)
@@ -268,7 +268,7 @@ def part_of(components: int, own: int, lines: int, slots: int, tableau: LapScrat
 
 @wp.func
 def go_ahead(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
-    """v' += T' du', du' those COUNT changes of independent numbers that are listed; M has its factors."""
+    """v' += T' du', du' the COUNT listed changes of independent numbers; M is factorised."""
     components = model.elements[0].laps[0].components[group]
     n = unknowns_of(model, group)
     all = lines_of(model, group)
@@ -303,7 +303,7 @@ def go_ahead(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
             tableau.lap_units, tableau.lap_weight, slots,
         )  # fmt: skip
         x = int(0)
-        while x < differing:  # what these cells have so far stands aside while their lines have v
+        while x < differing:  # stores these cells' numbers separately while their lines contain v
             own = lines + tableau.lap_owner[slots + x]
             put_triple(tableau.lap_before, 3 * (slots + x), 3, triple(tableau.lap_v, own, components))
             put_triple(tableau.lap_v, own, components, vec3(real(0.0)))
@@ -328,7 +328,7 @@ def go_ahead(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
             put_triple(tableau.lap_v, lines + own, components, v + triple(tableau.lap_before, 3 * (slots + x), 3))
             x += 1
         k = int(0)
-        while k < others:  # u' that is u, of cells that differ in other lines
+        while k < others:  # u' equal to u, of cells that differ in other lines
             line = tableau.lap_list[lines + k]
             slot = slot_of(model, w, group, line, tableau.lap_slot)
             if slot >= 0:
@@ -345,7 +345,7 @@ def go_ahead(model: Model, w: int, group: int, lane: int, tableau: LapScratch):
 
 @wp.func
 def respond(model: Model, w: int, group: int, line: int, tableau: LapScratch):
-    """u_A (`lap_weight`) for one of u' of `line`; by one lane."""
+    """u_A (`lap_weight`) for a unit of u' of `line`; by one lane."""
     slots = slots_at(model, w, group)
     rank = tableau.lap_words[w, group, RANK]
     r = int(0)
@@ -361,7 +361,8 @@ def respond(model: Model, w: int, group: int, line: int, tableau: LapScratch):
 
 @wp.func
 def own_block(model: Model, w: int, group: int, c: int, tableau: LapScratch) -> mat33:
-    """T'_cc of cell c of a group; of cells without friction its one number, the rest of them alone. By one lane."""
+    """T'_cc of cell c of a group; for cells without friction its single number, the others being isolated. By one
+    lane."""
     components = model.elements[0].laps[0].components[group]
     lines = line_at(model, w, group)
     slots = slots_at(model, w, group)

@@ -1,1 +1,1 @@
-"""Layers between the surfaces whose yield is no constant."""
+"""Layers between the surfaces with nonlinear or damped laws."""

@@ -11,7 +11,7 @@ wp.set_module_options(MODULE_OPTIONS)
 AT_ZERO = wp.constant(0)  # p_0, Pa
 LENGTH = wp.constant(1)  # lambda, m
 EPS = wp.constant(2)
-END = wp.constant(3)  # the gap where pressure ends, m
+END = wp.constant(3)  # the gap at which pressure ends, m
 
 
 @wp.func

@@ -1,18 +1,18 @@
-r"""What layers between surfaces hold and lose (`weak_layer`), and what damped ones remember.
+r"""Energy and dissipation of layers between surfaces (`weak_layer`), and the history of damped ones.
 
-Energy. The contact energy gets int W(d) dA (in place of s.(E s)/2 that the solve's own sum counts), and a damped layer
-loses the work of its drag p - P_elastic(d), taken like that of all forces with the mean of both ends of the step (of an
-impulsive pair that of `impulsive_contact`), int (drag_0 + drag_1)/2 (d_1 - d_0) dA, nowhere below zero; the drag has
-the sign of the rate, also where the pressure is cut at zero: a surface that comes back slower than it is freed loses
-what is left in it. It is booked with the damping.
+Energy. The contact energy includes int W(d) dA (instead of s.(E s)/2, which the solution's own sum counts). A damped
+layer dissipates the work of its drag p - P_elastic(d), taken, like that of all forces, with the mean of both ends of
+the step (for an impulsive pair that of `impulsive_contact`), int (drag_0 + drag_1)/2 (d_1 - d_0) dA, at least zero; the
+drag has the sign of the rate, also if the pressure is cut at zero: a surface that returns more slowly than it is
+released dissipates the energy left in the layer. It is booked with the damping.
 
-Rates. A damped layer needs the depth of every point at the last accepted state. It is kept with the cell, that is with
-the material of the first surface, and looked up from the present position of the window. Where nothing presses, the
-depth is what the gap leaves: y(0) less the mean opening of the hats around, not below zero. In rolling the material
-enters the patch and leaves it, so that a damped layer loses energy in steady rolling too; its pressure, moved towards
-the inlet, acts along normals that meet the axes of both bodies and cannot brake them (a rolling resistance needs the
-slope of the deformed surface, which is no part of small displacements). That energy comes from nowhere and stands in
-the contact grid's line of the ledger.
+Rates. A damped layer requires the depth of every point at the last accepted state. It is stored with the cell, that is
+with the material of the first surface, and read at the present position of the window. Without pressure, the depth is
+that left by the gap: y(0) minus the mean opening of the surrounding nodes, at least zero. In rolling, the material
+enters the patch and leaves it, so a damped layer dissipates energy in steady rolling as well; its pressure, shifted
+towards the inlet, acts along normals that intersect the axes of both bodies and cannot brake them (rolling resistance
+requires the slope of the deformed surface, which small displacements do not include). That energy has no source and is
+part of the contact grid's line of the ledger.
 """
 
 import warp as wp
@@ -31,7 +31,7 @@ from warpffrf_kernels.normal.pair_forces import mean_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-FAR = wp.constant(wp.float64(1.0e300))  # m: opening where nothing is opposite
+FAR = wp.constant(wp.float64(1.0e300))  # m: opening without an opposite surface
 
 
 @kernel
@@ -39,8 +39,8 @@ def add_layer_energy(
     run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields, layers: LayerScratch,
     impulses: ImpulsiveContact,
 ):  # fmt: skip
-    """Per world, one lane, where the iteration has converged: the energy of the layers in place of what `sum_contact`
-    counted for them, depths and drags of damped ones, and what these lose in the step [J]."""
+    """Per world, one lane, if the iteration has converged: the energy of the layers instead of that counted by
+    `sum_contact`, depths and drags of damped ones, and their dissipation in the step [J]."""
     w = wp.tid()
     model = run.models[w]
     if not has_converged(run.ctl, w):
@@ -108,7 +108,7 @@ def add_layer_energy(
                         mean = mean_of(part, layers.layer_past_drag[w, pair, q], p - elastic[0])
                         lost += dA * wp.max(
                             mean * (d - layers.layer_past[w, pair, q]), real(0.0)
-                        )  # below where the rate turns
+                        )  # below where the rate changes sign
                 q += 1
             contact.pair_energy[w, pair, 1] = contact.pair_energy[w, pair, 1] + energy
             impulses.pair_loss[w, pair] = lost
@@ -117,7 +117,7 @@ def add_layer_energy(
 
 @kernel
 def keep_layer(run: Run, geometry: ContactGeometry, layers: LayerScratch, layer: LayerState):
-    """Per (world, pair), lanes over points: an accepted step leaves depths and drags, with the columns they belong
+    """Per (world, pair), lanes over points: stores depths and drags of an accepted step, with the columns they belong
     to."""
     w, pair, lane = wp.tid()
     model = run.models[w]

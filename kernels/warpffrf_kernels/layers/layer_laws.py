@@ -3,9 +3,9 @@ r"""Curves of the layers between two surfaces: pressure, depth and energy, see `
     p = P(d) (1 + chi d_dot),      P: `power_form`, `exponential_form`, `table_form`
 
 d is the depth of the layer, p >= 0. The rate of a step is a backward difference, d_dot = (d - d_past)/h: with chi/h as
-`rate` a law of a step is again a curve p(d), which begins where pressure ends, at the larger of the elastic beginning
-and of d_past - h/chi, and rises from there; being the product of two rising convex functions it is convex. `rate` is 0
-for laws without damping, and wherever there is no step in time.
+`rate`, the law of a step is again a curve p(d), which begins where pressure ends, at the larger of the elastic start
+and of d_past - h/chi, and rises from there; as the product of two rising convex functions it is convex. `rate` is 0 for
+laws without damping, and outside time steps.
 
 A form is a file with its functions, a number and a name here, and a line in each function below.
 """
@@ -25,7 +25,7 @@ from warpffrf_kernels.layers.table_form import table_beginning, table_depth, tab
 
 wp.set_module_options(MODULE_OPTIONS)
 
-CONSTANT = wp.constant(0)  # nothing between, or a yield that is part of the compliance
+CONSTANT = wp.constant(0)  # no layer, or a constant compliance that is part of that of the bodies
 POWER = wp.constant(1)
 EXPONENTIAL = wp.constant(2)
 TABLE = wp.constant(3)
@@ -37,7 +37,7 @@ NUMBERS = 5
 
 INVERSIONS = wp.constant(40)  # Newton steps of a damped law's inverse, convex and from above: a handful in practice
 SETTLED = wp.constant(wp.float64(1.0e-14))  # of the depth: a Newton step at round-off
-# of 1 + chi d_dot: where it vanishes at touch the curve has no slope, and its tangent no inverse
+# of 1 + chi d_dot: where it vanishes at first contact the curve has no slope, and its tangent no inverse
 LEAST_FACTOR = wp.constant(wp.float64(1.0e-6))
 
 pair2 = wp.vec2d

@@ -1,4 +1,4 @@
-"""Straight pieces between points on the device, see `warpffrf.model.laws.curves.curve`."""
+"""Piecewise linear laws on the device, see `warpffrf.model.laws.curves.curve`."""
 
 import warp as wp
 
@@ -11,7 +11,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def piece_of(model: Model, pair: int, column: int, value: real) -> int:
-    """Line of the pair's table at or below `value` of a column, the last but one at most."""
+    """Line of the pair's table at or below `value` of a column, at most the last but one."""
     start = model.elements[0].layers.table_start[pair]
     count = model.elements[0].layers.table_count[pair]
     return piece_at(model.elements[0].layers.table, start, count, column, value)

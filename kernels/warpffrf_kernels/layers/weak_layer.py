@@ -1,39 +1,39 @@
-r"""A layer whose yield is no constant (`layer_laws`), in the weak form and in the local solve.
+r"""A layer with a nonlinear or damped law (`layer_laws`), in the weak form and in the local solution.
 
-Weak form. On the surfaces p >= 0, g + y(p) >= 0, p (g + y(p)) = 0, with y = P^-1 the depth that the layer yields under
-p. Tested with the hats psi_i of the first surface, and with p = sum_j s_j psi_j,
+Weak form. On the surfaces p >= 0, g + y(p) >= 0, p (g + y(p)) = 0, with y = P^-1 the depth of the layer under p. Tested
+with the shape functions psi_i of the first surface, and with p = sum_j s_j psi_j,
 
     0 <= s_i,      r_i = g_i + (G s)_i + int psi_i y(p) dA >= 0,      s_i r_i = 0,
 
-g_i the weak gap. The integral is taken at the points of the pair's evaluation, the Gauss points of the grid's cells or
-the few that were chosen for all of them, or in the middles of cells that travel with the patch, each the corner of its
-own cell and of no other; their weights are positive. It is the gradient
-of int W*(p) dA, W* the complementary energy of the layer, so that its tangent
+g_i the weak gap. The integral is evaluated at the points of the pair's quadrature, the Gauss points of the grid's cells
+or the reduced set chosen for all of them, or at the centres of contact-fixed cells, each the corner of its own cell and
+of no other; their weights are positive. It is the gradient
+of int W*(p) dA, W* the complementary energy of the layer, so its tangent
 
     E_ij = int psi_i psi_j y'(p) dA,      y' = 1/P',
 
-is symmetric, positive definite (at few points semidefinite: fewer points than hats leave some combinations of hats
-without a yield of their own, not without the bodies'), and couples a hat to its eight neighbours. With a yield
+is symmetric, positive definite (for few points semidefinite: with fewer points than nodes some combinations of nodes
+have no compliance of their own, but have that of the bodies), and couples a node to its eight neighbours. With a depth
 proportional to p this is M_psi/k, the constant of `LinearLayer`.
 
 Tangent. At each point the curve is replaced by its tangent at a depth d_q, y(p) = a + b p with b = 1/P'(d_q) and
-a = d_q - b P(d_q). The active set solve sees G + E instead of G and gaps that contain int psi (a + b p); it stays the
-same linear complementarity problem, for hats outside the set too.
+a = d_q - b P(d_q). The active set solution uses G + E instead of G and gaps that contain int psi (a + b p); it remains
+the same linear complementarity problem, also for nodes outside the set.
 
-Where to put the tangent. y is concave and steep at p = 0: a Newton iteration in the pressures creeps up from below, one
-in the depths creeps down from above (a logarithm by one decay length a step), and each is exact where the other fails.
-After a solve a point has the pressure p and the depth y_t = a + b p, off the curve; the bodies answer a change of
-pressure by about -S, so that the solution is near the intersection of the curve and the line
+Choice of the tangent. y is concave and steep at p = 0: a Newton iteration in the pressures converges slowly from below,
+one in the depths slowly from above (for a logarithm by one decay length per step), and each is exact where the other
+fails. After a solution a point has the pressure p and the depth y_t = a + b p, off the curve; the bodies respond to a
+change of pressure by about -S, so the solution is near the intersection of the curve and the line
 
     d + S (P(d) - p) = y_t,
 
 which lies between the depths y(p) and y_t and is approached from the nearer of them, from either side without
-overshooting. For S the sum of the line of G (with the outer coordinates condensed) over the active hats is taken: the
-answer to a uniform change, the one that matters. Any S > 0 has the same fixed point; near it, d_q = y(p) is Newton's
-method. A step begins with the tangents at the present pressures; where there is none they hardly hold, so that the
-first iterate of a step that closes the contact finds how deep the bodies would sink without it.
+overshooting. S is the sum of the line of G (with the retained coordinates condensed) over the active nodes: the
+response to a uniform change, which dominates. Any S > 0 has the same fixed point; near it, d_q = y(p) is Newton's
+method. A step begins with the tangents at the present pressures; without pressure these have almost no stiffness, so
+the first iterate of a step that closes the contact finds the penetration of the bodies without the layer.
 
-Rates. A damped layer needs the depth of every point at the last accepted state: `layer_energy`.
+Rates. A damped layer requires the depth of every point at the last accepted state: `layer_energy`.
 """
 
 import warp as wp
@@ -53,20 +53,20 @@ from warpffrf_kernels.linear.sparse_factor import Pattern
 wp.set_module_options(MODULE_OPTIONS)
 
 NEAR = wp.constant(wp.float64(0.1))  # of the pressure: from there Newton's method in the pressures converges
-NO_TIME = wp.constant(wp.float64(1.0e-15))  # s: no step is shorter; a linearisation about a state is (1e-20 s)
-SIDE_STEPS = wp.constant(2)  # steps towards the intersection: it is a starting point only
+NO_TIME = wp.constant(wp.float64(1.0e-15))  # s: no step is shorter, except a linearisation about a state (1e-20 s)
+SIDE_STEPS = wp.constant(2)  # steps towards the intersection, which is only an initial guess
 
 
 @wp.func
 def cell_exists(model: Model, surface: int, column: int) -> bool:
-    """Is there a cell between the grid columns `column` and the next, counted over full turns? On an arc the outermost
-    columns have one on their outer side too, where their hats end."""
+    """Whether there is a cell between the grid columns `column` and the next, counted over full revolutions. On an arc
+    the outermost columns have one on their outer side as well, where their shape functions end."""
     return model.surfaces.periodic[surface] != 0 or (column >= -1 and column < model.surfaces.columns[surface])
 
 
 @wp.func
 def rate_of(model: Model, run: Run, w: int, pair: int) -> real:
-    """chi/h [1/m] of a pair's law in a step in time, else 0."""
+    """chi/h [1/m] of a pair's law in a time step, otherwise 0."""
     if run.ctl[w].mode != k.DYNAMIC or run.clk[w].h < NO_TIME:
         return real(0.0)
     return model.elements[0].layers.number[pair, CHI] / run.clk[w].h
@@ -74,7 +74,7 @@ def rate_of(model: Model, run: Run, w: int, pair: int) -> real:
 
 @wp.func
 def hat_value(model: Model, node: int, point: int) -> real:
-    """Value of corner `node` = 2 c + r of a cell at its point with the number `point` in the tables."""
+    """Value of corner `node` = 2 c + r of a cell at its point with index `point` in the tables."""
     x = model.elements[0].layers.x[point]
     z = model.elements[0].layers.zeta[point]
     if node < 2:
@@ -86,8 +86,8 @@ def hat_value(model: Model, node: int, point: int) -> real:
 
 @wp.func
 def point_area(model: Model, w: int, pair: int, point: int, m: int, area: wp.array3d(dtype=real)) -> real:
-    """Area [m2] that the point with the number `point` in the tables stands for: that of the tables, or, of a patch,
-    whose cells grow with it, that of cell m, in whose middle the point is."""
+    """Area [m2] of the point with index `point` in the tables: that of the tables or, for a patch, whose cells grow
+    with it, that of cell m, at whose centre the point is."""
     if model.pairs.family[pair] == PATCH:
         return area[w, pair, m]
     return model.elements[0].layers.area[point]
@@ -108,7 +108,7 @@ def linearise_layer(
     run: Run, geometry: ContactGeometry, contact: ContactState, layer: LayerState, layers: LayerScratch
 ):
     """Per (world, pair), lanes over points: the tangent of the law at the points of the window, from the pressures of
-    the last solve; where the windows were laid anew, at the present pressures and all columns it may grow to.
+    the last solution; if the windows were moved, at the present pressures and all columns it may grow to.
 
     depth: d_q, flexibility: b, beginning: a of the module docstring; past, past_drag: depth and drag at the last
     accepted state.
@@ -124,7 +124,7 @@ def linearise_layer(
     rate = rate_of(model, run, w, pair)
     fresh = run.ctl[w].iteration == 0 or run.ctl[w].recenter != 0
     moved = geometry.center[w, pair, 0] - layer.layer_column[w, pair]
-    if model.pairs.family[pair] == PATCH:  # cells travel with the patch, and what they remember with them
+    if model.pairs.family[pair] == PATCH:  # contact-fixed cells, with their history
         moved = int(0)
     turn = model.surfaces.turn[A]
     if turn > 0:
@@ -140,7 +140,7 @@ def linearise_layer(
             layers.layer_support[w, pair, m] = real(0.0)
             m += wp.block_dim()
         sync()
-    least = least_depth(model, pair, real(0.0), real(0.0))  # of a point at rest
+    least = least_depth(model, pair, real(0.0), real(0.0))  # for a point at rest
     at_least = layer_pressure(model, pair, least, real(0.0), real(0.0))
     while q < end:
         cell = q / per_column
@@ -190,8 +190,8 @@ def linearise_layer(
 def next_depth(
     model: Model, pair: int, p: real, tangent_at: real, on_tangent: real, held: real, past: real, rate: real
 ) -> real:
-    """Where to put the tangent next, after a solve that gave the pressure p and the depth `on_tangent` on the tangent
-    at the depth `tangent_at`; `held`: S."""
+    """Depth of the next tangent, after a solution with the pressure p and the depth `on_tangent` on the tangent at the
+    depth `tangent_at`; `held`: S."""
     low = layer_depth(model, pair, p, past, rate)
     at = layer_pressure(model, pair, tangent_at, past, rate)
     if held <= real(0.0) or wp.abs(p - at[0]) <= NEAR * at[0]:
@@ -199,7 +199,7 @@ def next_depth(
     asked = wp.max(on_tangent, least_depth(model, pair, past, rate))
     top = layer_pressure(model, pair, asked, past, rate)
     x = low
-    beyond = low - asked  # what x is off the line
+    beyond = low - asked  # distance of x from the line
     if wp.abs(held * (top[0] - p)) <= wp.abs(beyond):
         x = asked
         beyond = held * (top[0] - p)
@@ -207,9 +207,9 @@ def next_depth(
     i = int(0)
     while i < SIDE_STEPS:
         here = layer_pressure(model, pair, x, past, rate)
-        if beyond > real(0.0):  # down, in the depths
+        if beyond > real(0.0):  # downwards, in the depths
             x -= (x + held * (here[0] - p) - asked) / (real(1.0) + held * here[1])
-        else:  # up, in the pressures
+        else:  # upwards, in the pressures
             pressed += (asked - x - held * (pressed - p)) / (real(1.0) / here[1] + held)
             x = layer_depth(model, pair, pressed, past, rate)
         i += 1
@@ -218,7 +218,7 @@ def next_depth(
 
 @kernel
 def weigh_layer(run: Run, geometry: ContactGeometry, layers: LayerScratch):
-    """Per (world, pair), lanes over hats of the window: int psi_i a dA, and the line of E, neighbour (column + c - 1,
+    """Per (world, pair), lanes over nodes of the window: int psi_i a dA, and the line of E, neighbour (column + c - 1,
     row + r - 1) at 3 c + r."""
     w, pair, lane = wp.tid()
     model = run.models[w]
@@ -236,7 +236,7 @@ def weigh_layer(run: Run, geometry: ContactGeometry, layers: LayerScratch):
         for n in range(9):
             layers.layer_tangent[w, pair, m, n] = real(0.0)
         total = real(0.0)
-        for corner in range(4):  # which corner of the cell the hat is
+        for corner in range(4):  # corner of the cell that the node is
             cell = column + 1 - corner / 2
             row = own_row - corner % 2
             absolute = geometry.center[w, pair, 0] + cell - 1 - model.window.half
@@ -262,7 +262,7 @@ def weigh_layer(run: Run, geometry: ContactGeometry, layers: LayerScratch):
 def linear_yield(
     model: Model, w: int, pair: int, m: int, rows: int, contact: ContactState, layers: LayerScratch
 ) -> real:
-    """int psi_m (a + b p) dA under the present pressures of the active hats."""
+    """int psi_m (a + b p) dA for the present pressures of the active nodes."""
     value = layers.layer_offset[w, pair, m]
     column = m / rows
     row = m - column * rows
@@ -278,7 +278,7 @@ def linear_yield(
 
 @kernel
 def add_yield(run: Run, geometry: ContactGeometry, contact: ContactState, layers: LayerScratch, fields: ContactFields):
-    """Per (world, pair), lanes over hats of the window: the layer's weak yield, added to what the local modes open."""
+    """Per (world, pair), lanes over nodes of the window: adds the layer's weak depth to the opening by local modes."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.elements[0].layers.kind[pair] == CONSTANT:
@@ -297,8 +297,8 @@ def find_support(
     run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve, system: OuterSystem,
     layers: LayerScratch, patterns: wp.array(dtype=Pattern),
 ):  # fmt: skip
-    """Per world, after an evaluation: S of the module docstring, what a pressure on all active hats of a pair opens
-    each by, (G + L A^-1 L^T) 1 over its area."""
+    """Per world, after an evaluation: S of the module docstring, the opening of each active node of a pair due to a
+    uniform pressure on all of them, (G + L A^-1 L^T) 1 over its area."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:

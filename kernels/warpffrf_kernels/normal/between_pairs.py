@@ -1,7 +1,8 @@
-"""What pairs do to each other by condensed or local modes of the bodies that they share.
+"""Coupling of pairs by the condensed or local modes of the bodies that they share.
 
-(M + F) ds = b of `contact_solve`, F the blocks of G between pairs and M the system without them, by conjugate gradients
-from the solution without F, with M as preconditioner. Each step costs a solve with the factors at hand.
+(M + F) ds = b of `contact_solve`, with F the blocks of G between pairs and M the system without them, is solved by
+conjugate gradients from the solution without F, with M as preconditioner. Each step costs a solve with the present
+factors.
 """
 
 import warp as wp
@@ -19,12 +20,12 @@ from warpffrf_kernels.normal.pair_elimination import LEFT_START, eliminated, put
 
 wp.set_module_options(MODULE_OPTIONS)
 
-EXACT = wp.constant(wp.float64(1.0e-16))  # of the energy of the first correction: where the gradients end
-GRADIENTS = wp.constant(100)  # steps of them at most; what is left then stays in the gaps, and Newton iterates on
+EXACT = wp.constant(wp.float64(1.0e-16))  # of the energy of the first correction: tolerance of the gradients
+GRADIENTS = wp.constant(100)  # maximum number of steps; the rest stays in the gaps for the Newton iteration
 
 
-# y += F x over the first n places: what the pressures of each pair displace on the others. Lanes over the places. The
-# slots of a pair ascend, and mostly follow one another: then lines are read in runs.
+# y += F x over the first n places: displacements due to the pressures of each pair on the others. Lanes over the
+# places. The slots of a pair ascend and are mostly consecutive, so lines are read in contiguous runs.
 @wp.func_native("""
     const int cap = model.capacity.slots, pairs = model.pairs.count;
     const int* list = order.data + (size_t)w * cap;
@@ -83,8 +84,8 @@ def solve_between(
     run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: OuterSystem,
     contact: ContactState, patterns: wp.array(dtype=Pattern),
 ):  # fmt: skip
-    """Per world: outer increments and pressures with what pairs do to each other by local modes, by conjugate gradients
-    from the solution without."""
+    """Per world: retained increments and pressures with the coupling of pairs by local modes, by conjugate gradients
+    from the solution without it."""
     w, lane = wp.tid()
     model = run.models[w]
     count = normal.block[w, 0, LEFT_START]
@@ -145,7 +146,7 @@ def solve_between(
             normal.krylov_path[w * N + i] = normal.krylov_z[w * N + i] + share * normal.krylov_path[w * N + i]
             i += wp.block_dim()
         sync()
-        # the image by M is carried along, that by F is added for the step and taken off again
+        # the image by M is carried along; that by F is added for the step and subtracted again
         i = lane
         while i < count:
             normal.krylov[answer + i] = normal.krylov[image + i]

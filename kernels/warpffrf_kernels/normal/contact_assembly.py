@@ -1,14 +1,14 @@
-"""Rows of the local compliance G assembled: within a pair, and between pairs that load the same body.
+"""Assembly of rows of the local compliance G: within a pair, and between pairs that load the same body.
 
-Within a pair G_ij is as in `contact_compliance`. Two hats i and j of different pairs feel each other through the modes
-of a body that both pairs load, by the outer unknowns those of them that are not condensed, and J_i sigma^-1 J_j^T over
-the others, and through its local modes: with psi_i^s the load of a hat on surface s,
+Within a pair G_ij is as in `contact_compliance`. Two nodes i and j of different pairs are coupled by a body that both
+pairs load: by its modes that are not condensed, through the retained unknowns; by the other modes, through
+J_i sigma^-1 J_j^T; and by its local modes. With psi_i^s the load of a node on surface s,
 
     G_ij += sum over s, t of psi_j^t . (D_ts psi_i^s),
 
-exactly, with all nodes of both stencils: a load counted at the middle of its hat makes G indefinite where the patches
-of two pairs lie within some columns of each other. D_ts psi_i^s is laid out once a hat over the window of the other
-pair and read by all hats of that pair.
+exactly, with all nodes of both stencils: a load lumped at its node makes G indefinite if the patches of two pairs lie
+within some columns of each other. D_ts psi_i^s is computed once per node over the window of the other pair and read by
+all nodes of that pair.
 """
 
 import warp as wp
@@ -26,7 +26,7 @@ from warpffrf_kernels.surfaces.responses import first_column, load_of, place_of_
 wp.set_module_options(MODULE_OPTIONS)
 
 
-# Row `slot` of G against the slots of the same pair up to itself, and its mirror. Native for
+# Row `slot` of G for the slots of the same pair up to itself, and its mirror. Native for
 # contiguous inner loops like `axpy`; not measured separately.
 @wp.func_native("""
     const int pair = slot_hat.data[((size_t)w * model.capacity.slots + slot) * 2];
@@ -92,7 +92,7 @@ def couple(
 ): ...
 
 
-# Entries of row `slot` of G with the slots before it that belong to other pairs, by the modes that are condensed.
+# Entries of row `slot` of G for the preceding slots that belong to other pairs, by the condensed modes.
 # Native like `couple`.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.most_modes;
@@ -135,7 +135,7 @@ def couple_others(
 
 @kernel
 def assemble(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses: ImpulsiveContact):
-    """Per world: rows of G of the fresh slots, within their pairs."""
+    """Per world: rows of G of the new slots, within their pairs."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -151,8 +151,8 @@ def assemble(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses
         slot += 1
 
 
-# The mirror of rows `fresh` to `slots` of G between pairs, eight at a time, as columns are far apart. Lanes over the
-# columns of these rows.
+# The mirror of rows `fresh` to `slots` of G between pairs, eight at a time, because columns are far apart in memory.
+# Lanes over the columns of these rows.
 @wp.func_native("""
     const int cap = model.capacity.slots; const int* pair = slot_hat.data + (size_t)w * cap * 2;
     double* g = G.data + (size_t)w * cap * cap;
@@ -174,8 +174,8 @@ def lay_out(
     model: Model, w: int, m: int, loads: int, reads: int, low: int, columns: int, geometry: ContactGeometry, start: int,
     normal: ContactSolve,
 ):  # fmt: skip
-    """Adds to `field`, `columns` of the window of side `reads` from `low` on, what hat m displaces there by its load on
-    side `loads`."""
+    """Adds the displacement due to the load of node m on side `loads` to `field`: `columns` columns of the window of
+    side `reads`, from `low` on."""
     pair = loads / 2
     table = model.responses.normal[load_of(model, reads, loads)]
     count = columns * model.responses.target_lines[table]
@@ -188,7 +188,7 @@ def lay_out(
         if at >= 0:
             axpy(count, real(1.0), model.responses.number, at, normal.field_beside, start)
     else:
-        along = model.responses.width[table] * model.responses.target_lines[table]  # from a line to the next
+        along = model.responses.width[table] * model.responses.target_lines[table]  # stride of lines
         c = int(0)
         while c < model.window.stencil_columns:
             at = place_of_load(model, table, origin + geometry.stencil_at[w, pair, m, 0] + c, 0, target, middle)
@@ -204,7 +204,7 @@ def lay_out(
 
 @kernel
 def assemble_between(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses: ImpulsiveContact):
-    """Per world: rows of G of the fresh slots, between pairs, by condensed modes and by local modes."""
+    """Per world: rows of G of the new slots, between pairs, by condensed modes and by local modes."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or lags(model, run.ctl, w):

@@ -1,14 +1,14 @@
-"""Rows of the local compliance G = Psi^T (C_A + C_B) Psi on the hats in play, each in a slot, assembled once each.
+"""Rows of the local compliance G = Psi^T (C_A + C_B) Psi at the active nodes, each in a slot and assembled once.
 
-With the hat compliance D of each surface (`u = D f`, both in hats) and the stencil l_j, the load of the second surface
-under a unit pressure hat j of the first:
+With the nodal compliance D of each surface (`u = D f`, both nodal) and the stencil l_j, the load on the second surface
+due to a unit pressure at node j of the first:
 
     G_ij = (M D_A M)_ij + l_i . (D_B l_j) + J_i sigma^-1 J_j^T,      J_i = [-(M Phi_A)_i, -l_i Phi_B].
 
 The last term condenses the global modes: their tangent sigma is diagonal (`receptance` = 1/sigma), so it costs modes x
-slots^2 / 2. `M D_A M` is precomputed; `T_j = D_B l_j` is kept, because it also gives the displacement of the second
-surface at every node of the window. A slot stays assembled until the grids move against each other, so an active set
-that changes pays for the change only.
+slots^2 / 2. `M D_A M` is precomputed; `T_j = D_B l_j` is stored, because it also gives the displacement of the second
+surface at every node of the window. A slot stays assembled until the grids move relative to each other, so a changed
+active set costs only the assembly of the added nodes.
 """
 
 import warp as wp
@@ -30,8 +30,8 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def short_of(model: Model) -> int:
-    """What an attempt fails of that runs out of slots: the host's room, where the capacities of the contacts allow
-    more, else these: then a smaller step may do, whose iterations do not overshoot."""
+    """Failure of an attempt that runs out of slots: the host's memory, if the capacities of the contacts allow more;
+    otherwise these capacities, and a smaller step, whose iterations do not overshoot, may succeed."""
     if model.capacity.slots < model.capacity.slot_limit:
         return int(k.ROOM)
     return int(k.CAPACITY)
@@ -39,7 +39,7 @@ def short_of(model: Model) -> int:
 
 @wp.func
 def lacks_rows(model: Model, w: int, contact: ContactState, normal: ContactSolve) -> bool:
-    """Whether an active hat has no slot."""
+    """Whether an active node has no slot."""
     lacking = bool(False)
     pair = int(0)
     while pair < model.pairs.count:
@@ -54,9 +54,9 @@ def lacks_rows(model: Model, w: int, contact: ContactState, normal: ContactSolve
 
 @kernel
 def take_slots(run: Run, contact: ContactState, geometry: ContactGeometry, normal: ContactSolve):
-    """Per world: a slot for each active hat that has none; all slots are given back first when the grids have
-    moved, or where rows of an earlier attempt do not serve. Where rows stand from step to step, all cells of a patch
-    take one then, as far as there is room: those at its edge come under pressure and leave it.
+    """Per world: assigns a slot to each active node without one. All slots are released first if the grids have moved,
+    or if rows of an earlier attempt are not accurate enough. If rows are kept from step to step, all cells of a patch
+    then receive a slot, as far as the capacity allows, because cells at its edge become active and inactive.
     """
     w = wp.tid()
     model = run.models[w]
@@ -135,7 +135,7 @@ def respond_to(
     model: Model, w: int, pair: int, m: int, first: int, count: int, geometry: ContactGeometry, normal: ContactSolve,
     start: int,
 ):  # fmt: skip
-    """Adds D_B l of hat m to `count` numbers of T from `start` on, column `first` of the second window."""
+    """Adds D_B l of node m to `count` numbers of T from `start` on, column `first` of the second window."""
     if model.surfaces.rigid[model.pairs.second[pair]] != 0:
         return
     table = model.responses.normal[own_load(model, 2 * pair + 1)]
@@ -158,7 +158,7 @@ def respond_to(
 
 @kernel
 def respond(run: Run, geometry: ContactGeometry, normal: ContactSolve):
-    """Per world: T_j = D_B l_j of the fresh slots on the nodes of the second window."""
+    """Per world: T_j = D_B l_j of the new slots at the nodes of the second window."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -186,7 +186,7 @@ def respond(run: Run, geometry: ContactGeometry, normal: ContactSolve):
 
 @wp.func
 def node_of(model: Model, surface: int, column: int, row: int) -> int:
-    """Flat grid node of a column counted over full turns; -1 where the grid has none."""
+    """Flat grid node of a column counted over full revolutions; -1 outside the grid."""
     turn = model.surfaces.turn[surface]
     c = column
     if turn > 0:
@@ -198,8 +198,8 @@ def node_of(model: Model, surface: int, column: int, row: int) -> int:
 
 @kernel
 def modal_rows(run: Run, geometry: ContactGeometry, normal: ContactSolve, impulses: ImpulsiveContact):
-    """Per world: gradient of the weak gap of the fresh slots by the global modes of A, then of B, times the weight of
-    the pair."""
+    """Per world: gradient of the weak gap of the new slots with respect to the global modes of A, then of B, times the
+    weight of the pair."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -249,9 +249,9 @@ def outer_row(
     model: Model, w: int, pair: int, lane: int, f: vec3, t: vec3, trial: Trial, impulses: ImpulsiveContact,
     J: wp.array(dtype=real), start: int, system: OuterSystem, line: int, L: wp.array(dtype=real),
 ):  # fmt: skip
-    """The line of L that begins at `line`, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the
-    pair: of a quantity with the gradient (f, t) by the motion of A relative to B, and J (from `start`) by the modes,
-    times the weight of the pair, which J has already."""
+    """Line of L that begins at `line`, [d/d(rigid), -J sigma^-1 C_modal^T] over the columns in `coupled` of the pair,
+    for a quantity with gradient (f, t) with respect to the motion of A relative to B, and J (from `start`) with respect
+    to the modes, times the weight of the pair, which J already contains."""
     A = model.surfaces.body[model.pairs.first[pair]]
     B = model.surfaces.body[model.pairs.second[pair]]
     if lane == 0:
@@ -261,7 +261,7 @@ def outer_row(
         for i in range(3):
             L[line + i] = push[i]
             L[line + 3 + i] = t_a[i]
-            L[line + 6 + i] = real(0.0)  # the ground does not move
+            L[line + 6 + i] = real(0.0)  # the ground is fixed
             L[line + 9 + i] = real(0.0)
         if B >= 0:
             t_b = wp.transpose(trial.axes[w, B]) * (turn + wp.cross(trial.r1[w, A] - trial.r1[w, B], push))
@@ -295,8 +295,8 @@ def outer_rows(
     run: Run, trial: Trial, geometry: ContactGeometry, impulses: ImpulsiveContact, normal: ContactSolve,
     system: OuterSystem, L: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per world: gradient L of the gap by the outer coordinates times the weight of the pair (`outer_row`); for all
-    slots when the outer matrix is new, else for the fresh ones."""
+    """Per world: gradient L of the gap with respect to the retained coordinates times the weight of the pair
+    (`outer_row`); for all slots if the retained matrix is new, otherwise for the new ones."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:

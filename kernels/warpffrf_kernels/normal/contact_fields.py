@@ -1,8 +1,8 @@
-"""Displacement fields on the contact windows, and what they make of the gaps.
+"""Displacement fields on the contact windows, and their contribution to the gaps.
 
-Three parts open or close a weak gap: the undeformed gap (`line_of_centres`), the global modes (`modal_fields`) and the
-local modes (`local_fields`). Displacements by the local modes are never read off the matrix G: the compliance tables
-are applied to the present loads, so that the residual is that of the present position of the grids.
+A weak gap has three parts: the undeformed gap (`line_of_centres`), the global modes (`modal_fields`) and the local
+modes (`local_fields`). Displacements by the local modes are never computed with the matrix G: the compliance tables are
+applied to the present loads, so the residual is that of the present position of the grids.
 """
 
 import warp as wp
@@ -20,14 +20,14 @@ from warpffrf_kernels.surfaces.fields import add_fields, clear_field
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# of the scene's length: smaller penetrations do not tighten the tolerance of gaps, or it would be that of round-off
+# of the scene's length: smaller penetrations do not tighten the gap tolerance, which would otherwise reach round-off
 SHALLOW = wp.constant(wp.float64(1.0e-5))
 
 
 @kernel
 def set_second_window(run: Run, geometry: ContactGeometry, contact: ContactState):
-    """Per (world, pair): columns of the second grid that the hats of the window reach; hats that face nothing leave the
-    active set, since their stencils may lie beyond that grid's window."""
+    """Per (world, pair): columns of the second grid within reach of the nodes of the window. Nodes without an opposite
+    surface leave the active set, because their stencils may lie outside that grid's window."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -55,8 +55,8 @@ def modal_fields(
     run: Run, geometry: ContactGeometry, amplitude: wp.array(dtype=real), of_state: int,
     first_field: wp.array3d(dtype=real), second_field: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair), lanes over hats of A and nodes of B: weak displacement (M Phi_A q)_i and displacement
-    (Phi_B q) by the modes.
+    """Per (world, pair), lanes over nodes of A and of B: weak displacement (M Phi_A q)_i and displacement (Phi_B q) by
+    the modes.
     """
     w, pair, lane = wp.tid()
     model = run.models[w]
@@ -100,7 +100,7 @@ def modal_fields(
 def on_stencil(
     model: Model, w: int, pair: int, m: int, rows: int, geometry: ContactGeometry, field: wp.array(dtype=real)
 ) -> real:
-    """l_i . field, the field given on the window of the second grid."""
+    """l_i . field, with the field given on the window of the second grid."""
     base = (w * model.pairs.count + pair) * model.window.nodes
     total = real(0.0)
     c = int(0)
@@ -129,10 +129,10 @@ def local_gap(model: Model, w: int, pair: int, m: int, geometry: ContactGeometry
 
 @kernel
 def close_gaps(run: Run, geometry: ContactGeometry, fields: ContactFields, contact: ContactState):
-    """Per (world, pair), lanes over hats: weak gaps of the present state and the pressures they belong to.
+    """Per (world, pair), lanes over nodes: weak gaps of the present state and the pressures they belong to.
 
-    gap = weak_gap - M Phi_A q - l . Phi_B q has the deformation by the global modes, opened also that by the local ones
-    under the present pressures, which are kept as `base`: what the solve changes is counted from there.
+    gap = weak_gap - M Phi_A q - l . Phi_B q includes the deformation by the global modes; opened also that by the local
+    modes under the present pressures. These are stored as `base`, the reference of the changes in the solution.
     """
     w, pair, lane = wp.tid()
     model = run.models[w]
@@ -160,7 +160,7 @@ def close_gaps(run: Run, geometry: ContactGeometry, fields: ContactFields, conta
 
 @kernel
 def load_second(run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields):
-    """Per (world, pair): loads of B's hats under the present pressures [N]."""
+    """Per (world, pair): loads on B's nodes due to the present pressures [N]."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -198,8 +198,8 @@ def load_second(run: Run, geometry: ContactGeometry, contact: ContactState, fiel
 
 @kernel
 def local_fields(run: Run, geometry: ContactGeometry, fields: ContactFields, pressure: wp.array(dtype=real)):
-    """Per (world, pair): displacements by the local modes under the loads of all pairs on the two bodies: weak ones on
-    A's hats, nodal ones on B, both opening the gap. pressure: 0 where inactive."""
+    """Per (world, pair): displacements by the local modes due to the loads of all pairs on the two bodies: weak at A's
+    nodes, nodal on B, both positive if they open the gap. pressure: 0 where inactive."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] == PATCH:
@@ -273,8 +273,8 @@ def load_modes(
 def sum_contact(
     run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields, residuals: Residuals
 ):
-    """Per world: contact wrench on A of every pair, its contact energy s.G.s/2, and what active gaps are left open (a
-    fraction of the penetration, and the penetration)."""
+    """Per world: contact wrench on A of every pair, its contact energy s.G.s/2, and the largest residual gap of active
+    nodes (as a fraction of the penetration, and the penetration)."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:

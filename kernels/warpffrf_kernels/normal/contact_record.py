@@ -1,4 +1,4 @@
-"""What is saved of a pair: wrenches on both bodies, pressures, and loads on the second surface."""
+"""Saved quantities of a pair: wrenches on both bodies, pressures, and loads on the second surface."""
 
 import warp as wp
 
@@ -17,14 +17,14 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @kernel
 def sum_second(run: Run, trial: Trial, fields: ContactFields, second_load: wp.array3d(dtype=real)):
-    """Per (world, pair of family 0): the wrench that the hat forces on the second surface sum to there (about A's
-    centre of mass).
+    """Per (world, pair of family 0): resultant wrench of the nodal forces on the second surface (about A's centre of
+    mass).
 
     The force of a node acts at B's axis, at the node's axial position z, along the line of centres of the section there
-    (`line_of_centres`). Hats reproduce linear functions, so force and moment agree with those of the first side to
-    round-off where the wrench of a unit force is linear in z: for parallel axes. On skewed ones the moment about the
-    common normal goes with z^2, which hats between rows h apart take h^2/6 too large in the mean; what is left of the
-    force is of the order of the angle squared.
+    (`line_of_centres`). Bilinear shape functions reproduce linear functions, so force and moment agree with those of
+    the first side to round-off if the wrench of a unit force is linear in z, i.e. for parallel axes. For skewed axes
+    the moment about the common normal varies with z^2, which the shape functions of rows h apart overestimate by h^2/6
+    on average; the residual force is of the order of the angle squared.
     """
     w, pair = wp.tid()
     model = run.models[w]
@@ -70,7 +70,7 @@ def record_pairs(
     run: Run, geometry: ContactGeometry, contact: ContactState, fields: ContactFields, saved: SavedContact,
     second_load: wp.array3d(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair), lanes over places: column and distance are means over both ends of the line of centres."""
+    """Per (world, pair), lanes over nodes: column and distance are means over both ends of the line of centres."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0:

@@ -1,29 +1,31 @@
-"""Contact inside the step: active set, pressures, and what the outer coordinates and modes make of them.
+"""Contact within the step: active set, pressures, and increments of the modes.
 
-With `base` the pressures of the present state, `opened` its weak gaps and r, r_m its residuals with all contact forces
-in, the linearised system of `outer` reads, for the change ds of the pressures on the active set and the outer
+With `base` the pressures of the present state, `opened` its weak gaps and r, r_m its residuals including all contact
+forces, the linearised system of `outer` reads, for the change ds of the pressures on the active set and the retained
 increments z,
 
     A z - L^T ds = rhs,        L z + G ds = b,        b = -(opened - J sigma^-1 r_m),
 
-L and J times the weight of their pair (`impulsive_contact`), 1 where it is not impulsive, `opened` and ds too. G has a
-block for each pair, symmetric positive definite: U^T U. The hats of each pair are eliminated on their own,
+L, J, `opened` and ds are multiplied by the weight of their pair (`impulsive_contact`), which is 1 if the pair is not
+impulsive. G has a block for each pair, symmetric positive definite: U^T U. The nodes of each pair are eliminated
+separately,
 
     W = U^-T L,    y = U^-T b,    (A + sum W^T W) z = rhs + sum W^T y,    ds = U^-1 (y - W z),
 
-so that pairs meet in the sparse outer system alone, at the cost of their number
-(`pair_elimination`). Pressures that leave the set change by -base, which goes to the right-hand sides.
+so pairs are coupled only in the sparse retained system, at a cost proportional to their number (`pair_elimination`).
+Pressures that leave the set change by -base, which is moved to the right-hand sides.
 
-Where condensed or local modes of a body answer to several pairs, G has blocks F between these too. With M the system
+If condensed or local modes of a body couple several pairs, G has blocks F between these as well. With M the system
 without them, which the elimination solves, (M + F) ds = b is solved by conjugate gradients with M as preconditioner
-(`between_pairs`): F is small beside M where patches lie apart.
+(`between_pairs`): F is small compared with M if the patches lie apart.
 
-Everything is counted from the present state, so that G, L, J and A may be those of a position a small fraction of a
-column away (a modified Newton step, exact at its fixed point), and so that large forces in balance do not cancel in the
+All quantities are increments from the present state, so G, L, J and A may be those of a position a small fraction of a
+column away (a modified Newton step, exact at its fixed point), and large forces in balance do not cancel in the
 increments.
 
-The set is then corrected (pressure not positive: out; linearised weak gap negative: in) and the solve repeated with the
-outer coordinates frozen until the set has settled: a primal-dual active set method on the linearised problem.
+The set is then corrected (pressure not positive: out; linearised weak gap negative: in) and the solution is repeated
+with frozen retained coordinates until the set has converged: a primal-dual active set method for the linearised
+problem.
 """
 
 import warp as wp
@@ -49,7 +51,7 @@ GAP_TOLERANCE = wp.constant(wp.float64(1.0e-14))  # of the scene's length: a mea
 
 @wp.func
 def change_of(w: int, slot: int, normal: ContactSolve, contact: ContactState, fields: ContactFields) -> real:
-    """Pressure of a slot less that of the state the step starts from."""
+    """Pressure of a slot minus that of the state at the start of the step."""
     pair = normal.slot_hat[w, slot, 0]
     m = normal.slot_hat[w, slot, 1]
     change = -fields.base[w, pair, m]
@@ -63,7 +65,7 @@ def push_by_slots(
     model: Model, run: Run, w: int, normal: ContactSolve, contact: ContactState, fields: ContactFields,
     impulses: ImpulsiveContact, push: wp.array(dtype=real),
 ):  # fmt: skip
-    """Adds J^T ds, the weighted changes of all slots on the global modes, to `push` (W times modes)."""
+    """Adds J^T ds, the weighted load of the changes of all slots on the global modes, to `push` (W times modes)."""
     slot = int(0)
     while slot < run.ctl[w].slots:
         pair = normal.slot_hat[w, slot, 0]
@@ -122,7 +124,7 @@ def modal_increments(
 def correct_set(
     run: Run, trial: Trial, geometry: ContactGeometry, fields: ContactFields, system: OuterSystem, contact: ContactState
 ):
-    """Per (world, pair), lanes over hats of the window: the corrected active set, written to `proposed`."""
+    """Per (world, pair), lanes over nodes of the window: the corrected active set, written to `proposed`."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -165,11 +167,11 @@ def correct_set(
 
 @kernel
 def accept_set(run: Run, geometry: ContactGeometry, fields: ContactFields, contact: ContactState):
-    """Per world: take over the corrected set, count the changes, widen a window that its patch has reached, check the
-    guards.
+    """Per world: adopts the corrected set, counts the changes, widens a window whose limits its patch has reached,
+    checks the guards.
 
-    The pressures of hats that leave are zeroed. After `max_inner` solves of one linearisation only the first hat that
-    is on the wrong side changes it (Murty's least index, which cannot cycle where G is positive definite).
+    The pressures of nodes that leave are set to zero. After `max_inner` solutions of one linearisation only the first
+    node on the wrong side changes (Murty's least index, which cannot cycle if G is positive definite).
     """
     w = wp.tid()
     model = run.models[w]

@@ -1,28 +1,28 @@
-r"""Rows of G, and their factor, that stand from step to step.
+r"""Rows of G, and their factor, that are kept from step to step.
 
-Cells travel and grow with the patch, so that G, how the gaps of cells open under pressures on them, is nearly the same
-in every step: it changes with W, and a little with where the patch lies on the splines and on the modes. It is read for
-increments alone, never for a residual (`contact_solve`). A solve with a G that errs by a fraction e leaves e of what it
-was to take away, and costs no row and no factor.
+Cells move and grow with the patch, so G, the opening of the gaps of cells due to pressures on them, is nearly the same
+in every step: it changes with W, and slightly with the position of the patch on the splines and on the modes. It is
+used for increments only, never for a residual (`contact_solve`). A solution with a G of relative error e leaves a
+fraction e of the residual, and costs no assembly and no factorisation.
 
-An attempt therefore begins with the rows of the one before. They are made anew
+An attempt therefore starts with the rows of the previous one. They are computed anew
 
-- where its step is another, or a pair is impulsive otherwise: the modes' part of G depends on both;
-- where W is off by more than `NEAR` from where they were made;
-- where a cell comes under pressure that has no row;
-- after `PATIENCE` solves: what these have not brought about needs a better G;
+- if its step differs, or the impulsive state of a pair: the modes' part of G depends on both;
+- if W differs by more than `NEAR` from that at which they were computed;
+- if a cell without a row becomes active;
+- after `PATIENCE` solutions: what these have not achieved needs a better G;
 - after an attempt that was not accepted;
-- in every one of the next `REST` attempts where rows have served for none but the one they were made in: a patch whose
-  edge changes from step to step would have them made anew each time, after solves in vain.
+- in every one of the next `REST` attempts, if rows were useful only in the attempt in which they were computed: a patch
+  whose edge changes from step to step would otherwise have them recomputed each time, after solutions in vain.
 
-Only in scenes all of whose pairs are patches that answer to their own pressures, by constants (`patches.lasting`).
+Only in scenes in which all pairs are patches that are coupled to their own pressures by constants (`patches.lasting`).
 
     lasting[w, ROWS]    1: rows of G may be used by the next attempt
     lasting[w, OLDER]   1: those in use are of an earlier attempt
     lasting[w, BEGUN]   1: the attempt has begun, and nothing of it has been solved
-    lasting[w, COUNT]   how many rows there are
-    lasting[w, AGE]     attempts that they have served for
-    lasting[w, RESTS]   attempts to come that do without
+    lasting[w, COUNT]   number of rows
+    lasting[w, AGE]     number of attempts in which they were used
+    lasting[w, RESTS]   number of further attempts without them
 """
 
 import warp as wp
@@ -43,8 +43,8 @@ BEGUN = wp.constant(2)
 COUNT = wp.constant(3)
 AGE = wp.constant(4)
 RESTS = wp.constant(5)
-NEAR = wp.constant(wp.float64(0.05))  # relative change of W: G by a tenth of it, beside a factor that is W^2
-PATIENCE = wp.constant(2)  # solves of an attempt by rows of an earlier one
+NEAR = wp.constant(wp.float64(0.05))  # relative change of W: changes G by a tenth, apart from the factor W^2
+PATIENCE = wp.constant(2)  # solutions of an attempt with rows of an earlier one
 REST = wp.constant(32)
 
 WIDTH = wp.constant(0)  # columns of `patch_made`
@@ -54,7 +54,7 @@ WEIGHT = wp.constant(2)
 
 @kernel
 def begin_rows(run: Run, normal: ContactSolve):
-    """Per world: an attempt begins, with the rows of G of the one before where it may."""
+    """Per world: starts an attempt, with the rows of G of the previous one if permitted."""
     w = wp.tid()
     if run.ctl[w].run == 0:
         return
@@ -75,7 +75,7 @@ def begin_rows(run: Run, normal: ContactSolve):
 
 @wp.func
 def are_near(run: Run, w: int, pair: int, width: real, impulses: ImpulsiveContact, patch: PatchScratch) -> bool:
-    """Whether rows of a pair that were made at `patch_made` serve where W is `width`."""
+    """Whether rows of a pair that were computed at `patch_made` are accurate enough at W = `width`."""
     made = patch.patch_made[w, pair, WIDTH]
     same = (
         patch.patch_made[w, pair, TANGENT] == run.clk[w].outer.acc
@@ -86,7 +86,7 @@ def are_near(run: Run, w: int, pair: int, width: real, impulses: ImpulsiveContac
 
 @kernel
 def note_rows(run: Run, normal: ContactSolve, contact: ContactState, impulses: ImpulsiveContact, patch: PatchScratch):
-    """Per (world, pair): for which W, step and weight rows are being made."""
+    """Per (world, pair): stores the W, step and weight for which rows are computed."""
     w, pair = wp.tid()
     if run.ctl[w].run == 0 or normal.lasting[w, OLDER] != 0:
         return
@@ -97,7 +97,7 @@ def note_rows(run: Run, normal: ContactSolve, contact: ContactState, impulses: I
 
 @kernel
 def keep_rows(run: Run, normal: ContactSolve):
-    """Per world: of an attempt that was not accepted no rows stand."""
+    """Per world: discards the rows of an attempt that was not accepted."""
     w = wp.tid()
     if run.ctl[w].attempt != 0 and run.ctl[w].accept == 0:
         normal.lasting[w, ROWS] = 0

@@ -1,11 +1,11 @@
-"""The active hats of the pairs eliminated pair by pair, and the outer system with what is left of them.
+"""Elimination of the active nodes pair by pair, and solution of the retained system with their Schur complements.
 
-Equations and names: `contact_solve`. Where rows of G stand from step to step (`lasting`), cells have grown since they
-were made, all by the same factor s = W/W_made, and G by s^2 but for what hardly changes. With G the rows that are there
+Equations and names: `contact_solve`. If rows of G are kept from step to step (`lasting`), cells have grown since they
+were computed, all by the same factor s = W/W_made, and G by s^2 up to small changes. With G the stored rows
 
     L z + s^2 G ds = b   <=>   (L/s) z + G y = b/s,      ds = y/s,      L^T ds = (L/s)^T y,
 
-so that lines and right-hand sides are multiplied by `row_scale` = 1/s, and what comes out is too.
+so lines and right-hand sides are multiplied by `row_scale` = 1/s, and the result as well.
 """
 
 import warp as wp
@@ -27,21 +27,21 @@ from warpffrf_kernels.normal.pair_forces import surface_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-START = wp.constant(0)  # columns of `block`: where the active slots of a pair begin in `order`
-COUNT = wp.constant(1)  # how many they are
-LEFT_START = wp.constant(2)  # the same of those that have left the set
+START = wp.constant(0)  # columns of `block`: first active slot of a pair in `order`
+COUNT = wp.constant(1)  # their number
+LEFT_START = wp.constant(2)  # the same for slots that have left the set
 LEFT_COUNT = wp.constant(3)
 
-NOTHING = wp.constant(0)  # of an elimination that is kept
+NOTHING = wp.constant(0)  # parts of an elimination that are reused
 FACTOR = wp.constant(1)
 LINES = wp.constant(2)
 
 
 @kernel
 def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: ContactSolve, patch: PatchScratch):
-    """Per world: the active slots, pair by pair, then those that have left the set; and what of the elimination is that
-    of the solve before, of the same rows of G: U (FACTOR), with L and the outer matrix also W, W^T W and its factor
-    (LINES)."""
+    """Per world: the active slots, pair by pair, then those that have left the set; and the parts of the elimination
+    that are reused from the last solution with the same rows of G: U (FACTOR), with unchanged L and retained matrix
+    also W, W^T W and its factor (LINES)."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -101,7 +101,7 @@ def order_slots(run: Run, contact: ContactState, fields: ContactFields, normal: 
     normal.kept[w] = same
 
 
-# Gathers the block of G of n slots from place `start` of `order` on, in the lines and columns of these places.
+# Gathers the block of G of n slots from place `start` of `order` on into the lines and columns of these places.
 @wp.func_native("""
     const int cap = model.capacity.slots;
     double* U = factor.data + ((size_t)w * cap + start) * cap + start;
@@ -123,7 +123,7 @@ def gather_block(
 ): ...
 
 
-# The lines of L of n slots from place `start` of `order` on, times `scale`, to W.
+# Copies the lines of L of n slots from place `start` of `order` on, times `scale`, to W.
 @wp.func_native("""
     const int cap = model.capacity.slots, width = model.pairs.coupled_capacity;
     const int count = model.pairs.coupled_count.data[pair];
@@ -150,19 +150,19 @@ def gather_lines(
 
 @wp.func
 def block_at(model: Model, w: int, start: int) -> int:
-    """Where the factor of the places from `start` on begins; its lines are as long as there may be slots."""
+    """First entry of the factor of the places from `start` on; its lines have the length of the slot capacity."""
     return (w * model.capacity.slots + start) * model.capacity.slots + start
 
 
 @wp.func
 def lines_at(model: Model, w: int, start: int) -> int:
-    """Where the lines W of the places from `start` on begin."""
+    """First entry of the lines W of the places from `start` on."""
     return (w * model.capacity.slots + start) * model.pairs.coupled_capacity
 
 
 @kernel
 def eliminate_pairs(run: Run, normal: ContactSolve):
-    """Per (world, pair): U, W and W^T W of the active hats, as far as they are not `kept`."""
+    """Per (world, pair): U, W and W^T W of the active nodes, unless they are `kept`."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     n = normal.block[w, pair, COUNT]
@@ -226,7 +226,8 @@ def pose_pressures(
     run: Run, system: OuterSystem, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact,
     residuals: Residuals, patterns: wp.array(dtype=Pattern), modal_residual: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with what leaves the active set."""
+    """Per world: A + sum W^T W, unless it is `kept` too, and both right-hand sides with the nodes that leave the
+    set."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -242,7 +243,7 @@ def pose_pressures(
     first_left = normal.block[w, 0, LEFT_START]
     lefts = normal.block[w, last, LEFT_START] + normal.block[w, last, LEFT_COUNT] - first_left
     i = lane
-    while i < first_left:  # the places before are those of active slots
+    while i < first_left:  # the preceding places are those of active slots
         a = normal.order[w, i]
         pair = normal.slot_hat[w, a, 0]
         total = -impulses.weight[w, pair] * fields.opened[w, pair, normal.slot_hat[w, a, 1]]
@@ -288,8 +289,8 @@ def eliminated(
     model: Model, p: Pattern, w: int, lane: int, renew: int, held: int, normal: ContactSolve, system: OuterSystem,
     x: wp.array(dtype=real), at: int, right: wp.array(dtype=real), z: wp.array(dtype=real),
 ) -> int:  # fmt: skip
-    """Solution of the system by its blocks: x from `at` on, the right-hand side of the places at first, becomes their
-    changes of pressure, z the outer increments of `right`; 1 where the outer matrix is singular."""
+    """Solution of the system by blocks. On entry, x from `at` on is the right-hand side of the places; on return, their
+    changes of pressure. z: retained increments for `right`. Returns 1 if the retained matrix is singular."""
     cap = model.capacity.slots
     pair = int(0)
     while pair < model.pairs.count:
@@ -338,8 +339,8 @@ def solve_pressures(
     run: Run, fields: ContactFields, normal: ContactSolve, impulses: ImpulsiveContact, system: OuterSystem,
     contact: ContactState, patterns: wp.array(dtype=Pattern), bordered_rhs: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per world: the outer increments, and pressures of the active set, without what pairs do to each other by local
-    modes. The factor of the outer matrix is that of the solve before where this is `kept`."""
+    """Per world: the retained increments, and pressures of the active set, without the coupling of pairs by local
+    modes. The factor of the retained matrix is that of the last solution if it is `kept`."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:

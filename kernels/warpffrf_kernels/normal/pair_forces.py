@@ -1,6 +1,6 @@
-"""The generalised forces of a pair: on both bodies (12,), force (world axes) and torque (body axes) on A, then those on
-B; and on the modes of A, then of B. Normal forces and friction stand apart; entry 0 is the accepted state, 1 the trial
-one."""
+"""Generalised forces of a pair: on both bodies (12,), force (world axes) and torque (body axes) on A, then those on B;
+and on the modes of A, then of B. Normal forces and friction are stored separately; entry 0 is the accepted state, 1 the
+trial state."""
 
 import warp as wp
 
@@ -34,7 +34,7 @@ def force_on(model: Model, force: wp.array4d(dtype=real), w: int, pair: int, sid
 
 @wp.func
 def modal_place(model: Model, pair: int, n: int) -> int:
-    """Where mode n of all modes stands among those of a pair's two bodies; -1 where it is of neither."""
+    """Index of mode n of all modes among those of a pair's two bodies; -1 if it belongs to neither."""
     A = model.pairs.first[pair]
     count = model.surfaces.modal_count[A]
     at = n - model.surfaces.modal_start[A]
@@ -49,7 +49,7 @@ def modal_place(model: Model, pair: int, n: int) -> int:
 
 @wp.func
 def is_closed(pair_force: wp.array4d(dtype=real), w: int, pair: int, side: int) -> bool:
-    """Whether a pair has a normal force at the beginning (0) or the end (1) of the attempt."""
+    """Whether a pair has a normal force at the start (0) or the end (1) of the attempt."""
     size = real(0.0)
     for c in range(3):
         size += wp.abs(pair_force[w, pair, side, c])
@@ -58,7 +58,7 @@ def is_closed(pair_force: wp.array4d(dtype=real), w: int, pair: int, side: int) 
 
 @wp.func
 def modal_line(model: Model, w: int, pair: int) -> int:
-    """Where the trial loads of a pair on the modes of its bodies begin, flat."""
+    """Flat start of the trial loads of a pair on the modes of its bodies."""
     return ((w * model.pairs.count + pair) * 2 + 1) * model.pairs.most_modes
 
 
@@ -72,7 +72,7 @@ def whole(
     entry: int,
     i: int,
 ) -> real:
-    """Component i of a pair's normal force and friction."""
+    """Component i of the sum of a pair's normal force and friction."""
     total = normal[w, pair, entry, i]
     if model.capacity.cells > 0:
         total += friction[w, pair, entry, i]

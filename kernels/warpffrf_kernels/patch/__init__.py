@@ -1,1 +1,1 @@
-"""Pressures on cells that travel with the patch of a pair: half-space near field, far fields of both bodies."""
+"""Pressures on contact-fixed cells of a pair: half-space near field, far fields of both bodies."""

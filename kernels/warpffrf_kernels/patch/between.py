@@ -1,11 +1,12 @@
-r"""The half-space between two patches of one surface: weak displacement of a row of cells under one of another patch.
+r"""The half-space between two patches of one surface: weak displacement of a row of cells due to one of another patch.
 
-Patches are narrow beside their distance d, so that the displacement u per force is that between the middles of strips,
-and of rows, whose lengths along the meridian are L:
+Patches are narrow compared with their distance d, so the displacement u per force is that between the centres of
+strips, and of rows, whose lengths along the meridian are L:
 
     K_rr' = L_r L_r' u(d; z_r, z_r'),      weak gap of a cell of row r: w sum_r' K_rr' w' sum_c p'_cr',
 
-w, w' the widths of strips of both. u stands in a table of the surface, over ln d and both z, cubic and linear between.
+w, w' the widths of strips of both. u is tabulated for the surface over ln d and both z, with cubic interpolation in ln
+d and linear interpolation in z.
 """
 
 import warp as wp
@@ -27,15 +28,15 @@ from warpffrf_kernels.surfaces.surface import radius_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-ROWS = 21  # places z of a table, evenly over the width
-LEVEL = 0.12  # of ln d, between levels: cubic interpolation errs by 1e-5 of 1/d
+ROWS = 21  # values of z in a table, evenly spaced over the width
+LEVEL = 0.12  # of ln d, between levels: the error of cubic interpolation is 1e-5 of 1/d
 HEIGHTS = wp.constant(ROWS)
 STEP = wp.constant(wp.float64(LEVEL))
 
 
 @wp.func
 def force_displacement(elements: Elements, table: int, d: real, z: real, source: real) -> real:
-    """u [m/N] at z [m] of a force at `source` [m], d [m] away along the circle; none beyond the table."""
+    """u [m/N] at z [m] of a force at `source` [m], d [m] away along the circle; zero beyond the table."""
     levels = elements.patches.between_levels[table]
     x = wp.max((wp.log(d) - elements.patches.between_first[table]) / STEP, real(0.0))
     if x > real(levels - 2):
@@ -78,7 +79,7 @@ def way_between(
     there: int,
     patch_place: wp.array3d(dtype=real),
 ) -> real:
-    """d [m] along the circle of surface `s` at `z` between the middles of two patches, the short way round."""
+    """d [m] along the circle of surface `s` at `z` between the centres of two patches, the shorter way round."""
     columns = patch_place[w, pair, 3 * side] - patch_place[w, other, 3 * there]
     if model.surfaces.turn[s] > 0:
         columns = wrap(columns, real(model.surfaces.turn[s]), real(0.0))
@@ -87,7 +88,7 @@ def way_between(
 
 @kernel
 def lay_between(run: Run, patch: PatchScratch):
-    """Per (world, pair of family 2), lanes over entries: K of its rows under those of all patches beside it."""
+    """Per (world, pair of family 2), lanes over entries: K of its rows due to those of all neighbouring patches."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
@@ -123,7 +124,7 @@ def lay_between(run: Run, patch: PatchScratch):
 def add_half_space(
     model: Model, elements: Elements, w: int, pair: int, lane: int, patch: PatchScratch, value: wp.array(dtype=real)
 ):
-    """Adds the weak displacement of the cells by the half-space under the patches beside them. Lanes over rows."""
+    """Adds the weak displacement of the cells by the half-space due to neighbouring patches. Lanes over rows."""
     rows = model.surfaces.rows[model.pairs.first[pair]]
     row = lane
     while row < rows:
@@ -155,8 +156,8 @@ def add_half_space(
 
 @kernel
 def add_between(run: Run, patch: PatchScratch, fields: ContactFields):
-    """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space under the pressures of the
-    patches beside it."""
+    """Per (world, pair of family 2), lanes over rows: weak displacement by the half-space due to the pressures of the
+    neighbouring patches."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH or lags(model, run.ctl, w):
@@ -166,8 +167,8 @@ def add_between(run: Run, patch: PatchScratch, fields: ContactFields):
 
 @kernel
 def keep_beside(run: Run, patch: PatchScratch, fields: ContactFields):
-    """Per (world, pair of family 2), lanes over splines, then cells: weak displacement under the pressures of the
-    patches beside it, of the evaluation, kept for the correction of the set (`normal.lagged`)."""
+    """Per (world, pair of family 2), lanes over splines, then cells: weak displacement due to the pressures of the
+    neighbouring patches at the evaluation, stored for the correction of the set (`normal.lagged`)."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
@@ -202,7 +203,7 @@ def keep_beside(run: Run, patch: PatchScratch, fields: ContactFields):
 
 @kernel
 def add_kept(run: Run, patch: PatchScratch, fields: ContactFields):
-    """Per (world, pair of family 2): adds what the patches beside it displaced in the evaluation."""
+    """Per (world, pair of family 2): adds the displacement due to the neighbouring patches at the evaluation."""
     w, pair, _lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH or not lags(model, run.ctl, w):

@@ -1,11 +1,11 @@
-"""The cells of a patch: gaps and wrenches at their centres, and what of both bodies' splines lies there.
+"""The cells of a patch: gaps and wrenches at their centres, and the values of both bodies' splines there.
 
-A cell is equal to a hat for all that follows: with the area A_i of the true surface and its centre x_i
+A cell is treated like a node: with the area A_i of the true surface and its centre x_i
 
     weak gap A_i d_B(x_i),    wrench of a unit pressure A_i f(x_i),    load of spline b of side s: A_i P^s_b(x_i),
 
 f that of `contact_wrench`, d_B the signed distance from B's true surface. Pressures and gaps at centres converge with
-the second power of the size of a cell, as constant pressures do.
+the second power of the cell size, as constant pressures do.
 """
 
 import warp as wp
@@ -41,8 +41,8 @@ def row_place(elements: Elements, pair: int, row: int, patch_place: wp.array3d(d
 
 @wp.struct
 class Row:
-    """What all cells of a row have in common: z [m], R [m] and area over strip [m] of A there, its splines along, and
-    the frame of the contact (`contact_wrench`)."""
+    """Data common to all cells of a row: z [m], R [m] and area per strip width [m] of A there, its splines along the
+    meridian, and the frame of the contact (`contact_wrench`)."""
 
     z: real
     radius: real
@@ -53,8 +53,8 @@ class Row:
 
 @kernel
 def hold_rows(run: Run, trial: Trial, patch: PatchScratch, patch_row: wp.array3d(dtype=Row)):
-    """Per (world, pair of family 2), lanes over rows: what their cells have in common; and the frame of the contact of
-    a sphere."""
+    """Per (world, pair of family 2), lanes over rows: data common to their cells; and the contact frame of a
+    sphere."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:
@@ -94,7 +94,7 @@ def place_splines(
     far_at: wp.array(dtype=int),
     far_weight: wp.array(dtype=real),
 ):
-    """Loads of the splines of a surface under a unit pressure on a cell; entry `at` of all pairs and sides."""
+    """Loads on the splines of a surface due to a unit pressure on a cell; entry `at` of all pairs and sides."""
     far_at[2 * at] = around.first
     far_at[2 * at + 1] = along.first
     for i in range(3):
@@ -109,7 +109,7 @@ def sample_cells(
     area: wp.array(dtype=real), wrench: wp.array(dtype=real), more_wrench: wp.array(dtype=real),
     far_at: wp.array(dtype=int), far_weight: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair of family 2), lanes over cells: weak gap, area (0 where nothing is opposite), wrench, loads of
+    """Per (world, pair of family 2), lanes over cells: weak gap, area (0 without an opposite surface), wrench, loads on
     splines."""
     w, pair, lane = wp.tid()
     model = run.models[w]
@@ -139,7 +139,7 @@ def sample_cells(
     m = lane
     while m < columns * rows:
         column = m / rows
-        if column != known:  # a lane of a CPU meets the cells of a strip one after the other
+        if column != known:  # a lane of a CPU processes the cells of a strip consecutively
             known = column
             x_a = patch.patch_place[w, pair, 0] + (real(column) - real(0.5) * real(columns - 1)) * strip
             theta = model.surfaces.theta[A] + x_a * model.surfaces.pitch[A]
@@ -189,7 +189,7 @@ def sample_cells(
 @kernel
 def open_far_windows(run: Run, patch: PatchScratch):
     """Per (world, pair of family 2): first column and number of columns of the splines under the cells, by side. A
-    patch that lies over more of them than there is room for ends the attempt."""
+    patch that covers more of them than the capacity ends the attempt."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:

@@ -1,7 +1,7 @@
-"""Quadratic splines of a surface's far field on the device, and its compliance S among them.
+"""Quadratic splines of a surface's far field on the device, and their compliance S.
 
-Between two ends splines stand on knots; around a full turn those of column j begin 1.5 columns before it. See
-`warpffrf.model.half_space`.
+Between two ends splines are defined on knots; around a full revolution those of column j begin 1.5 columns before it.
+See `warpffrf.model.half_space`.
 """
 
 import warp as wp
@@ -11,12 +11,12 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, vec3
 
 wp.set_module_options(MODULE_OPTIONS)
 
-TAPS = 3  # splines that are not zero at a place, in each direction
+TAPS = 3  # splines that are nonzero at a point, in each direction
 
 
 @wp.struct
 class Taps:
-    """Of one direction: the first spline that is not zero at a place, and the values of it and the next two."""
+    """In one direction: the first spline that is nonzero at a point, and the values of it and the next two."""
 
     first: int
     value: vec3
@@ -24,7 +24,7 @@ class Taps:
 
 @wp.func
 def cardinal_taps(x: real) -> Taps:
-    """At the column x of a full turn."""
+    """At the column x of a full revolution."""
     j = wp.floor(x + real(0.5))
     d = x - j
     out = Taps()
@@ -37,8 +37,8 @@ def cardinal_taps(x: real) -> Taps:
 
 @wp.func
 def knot_taps(knots: wp.array(dtype=real), start: int, count: int, x: real) -> Taps:
-    """At x, of `count` splines on knots from `start` on; beyond the ends the outermost parabolas go on. Two splines are
-    straight lines."""
+    """At x, for `count` splines on knots from `start` on; the outermost parabolas are continued beyond the ends. Two
+    splines are linear."""
     out = Taps()
     if count < TAPS:
         u = (x - knots[start]) / (knots[start + 2] - knots[start])
@@ -60,7 +60,7 @@ def knot_taps(knots: wp.array(dtype=real), start: int, count: int, x: real) -> T
 
 @wp.func
 def column_taps(model: Model, elements: Elements, s: int, column: real) -> Taps:
-    """Around surface `s` at a `column` counted over full turns, or between two ends."""
+    """Around surface `s` at a `column` counted over full revolutions, or between two ends."""
     if model.surfaces.turn[s] > 0:
         return cardinal_taps(column)
     f = elements.patches.far_of[s]
@@ -76,7 +76,7 @@ def row_taps(model: Model, elements: Elements, s: int, z: real) -> Taps:
 
 @wp.func
 def turned_column(model: Model, s: int, column: int) -> int:
-    """The column of the grid that a column counted over full turns is; -1 where there is none."""
+    """Column of the grid for a column counted over full revolutions; -1 outside the grid."""
     turn = model.surfaces.turn[s]
     c = column
     if turn > 0:
@@ -90,8 +90,8 @@ def turned_column(model: Model, s: int, column: int) -> int:
 def beside_block(
     model: Model, elements: Elements, table: int, rows: int, source_rows: int, target: int, source: int
 ) -> int:
-    """Where a table between two columns of the grids of two patches begins in `beside`, (row of the target, row of the
-    source) with a stride of the source's sector from row to row."""
+    """Start of a table between two columns of the grids of two patches in `beside`, (row of the target, row of the
+    source), with a stride of the source's sector between rows."""
     c = elements.patches.table_target[table]
     c_source = elements.patches.table_source[table]
     sectors = elements.patches.table_sectors[table]

@@ -1,8 +1,8 @@
-"""What opens the gaps of cells: global modes and local displacement of both bodies, and what the cells load.
+"""Opening of the gaps of cells by global modes and local displacement of both bodies, and loads of the cells.
 
-Spline numbers of a pair stand in two halves, one a side, (columns of the far window, rows): loads P^T A p [N], their
-displacement S times the loads, and that of the modes. A cell reads what it loads, with the same weights
-(`spline_tables`).
+Spline values of a pair are stored in two halves, one per side, (columns of the far window, rows): loads P^T A p [N],
+their displacement S times the loads, and that of the modes. A cell interpolates displacements with the weights of its
+loads (`spline_tables`).
 """
 
 import warp as wp
@@ -28,21 +28,21 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def half_of(model: Model, elements: Elements, w: int, pair: int, side: int) -> int:
-    """Where the spline numbers of a side begin."""
+    """Start of the spline values of a side."""
     return ((w * model.pairs.count + pair) * 2 + side) * elements.patches.far_nodes
 
 
 @wp.func
 def rows_of(model: Model, elements: Elements, pair: int, side: int) -> int:
-    """Rows of splines of a side; 0 where it is rigid."""
+    """Rows of splines of a side; 0 if it is rigid."""
     s = real_side(elements, pair, side)
     if s < 0:
         return 0
     return model.surfaces.rows[s]
 
 
-# out += sum of the numbers `field` of the splines of both sides at each cell of the pair; of `lines` cells a strip,
-# first_rows and second_rows splines a column. Native for contiguous inner loops, as all sums here.
+# out += sum of the values `field` of the splines of both sides at each cell of the pair, with `lines` cells per strip,
+# first_rows and second_rows splines per column. Native for contiguous inner loops, as all sums here.
 @wp.func_native("""
     const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (lines + 7) / 8 * 8;
     const int columns = elements.patches.columns.data[pair];
@@ -79,7 +79,7 @@ def add_splines(
 ): ...
 
 
-# out[at : at + n] = sum of `count` lines of x, each times its number of f, LINE numbers at a time.
+# out[at : at + n] = sum of `count` lines of x, each times its value of f, LINE numbers at a time.
 @wp.func_native("""
     const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8;
     const double* const factor = f.data + at_f;
@@ -136,7 +136,7 @@ def modal_cells(
     )  # fmt: skip
 
 
-# Pressures at places, 0 where there is no active cell; then the loads of the splines of both sides under them.
+# Pressures at places, 0 without an active cell; then the loads on the splines of both sides due to them.
 @wp.func_native("""
     const int line = (lines + 7) / 8 * 8, columns = elements.patches.columns.data[pair], hats = model.window.hats;
     const int stride = elements.patches.places, nodes = elements.patches.far_nodes;
@@ -186,7 +186,7 @@ def sum_loads(
 
 @kernel
 def load_splines(run: Run, contact: ContactState, patch: PatchScratch):
-    """Per (world, pair of family 2): the present pressures at places, and loads of the splines of both sides [N]."""
+    """Per (world, pair of family 2): the present pressures at places, and loads on the splines of both sides [N]."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
@@ -242,7 +242,7 @@ def near_field(
 def beside_field(
     model: Model, elements: Elements, w: int, pair: int, side: int, rows: int, n: int, patch: PatchScratch
 ) -> real:
-    """Displacement of spline n [m] of a side by the far field of the patches beside it."""
+    """Displacement of spline n [m] of a side by the far field of the neighbouring patches."""
     target = turned_column(model, real_side(elements, pair, side), patch.far_window[w, pair, side, 0] + n / rows)
     value = real(0.0)
     e = elements.patches.beside_start[2 * pair + side]
@@ -267,7 +267,7 @@ def beside_field(
 @kernel
 def local_cells(run: Run, patch: PatchScratch, geometry: ContactGeometry, fields: ContactFields):
     """Per (world, pair of family 2), lanes over splines, then cells: weak displacement of both bodies, near field and
-    far field, under the present pressures."""
+    far field, due to the present pressures."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
@@ -328,7 +328,7 @@ def load_modes(run: Run, patch: PatchScratch, pair_modal: wp.array(dtype=real)):
 
 @kernel
 def guard_patches(run: Run, contact: ContactState, patch: PatchScratch, residuals: Residuals):
-    """Per world: a patch that has reached the outermost strips is not balanced, as W has to grow."""
+    """Per world: a patch that has reached the outermost strips is not balanced, because W has to grow."""
     w = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0:
@@ -347,8 +347,8 @@ def guard_patches(run: Run, contact: ContactState, patch: PatchScratch, residual
 
 @kernel
 def measure_patches(run: Run, trial: Trial, geometry: ContactGeometry):
-    """Per (world, pair of family 2), where a state is recorded: smallest undeformed gap and nearest column, where
-    `record` looks for them."""
+    """Per (world, pair of family 2), if a state is recorded: smallest undeformed gap and nearest column, stored where
+    `record` reads them."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0 or model.pairs.family[pair] != PATCH:
@@ -367,7 +367,7 @@ def measure_patches(run: Run, trial: Trial, geometry: ContactGeometry):
 
 @kernel
 def record_patches(run: Run, patch: PatchScratch, saved: SavedContact):
-    """Per (world, pair): where the patch of family 2 lies, and its half-width."""
+    """Per (world, pair): position of the patch of family 2, and its half-width."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].record == 0:

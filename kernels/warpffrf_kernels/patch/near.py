@@ -1,12 +1,12 @@
-r"""The half-space of both bodies under a patch: weak displacement of a cell under a unit pressure on another one.
+r"""The half-space of both bodies under a patch: weak displacement of a cell due to a unit pressure on another one.
 
-Cells are equal across, so that it depends on the distance in strips, and on both rows: a table of every pair for the
-half-widths W of its levels, in powers of which it varies slowly,
+Cells have equal widths, so it depends on the distance in strips and on both rows: a table for every pair at the
+half-widths W of its levels; apart from a power of W it varies slowly,
 
-    near[d, r, r'](W) = W^p sum_l c_l(ln W) table[l, d, r, r'],        c cubic, through the four levels around,
+    near[d, r, r'](W) = W^p sum_l c_l(ln W) table[l, d, r, r'],        c cubic, through the four adjacent levels,
 
-with p = 2 along a line and 3, exactly, where rows grow with W: there one level is all. What ends add far from the cells
-is then a constant, the sum over the ends of strength over distance.
+with p = 2 along a line and 3, exactly, if rows grow with W: then a single level suffices. The contribution of ends far
+from the cells is then a constant, the sum over the ends of strength over distance.
 """
 
 import warp as wp
@@ -22,7 +22,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def cubic_shares(u: real) -> wp.vec4d:
-    """Of values at 0, 1, 2 and 3 in the cubic through them at u."""
+    """Weights of values at 0, 1, 2 and 3 in the cubic through them at u."""
     a = u
     b = u - real(1.0)
     c = u - real(2.0)
@@ -41,7 +41,7 @@ def level_shares(elements: Elements, pair: int, width: real) -> wp.vec4d:
 
 @wp.func
 def first_level(elements: Elements, pair: int, width: real) -> int:
-    """The first of the four levels around W."""
+    """The first of the four levels adjacent to W."""
     levels = elements.patches.near_levels[pair]
     if levels < 4:
         return 0
@@ -51,8 +51,8 @@ def first_level(elements: Elements, pair: int, width: real) -> int:
 
 @wp.func
 def end_constant(model: Model, elements: Elements, pair: int, z: real, least: real) -> real:
-    """What the ends add [1/(Pa m) per unit force] to the patch around z of A, of both bodies; nearer than `least` [m]
-    to an end, what it adds there."""
+    """Contribution of the ends of both bodies [1/(Pa m) per unit force] to the patch around z of A; nearer than `least`
+    [m] to an end, its contribution at that distance."""
     total = real(0.0)
     i = elements.patches.end_start[pair]
     while i < elements.patches.end_start[pair + 1]:
@@ -61,8 +61,8 @@ def end_constant(model: Model, elements: Elements, pair: int, z: real, least: re
     return total
 
 
-# Levels of the table summed, LINE numbers of a line of it at a time; the rows that see are filled up with zeros. Native
-# for contiguous inner loops.
+# Sum of the levels of the table, LINE numbers of a line at a time; target rows are padded with zeros. Native for
+# contiguous inner loops.
 @wp.func_native("""
     const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, line = (rows + 7) / 8 * 8, size = columns * rows * rows;
     const double c0 = c[0], c1 = c[1], c2 = c[2], c3 = c[3];
@@ -102,7 +102,7 @@ def sum_levels(
 
 @kernel
 def lay_near(run: Run, patch: PatchScratch):
-    """Per (world, pair of family 2), lanes over entries: the table at the W of the attempt, where it is not that of
+    """Per (world, pair of family 2), lanes over entries: the table at the W of the attempt, unless it is that of
     `patch_laid`."""
     w, pair, lane = wp.tid()
     model = run.models[w]

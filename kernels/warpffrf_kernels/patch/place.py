@@ -1,19 +1,19 @@
-"""Where the patch of a pair lies, how wide it is, and which of its cells were under pressure.
+"""Position and width of the patch of a pair, and its active cells.
 
-Cells are `columns` equal strips across, over the width 2 W around the place where the surfaces are nearest, by rows
-along the meridian of the first surface. Rows of a *line* contact stay where they are; rows of a contact that is short
-(`follows`) lie about the nearest place and grow with W, so that the cells keep their shape.
+Cells are `columns` equal strips across, over the width 2 W around the point where the surfaces are nearest, by rows
+along the meridian of the first surface. Rows of a *line* contact are fixed; rows of a short contact (`follows`) are
+centred on the nearest point and grow with W, so the cells keep their shape.
 
-W follows the pressures of the state that the attempt begins from: `span` times the half-width b, twice the root of the
-second moment of a strip's pressure, sqrt(5) times that of a whole ellipse. (The extent of the active set would jump
-from cell to cell, and the force with it.) What has no pressure yet is as wide as the surfaces overlap. Within an
-attempt W only changes where the patch reaches the outermost strips, or fills less than half of them. Pressures go from
-old cells to new ones by linear interpolation.
+W follows the pressures of the state at the start of the attempt: `span` times the half-width b, which is twice the root
+of the second moment of a strip's pressure, or sqrt(5) times that of a whole ellipse. (The extent of the active set
+would jump from cell to cell, and the force with it.) Without pressure, W is the width of the overlap of the surfaces.
+Within an attempt W changes only if the patch reaches the outermost strips, or fills less than half of them. Pressures
+are transferred from old cells to new ones by linear interpolation.
 
-Cells travel and grow with the patch, so that the pressure of each hardly changes from step to step, and smoothly. An
-attempt therefore begins with p_n + (h/h_n)(p_n - p_(n-1)), cell by cell, where W is nearly what it was and the change
-does not undo the one before it: of second order in the step, where p_n alone is of first. This is where the iteration
-starts, not where it ends.
+Cells move and grow with the patch, so the pressure of each changes little, and smoothly, from step to step. An attempt
+therefore starts with p_n + (h/h_n)(p_n - p_(n-1)), cell by cell, if W is nearly unchanged and the change does not
+reverse the previous one: second order in the step, whereas p_n alone is first order. This is the initial guess of the
+iteration, not its result.
 """
 
 import warp as wp
@@ -41,27 +41,27 @@ from warpffrf_kernels.surfaces.surface import chart_of, local_point, radius_of
 wp.set_module_options(MODULE_OPTIONS)
 
 LINE_MOMENT = wp.constant(wp.float64(2.0))  # b over the root of the second moment of a strip's pressure
-POINT_MOMENT = wp.constant(wp.float64(2.2360679774997896))  # sqrt 5, of an ellipse's
-COUNTED = wp.constant(wp.float64(0.05))  # of the largest line load: rows with less do not count for b
-# Of the peak: less in the outermost strips is a tail that layers have, of asperities without an end, and may be cut.
+POINT_MOMENT = wp.constant(wp.float64(2.2360679774997896))  # sqrt 5, for an ellipse
+COUNTED = wp.constant(wp.float64(0.05))  # of the largest line load: rows with less are ignored for b
+# Of the peak: less in the outermost strips is the tail of a layer (asperities without a limit), and may be cut off.
 FELT = wp.constant(wp.float64(1.0e-3))
 CONTENT = wp.constant(wp.float64(0.99))  # of the wanted W: pressures in the outermost strips are then what is cut off
 SETTLING = wp.constant(3)  # iterations in which W may shrink
 FASTEST = wp.constant(wp.float64(1.6))  # change of W from one attempt to the next
-GROWTH = wp.constant(wp.float64(1.5))  # of W where the outermost strips are under pressure
-# of W: what it may be off while a static state is looked for by its energy, which other cells would change by 1e-3
+GROWTH = wp.constant(wp.float64(1.5))  # of W if the outermost strips are under pressure
+# of W: permitted deviation during the energy search for a static state; other cells would change the energy by 1e-3
 LOOSE = wp.constant(wp.float64(0.2))
-SPARSE = wp.constant(wp.float64(0.5))  # of the strips: a patch on fewer is laid anew within an attempt
-STEADY = wp.constant(wp.float64(1.0e-9))  # relative change of W that is none
+SPARSE = wp.constant(wp.float64(0.5))  # of the strips: a patch on fewer is regridded within an attempt
+STEADY = wp.constant(wp.float64(1.0e-9))  # relative change of W that counts as zero
 # relative change of W in a step up to which pressures are extrapolated cell by cell: more is an impact, or a first step
 ALIKE = wp.constant(wp.float64(0.05))
-LONGER = wp.constant(wp.float64(2.0))  # of the last step: what a change of pressure is extrapolated over at most
+LONGER = wp.constant(wp.float64(2.0))  # of the last step: maximum extrapolation of a change of pressure
 
 
 @wp.struct
 class Extent:
-    """Of the cells under pressure: how many there are, half-width b [m] by its moments, W that is wanted for them [m],
-    strips from the first to the last, and whether the patch reaches the outermost ones and wants more."""
+    """Cells under pressure: their number, half-width b [m] by moments, wanted W [m], number of strips from first to
+    last, and whether the patch reaches the outermost strips and requires more."""
 
     count: int
     half_width: real
@@ -84,7 +84,7 @@ def peak_of(elements: Elements, w: int, pair: int, rows: int, contact: ContactSt
 
 @wp.func
 def extent_of(elements: Elements, w: int, pair: int, rows: int, width: real, contact: ContactState) -> Extent:
-    """Of the cells of a pair, whose strips are 2 `width`/columns wide."""
+    """Extent of the active cells of a pair, whose strips are 2 `width`/columns wide."""
     columns = elements.patches.columns[pair]
     strip = real(2.0) * width / real(columns)
     found = Extent()
@@ -147,7 +147,7 @@ def extent_of(elements: Elements, w: int, pair: int, rows: int, width: real, con
         elif sum0 > COUNTED * most:
             mean = sum1 / sum0
             spread = wp.sqrt(wp.max(sum2 / sum0 - mean * mean, real(0.0)))
-            # a strip's own extent, which a patch of one strip has
+            # a strip's own extent, the only one of a patch of one strip
             b = wp.abs(mean) + wp.max(LINE_MOMENT * spread, real(0.5) * strip)
             found.half_width = wp.max(found.half_width, b)
         row += 1
@@ -171,7 +171,7 @@ def extent_of(elements: Elements, w: int, pair: int, rows: int, width: real, con
 def overlap_width(
     model: Model, elements: Elements, pair: int, A: int, B: int, view: View, column: real, z: real
 ) -> real:
-    """Half-width [m] over which the undeformed surfaces press on one another; 0 where they do not."""
+    """Half-width [m] over which the undeformed surfaces overlap; 0 if they do not."""
     g = gap_at(model, A, B, view, model.surfaces.theta[A] + column * model.surfaces.pitch[A], z)
     g -= elements.patches.begins[pair]
     if not g < real(0.0):
@@ -183,9 +183,8 @@ def overlap_width(
 def move_pressures(
     elements: Elements, w: int, pair: int, rows: int, ratio: real, contact: ContactState, patch: PatchScratch
 ):
-    """Pressures on strips that are `ratio` times as wide as those they were found on; with them rows that follow. A
-    cell is active where the old one nearest to it was: what more would be under pressure, next to the old patch, leaves
-    it again."""
+    """Transfers pressures to strips `ratio` times as wide as before, and to rows that follow. A cell is active if the
+    nearest old one was: additional active cells next to the old patch would leave the set again."""
     columns = elements.patches.columns[pair]
     passes = 1 + elements.patches.follows[pair]
     turn = int(0)
@@ -226,7 +225,7 @@ def move_pressures(
 
 @wp.func
 def goes_on(run: Run, normal: ContactSolve, w: int, old: real, new: real) -> real:
-    """How often the change of pressure of the last step is added when an attempt begins; 0 where it says nothing."""
+    """Factor on the last step's change of pressure at the start of an attempt; 0 if it is not meaningful."""
     if (
         normal.lasting[w, BEGUN] == 0
         or run.ctl[w].again != 0
@@ -241,7 +240,7 @@ def goes_on(run: Run, normal: ContactSolve, w: int, old: real, new: real) -> rea
 
 @wp.func
 def extrapolate(w: int, pair: int, cells: int, factor: real, contact: ContactState, patch: PatchScratch):
-    """Pressures of active cells with their last change, `factor` times; those that it would end stay as they are."""
+    """Adds the last change, times `factor`, to the pressures of active cells, unless the result is not positive."""
     m = int(0)
     while m < cells:
         if contact.active[w, pair, m] != 0:
@@ -256,8 +255,8 @@ def keep_change(
     run: Run, contact: ContactState, patch: PatchScratch, active_before: wp.array3d(dtype=int),
     pressure_before: wp.array3d(dtype=real), patch_width_before: wp.array2d(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair of family 2), of an accepted attempt: what the pressure of each cell has changed by, and whether
-    that does not undo the change before."""
+    """Per (world, pair of family 2), of an accepted attempt: the change of the pressure of each cell, and whether it
+    does not reverse the previous change."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].accept == 0 or model.pairs.family[pair] != PATCH:
@@ -281,7 +280,7 @@ def locate_patches(
     run: Run, trial: Trial, normal: ContactSolve, impulses: ImpulsiveContact, patch: PatchScratch,
     geometry: ContactGeometry, contact: ContactState,
 ):  # fmt: skip
-    """Per (world, pair of family 2): nearest place, phases, W, and the pressures moved with it.
+    """Per (world, pair of family 2): nearest point, phases, W, and the transferred pressures.
 
     patch_place: column of A in the middle, z there [m], W [m], column of B opposite.
     """
@@ -294,6 +293,7 @@ def locate_patches(
     B = elements.patches.second[pair]
     rows = model.surfaces.rows[model.pairs.first[pair]]
     view = view_of(model, w, pair, trial)
+    # nearest point of the two surfaces, and its columns on both
     if run.ctl[w].iteration == 0:
         scan(model, w, pair, A, B, view, geometry)
     z = elements.patches.middle[pair]
@@ -316,6 +316,7 @@ def locate_patches(
         run.ctl[w].run = 0
         return
 
+    # wanted W: from the active cells, or from the overlap of the undeformed surfaces if there are none
     old = contact.patch_width[w, pair]
     least = elements.patches.least_width[pair]
     most = elements.patches.most_width[pair]
@@ -331,7 +332,7 @@ def locate_patches(
     found = extent_of(elements, w, pair, rows, new, contact)
     if found.count == 0:
         overlap = overlap_width(model, elements, pair, A, B, view, x, z)
-        if not overlap > real(0.0) and elements.patches.follows[pair] == 0:  # axes that are tilted may press elsewhere
+        if not overlap > real(0.0) and elements.patches.follows[pair] == 0:  # tilted axes may overlap elsewhere
             start = elements.patches.row_start[pair]
             lean = wp.sqrt(view.turn[0, 2] * view.turn[0, 2] + view.turn[1, 2] * view.turn[1, 2])
             lean *= elements.patches.row_z[start + rows - 1] - elements.patches.row_z[start]
@@ -353,6 +354,7 @@ def locate_patches(
     elif real(found.strips) < SPARSE * real(elements.patches.columns[pair]) and run.ctl[w].iteration <= SETTLING:
         new = found.wanted
     new = wp.clamp(new, least, most)
+    # pressures on the new cells: transferred to another W, or extrapolated from the last steps
     ahead = goes_on(run, normal, w, old, new)
     if patch.patch_steady[w, pair] == 0:
         ahead = real(0.0)
@@ -365,6 +367,7 @@ def locate_patches(
     if ahead > real(0.0):
         extrapolate(w, pair, elements.patches.columns[pair] * rows, ahead, contact, patch)
 
+    # phases, and whether they differ enough from those of G to assemble it anew
     geometry.phase[w, pair, 4] = x
     geometry.phase[w, pair, 5] = x_b
     geometry.phase[w, pair, 6] = x

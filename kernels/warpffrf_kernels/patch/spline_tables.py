@@ -1,13 +1,13 @@
-"""The splines under a patch, laid out for contiguous sums: their loads by all cells, S among them, the modes on them.
+"""Tables of the splines under a patch for contiguous sums: loads by all cells, compliance S, and the modes on them.
 
-Cells stand at *places*: strip by strip, the rows of a strip filled up to a multiple of LINE with zeros. Of one side,
+Cells are stored at *places*: strip by strip, the rows of a strip padded with zeros to a multiple of LINE. For one side,
 with the splines of its far window (column, row) in lines of `far_nodes`:
 
-    share[n, place]   load of spline n under a unit pressure: strip by strip, only where the strip's cells load at all
+    share[n, place]   load of spline n due to a unit pressure: strip by strip, only where the strip's cells load at all
     table[n, n']      S
     trace[mode, n]    normal displacement of the mode
 
-so that sums over splines run along places or along splines, LINE numbers at a time, which a CPU takes as one.
+so sums over splines run along places or along splines, LINE numbers at a time, which a CPU vectorises.
 """
 
 import warp as wp
@@ -20,12 +20,12 @@ from warpffrf_kernels.core.scalars import MODULE_OPTIONS, real, sync
 
 wp.set_module_options(MODULE_OPTIONS)
 
-LINE = 8  # numbers of a vector register, at most
+LINE = 8  # maximum number of values in a vector register
 
 
 @wp.func
 def real_side(elements: Elements, pair: int, side: int) -> int:
-    """The surface with a mesh that a side of a pair loads; -1 where it is rigid."""
+    """The meshed surface that a side of a pair loads; -1 if it is rigid."""
     s = elements.patches.first[pair]
     if side == 1:
         s = elements.patches.second[pair]
@@ -36,12 +36,12 @@ def real_side(elements: Elements, pair: int, side: int) -> int:
 
 @wp.func
 def line_of(rows: int) -> int:
-    """Places of a strip of so many cells."""
+    """Places of a strip with `rows` cells."""
     return (rows + LINE - 1) / LINE * LINE
 
 
-# Shares of the splines of one side, `lines` cells to a strip, and the columns of splines that each strip loads: the
-# first, counted from that of the window, and how many. Lanes over strips.
+# Shares of the splines of one side, `lines` cells per strip, and the columns of splines that each strip loads: the
+# first, counted from that of the window, and their number. Lanes over strips.
 @wp.func_native("""
     const int rows = model.surfaces.rows.data[s], taps = rows < 3 ? rows : 3, hats = model.window.hats;
     const int stride = elements.patches.places, line = (lines + 7) / 8 * 8;
@@ -85,8 +85,8 @@ def share_side(
 ): ...
 
 
-# S and the modes on the splines of one side, `count` columns from `first` on; S is symmetric, of a line of it the
-# sources are what is read. Lanes over splines.
+# S and the modes on the splines of one side, `count` columns from `first` on. S is symmetric; the sources of a line are
+# read. Lanes over splines.
 @wp.func_native("""
     const int rows = model.surfaces.rows.data[s], turn = model.surfaces.turn.data[s];
     const int all = model.surfaces.columns.data[s], modes = model.surfaces.modal_count.data[s];
@@ -129,14 +129,14 @@ def table_side(
 
 @wp.func
 def table_at(model: Model, elements: Elements, w: int, pair: int, side: int) -> int:
-    """Where S of a side begins."""
+    """Start of S of a side."""
     nodes = elements.patches.far_nodes
     return ((w * model.pairs.count + pair) * 2 + side) * nodes * nodes
 
 
 @wp.func
 def trace_at(model: Model, elements: Elements, w: int, pair: int, side: int) -> int:
-    """Where the modes of a side begin: those of B stand behind those of A."""
+    """Start of the modes of a side: those of B follow those of A."""
     line = (w * model.pairs.count + pair) * model.pairs.most_modes
     if side == 1:
         line += model.surfaces.modal_count[model.pairs.first[pair]]
@@ -145,8 +145,8 @@ def trace_at(model: Model, elements: Elements, w: int, pair: int, side: int) -> 
 
 @kernel
 def lay_splines(run: Run, patch: PatchScratch):
-    """Per (world, pair of family 2): shares of the splines of both sides; S and the modes on them where the window of
-    splines is another one."""
+    """Per (world, pair of family 2): shares of the splines of both sides; S and the modes on them if the window of
+    splines has changed."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or model.pairs.family[pair] != PATCH:

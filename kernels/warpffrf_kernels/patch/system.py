@@ -1,12 +1,14 @@
-"""Rows of the local compliance G on the cells of patches, and how the modes open them.
+"""Rows of the local compliance G on the cells of patches, and the opening of their gaps by the modes.
 
     G_ij = near_ij + sum over sides of (A P)_i (S + Phi sigma^-1 Phi^T) (A P)_j^T + layer A_i delta_ij,
 
-as `contact_compliance` and `contact_assembly` do for hats; Phi, the modes on the splines, times the weight of the pair.
-What a cell displaces of the splines is read by all cells before it at once, place by place (`spline_tables`).
+as in `contact_compliance` and `contact_assembly` for nodes; Phi, the modes on the splines, times the weight of the
+pair. The displacement of the splines due to a cell is read by all preceding cells at once, place by place
+(`spline_tables`).
 
-Residuals are never read off G (`fields`). Where rows do not stand from step to step (`lasting`), they are made anew in
-every attempt, and when W has changed in one; how the modes open the gaps is found anew with the outer matrix.
+Residuals are never computed with G (`fields`). If rows are not kept from step to step (`lasting`), they are computed
+anew in every attempt, and when W has changed within one; the opening by the modes is recomputed with the retained
+matrix.
 """
 
 import warp as wp
@@ -26,13 +28,13 @@ from warpffrf_kernels.patch.spline_tables import line_of, real_side, trace_at
 
 wp.set_module_options(MODULE_OPTIONS)
 
-WHOLE = wp.constant(1)  # of `far_answered`: what unit pressures displace of the splines, and load of the modes
+WHOLE = wp.constant(1)  # of `far_answered`: displacement of the splines due to unit pressures, and load on the modes
 LOADS = wp.constant(2)  # loads on the modes only
 
 
-# What a unit pressure on each place displaces of the splines of one side by S + Phi sigma^-1 Phi^T, line by line,
-# unless `loads` alone are asked for, and the loads of all places on the modes. Strips that load the same columns of
-# splines are taken at once. Native for contiguous inner loops along places.
+# Displacement of the splines of one side due to a unit pressure at each place, by S + Phi sigma^-1 Phi^T, line by line,
+# unless only `loads` are requested, and the loads of all places on the modes. Strips that load the same columns of
+# splines are treated together. Native for contiguous inner loops along places.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, nodes = elements.patches.far_nodes;
     const int columns = elements.patches.columns.data[pair], stride = elements.patches.places;
@@ -104,8 +106,8 @@ def answer_side(
 
 @kernel
 def answer_splines(run: Run, patch: PatchScratch, impulses: ImpulsiveContact, normal: ContactSolve):
-    """Per (world, pair of family 2), where the splines have been laid out anew: what unit pressures load of the modes
-    and, where slots are fresh, displace of the splines of both sides."""
+    """Per (world, pair of family 2), if the splines have been recomputed: loads of unit pressures on the modes and, if
+    slots are new, displacement of the splines of both sides."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or model.pairs.family[pair] != PATCH:
@@ -136,8 +138,8 @@ def answer_splines(run: Run, patch: PatchScratch, impulses: ImpulsiveContact, no
         patch.far_answered[w, pair] = wanted
 
 
-# Row `slot` of G, of the cell at place `at`, against the slots of its pair up to itself: laid out over the places of
-# all strips that these have cells in, then picked.
+# Row `slot` of G, of the cell at place `at`, for the slots of its pair up to itself: computed over the places of all
+# strips with cells among them, then gathered.
 @wp.func_native("""
     const int lane = WP_TILE_THREAD_IDX, lanes = WP_TILE_BLOCK_DIM, line = (rows + 7) / 8 * 8;
     const int column = at / line, row = at % line;
@@ -214,7 +216,7 @@ def lay_row(
 ): ...
 
 
-# The line of J of a slot, minus `weight` times the loads of its cell, at place `at`, on the modes.
+# The line of J of a slot: minus `weight` times the loads of its cell, at place `at`, on the modes.
 @wp.func_native("""
     const int modes = model.pairs.most_modes, stride = elements.patches.places;
     const size_t p = (size_t)w * model.pairs.count + pair;
@@ -235,8 +237,8 @@ def lay_line(
 ): ...
 
 
-# The mirror of rows `fresh` to `slots` of G within patches, eight at a time, as columns are far apart. Lanes over the
-# columns of these rows.
+# The mirror of rows `fresh` to `slots` of G within patches, eight at a time, because columns are far apart in memory.
+# Lanes over the columns of these rows.
 @wp.func_native("""
     const int cap = model.capacity.slots;
     const int* const pair = slot_hat.data + (size_t)w * cap * 2;
@@ -260,8 +262,8 @@ def mirror_within(
 def assemble_cells(
     run: Run, normal: ContactSolve, geometry: ContactGeometry, patch: PatchScratch, impulses: ImpulsiveContact
 ):
-    """Per world: of the slots of patches the gradient of the weak gap by the modes of A, then of B, times the weight of
-    the pair, where they are fresh or of an earlier attempt; and fresh rows of G within their pairs."""
+    """Per world, for slots of patches: the gradient of the weak gap with respect to the modes of A, then of B, times
+    the weight of the pair, if they are new or of an earlier attempt; and new rows of G within their pairs."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0:
@@ -313,8 +315,8 @@ def assemble_cells(
 
 @kernel
 def assemble_patches_beside(run: Run, normal: ContactSolve, patch: PatchScratch, impulses: ImpulsiveContact):
-    """Per world, lanes over splines, then slots: what cells of one patch add to the gaps of cells of another one on the
-    same body, by its local modes and, on one surface, the half-space."""
+    """Per world, lanes over splines, then slots: opening of the gaps of cells by cells of another patch on the same
+    body, through its local modes and, on one surface, the half-space."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or lags(model, run.ctl, w):

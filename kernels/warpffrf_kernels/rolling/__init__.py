@@ -1,1 +1,1 @@
-"""Friction on cells that travel with the patch: places, near and far fields along the surface, history, compliance."""
+"""Friction on contact-fixed cells: positions, near and far fields along the surface, history, compliance."""

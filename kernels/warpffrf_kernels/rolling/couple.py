@@ -1,12 +1,13 @@
-"""What the couples of the pressures (`rolling.places`) do to the outer coordinates within an iteration.
+"""Effect of the couples of the pressures (`rolling.places`) on the retained coordinates within an iteration.
 
-The gradient of a gap has no part along the couple that its pressure makes: with it the outer matrix were not
-symmetric. So the pressures are solved for without it, and the outer increments follow their change ds = weight dp,
+The gradient of a gap has no component along the couple of its pressure: with it the retained matrix would not be
+symmetric. The pressures are therefore solved for without it, and the retained increments follow their change
+ds = weight dp,
 
     dz = M weight F^T ds,      F^T the couples over the rigid columns of both bodies,
 
-with the mobility M of the tractions. What dz does to gaps and slips in turn is left to the next iteration: nothing
-where joints or drives hold the turning, and of the second order in the step where they do not.
+with the receptance M of the tractions. The resulting change of gaps and slips is left to the next iteration: zero if
+joints or drives constrain the rotation, and of second order in the step otherwise.
 """
 
 import warp as wp
@@ -28,7 +29,7 @@ wp.set_module_options(MODULE_OPTIONS)
 def change_of_couple(
     model: Model, w: int, pair: int, i: int, contact: ContactState, fields: ContactFields, geometry: ContactGeometry
 ) -> real:
-    """Component i of the wrench on A that the change of the pressures adds beyond that of the gaps' gradients."""
+    """Component i of the wrench on A due to the change of the pressures, beyond that of the gaps' gradients."""
     cells = model.elements[0].patches.columns[pair] * model.surfaces.rows[model.pairs.first[pair]]
     total = real(0.0)
     m = int(0)
@@ -43,7 +44,7 @@ def follow_couples(
     run: Run, trial: Trial, contact: ContactState, fields: ContactFields, geometry: ContactGeometry,
     impulses: ImpulsiveContact, tangential: FrictionSolve, system: OuterSystem,
 ):  # fmt: skip
-    """Per world: adds what the couples of the pairs on patches do to the outer increments."""
+    """Per world: adds the effect of the couples of contact-fixed pairs to the retained increments."""
     w, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0:

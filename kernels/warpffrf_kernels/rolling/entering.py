@@ -1,30 +1,30 @@
-r"""Cells of a patch into which material comes during a step: what of the step they resist.
+r"""Cells of a patch that material enters during a step: the part of the step that they resist.
 
-Slip is counted over the whole step, but material that enters the patch slides freely until it is touched. As in
-`friction.entering_cells` a softness k on the diagonal takes that into account, "no slip since the touch" being
+Slip is counted over the whole step, but material that enters the patch slides freely until contact. As in
+`friction.entering_cells`, a softness k on the diagonal accounts for this; "no slip since contact" is
 
     s + k tau = 0,      k = 2 (g(0) - g(w)) lag,      lag = min(c, 1) max(max(c, 1)/d - 1, 0),
 
-c the cells by which the patch advances, d those from the centre of a cell to where it is touched first, g(0) and g(w)
-the displacement per traction of a cell and of its neighbour behind. For c >= 1 that is a/d - 1. Cells that travel with
-the patch stay under pressure while material passes: at smaller steps the history read between the last cell and the
-free one beyond the edge charges it with c of what it gains in a whole cell, though only d of that lies inside; so the
-softness acts in every step, in proportion to c, and vanishes for what stands.
+c the cells by which the patch advances, d those from the centre of a cell to the point of first contact, g(0) and g(w)
+the displacement per traction of a cell and of its neighbour behind. For c >= 1 the lag is a/d - 1. Contact-fixed cells
+stay under pressure while material passes: at smaller steps, the history interpolated between the last cell and the free
+one beyond the edge contains c of the gain over a whole cell, though only d of that lies inside. The softness therefore
+acts in every step, in proportion to c, and vanishes for a stationary patch.
 
 The edge lies d_e cells beyond the centre of the last cell under pressure ahead, with r the ratio of its pressure to the
 next one's, at most 0.75,
 
     d_e = -0.175 + 0.95 r + 0.6 r^2,      d = cells up to the last one + d_e + 0.35 - 0.15 min(c, 1).
 
-A patch that advances by more than its length has none of its material of before: the step is refused, but for a pair
-that carries less than IDLE of the largest load of the scene. Patches are as long as the root of their load, and rollers
-that enter or leave the load zone, or that only their weight presses, would set the step of a whole bearing. The
-traction -s/k of a step that is taken all the same has no transient, and is that of steady rolling with an error of 5 to
-25 % of mu p at one length, of up to 47 % at several (on half-planes, 4 to 9 cells in a half-width): of the largest load
-of the scene at most a tenth of that.
+A patch that advances by more than its length contains no previous material: the step is rejected, except for a pair
+that carries less than IDLE of the largest load of the scene. The length of a patch is proportional to the root of its
+load; rollers that enter or leave the load zone, or are loaded by their weight only, would otherwise limit the step of a
+whole bearing. The traction -s/k of a step that is accepted nevertheless has no transient: it is that of steady rolling
+with an error of 5 to 25 % of mu p at one length, of up to 47 % at several (on half-planes, 4 to 9 cells in a
+half-width); at most a tenth of that relative to the largest load of the scene.
 
 Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a
-half-width on, 0.1 to 4 cells a step, at every phase; charged with the whole step it is 3 to 10 % high.
+half-width on, 0.1 to 4 cells per step, at every phase; without this softness it is 3 to 10 % high.
 """
 
 import warp as wp
@@ -46,15 +46,15 @@ from warpffrf_kernels.rolling.shear import STRIPS_AROUND, shear_line
 
 wp.set_module_options(MODULE_OPTIONS)
 
-# Fitted to pressures of Hertz's line found on cells, for all phases of four and more in a half-width: the edge beyond
-# the centre of the last cell, in cells, by the ratio of its pressure to the next
+# Fitted to pressures of Hertz line contact computed on cells, for all phases of four and more in a half-width: the edge
+# beyond the centre of the last cell, in cells, as a function of the ratio of its pressure to the next
 EDGE = wp.constant(wp.vec3d(-0.175, 0.95, 0.6))
 STEEPEST = wp.constant(wp.float64(0.75))
-ALONE = wp.constant(wp.float64(0.5))  # the same of a row with one cell under pressure
+ALONE = wp.constant(wp.float64(0.5))  # the same for a row with one cell under pressure
 OFFSET = wp.constant(wp.vec2d(0.35, -0.15))  # cells, measured with Carter's force
-LEAST = wp.constant(wp.float64(0.02))  # cells: d is not below
+LEAST = wp.constant(wp.float64(0.02))  # cells: lower limit of d
 IDLE = wp.constant(wp.float64(0.1))  # of the largest load of a pair
-BOTH = wp.constant(wp.float64(2.0))  # what a cell gains its neighbour loses
+BOTH = wp.constant(wp.float64(2.0))  # what a cell gains, its neighbour loses
 
 
 @wp.func
@@ -65,7 +65,7 @@ def load_before(w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> real:
 
 @wp.func
 def carries(model: Model, w: int, pair: int, pair_force: wp.array4d(dtype=real)) -> bool:
-    """Whether the load of a pair at the end of the last step was not next to nothing of the largest."""
+    """Whether the load of a pair at the end of the last step was not negligible compared with the largest."""
     largest = real(0.0)
     p = int(0)
     while p < model.pairs.count:
@@ -119,7 +119,7 @@ def cells_to_edge(
                 last = i
                 go = int(1)
         i += 1
-    if last == 0:  # the last one itself: its neighbour behind
+    if last == 0:  # it is the last one: use its neighbour behind
         c = column - ahead
         r = row
         if across != 0:
@@ -139,8 +139,8 @@ def soften_entering(
     run: Run, patch: PatchScratch, friction: FrictionState, contact: ContactState, rubbing: FrictionCells,
     shear_near: wp.array3d(dtype=real), of_state: int,
 ):  # fmt: skip
-    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero where the
-    last step ended without contact: the patch advances from nowhere."""
+    """Per (world, pair), lanes over cells: the softness `late` [m/Pa] of the loaded cells. last_normal: zero if the
+    last step ended without contact; the patch then has no previous position."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_patch(model, pair):

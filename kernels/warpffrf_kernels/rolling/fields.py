@@ -1,18 +1,18 @@
-r"""What tractions on the cells of a patch displace, and what moves their slips.
+r"""Displacements due to tractions on the cells of a patch, and the changes of their slips.
 
-With the cell forces f = area tau on A and -Q^T f on B (Q: tangents of B in those of A), far fields and modes through
+With the cell forces f = area tau on A and -Q^T f on B (Q: tangents of B in those of A), far fields and modes by the
 the splines P of `patch.far_splines`,
 
     u_A = Phi_tA q + P S_tt P^T f - P S_nt^T P^T (area p),      e = u_A - Q u_B + half-spaces (`shear`),
 
-and the gap opens by -P S_nt P^T f of either body and the transpose of the half-spaces' coupling. Material that turns
-with its body by V dt/R moves on by the radius that it has: outward displacements u_n beyond the half-space, far field
-and modes, carry it (k: curvature of each body where it rolls)
+and the gap opens by -P S_nt P^T f of either body and the transpose of the half-spaces' coupling. Material that rotates
+with its body by V dt/R moves with its actual radius: outward displacements u_n beyond the half-space, by far field and
+modes, carry it (k: curvature of each body in the rolling direction)
 
     slip += (k_A u_nA - k_B u_nB) V dt,
 
-V dt the way of the material through the patch. The half-space needs no such term: its displacement is a vector in the
-frame of the patch, not of the turning surface. So creepage refers to undeformed radii.
+V dt the path of the material through the patch. The half-space requires no such term: its displacement is a vector in
+the frame of the patch, not of the rotating surface. Creepage thus refers to undeformed radii.
 """
 
 import warp as wp
@@ -48,7 +48,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def load_sides(model: Model, elements: Elements, w: int, pair: int, patch: PatchScratch, rolling: RollingScratch):
-    """Forces on the splines of both sides of tractions at places."""
+    """Forces on the splines of both sides due to tractions at places."""
     places = elements.patches.places
     here = (w * model.pairs.count + pair) * 4 * places
     rows = model.surfaces.rows[model.pairs.first[pair]]
@@ -66,7 +66,7 @@ def load_sides(model: Model, elements: Elements, w: int, pair: int, patch: Patch
 
 @kernel
 def load_along(run: Run, friction: FrictionState, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch):
-    """Per (world, pair): tractions on A and on B at places, and the forces that they are on the splines of both sides
+    """Per (world, pair): tractions on A and on B at places, and the corresponding forces on the splines of both sides
     [N]."""
     w, pair, lane = wp.tid()
     model = run.models[w]
@@ -104,8 +104,8 @@ def open_by_tractions(
     model: Model, elements: Elements, w: int, pair: int, lane: int, patch: PatchScratch, rolling: RollingScratch,
     value: wp.array(dtype=real),
 ):  # fmt: skip
-    """Adds to `value` of the cells of a pair how tractions at places, which are `rub_load` on splines, open the weak
-    gaps."""
+    """Adds to `value` of the cells of a pair the opening of the weak gaps due to tractions at places, whose spline
+    loads are `rub_load`."""
     nodes = elements.patches.far_nodes
     for side in range(2):
         s = real_side(elements, pair, side)
@@ -136,7 +136,7 @@ def open_by_tractions(
 
 @kernel
 def open_gaps(run: Run, patch: PatchScratch, rolling: RollingScratch, fields: ContactFields):
-    """Per (world, pair), lanes over splines, then cells: adds how tractions open the weak gaps."""
+    """Per (world, pair), lanes over splines, then cells: adds the opening of the weak gaps due to tractions."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_patch(model, pair):
@@ -148,8 +148,8 @@ def open_gaps(run: Run, patch: PatchScratch, rolling: RollingScratch, fields: Co
 def open_by_change(
     run: Run, tangential: FrictionSolve, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch
 ):
-    """Per (world, pair), lanes over places, then cells: how the change of the tractions in this round opens the weak
-    gaps, times the weight of the pair."""
+    """Per (world, pair), lanes over places, then cells: opening of the weak gaps due to the change of the tractions in
+    this round, times the weight of the pair."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if (
@@ -196,7 +196,7 @@ def pressed_along(
     model: Model, elements: Elements, w: int, pair: int, side: int, lane: int, count: int, load: wp.array(dtype=real),
     at_load: int, rolling: RollingScratch,
 ):  # fmt: skip
-    """Adds to `field` of a side what pressures, whose loads are `load`, displace along: -S_nt^T load."""
+    """Adds the tangential displacement due to pressures with spline loads `load` to `field` of a side: -S_nt^T load."""
     nodes = elements.patches.far_nodes
     for d in range(2):
         start = table_along(model, elements, w, pair, side, d) + 2 * nodes
@@ -212,8 +212,8 @@ def pressed_along(
 
 @wp.func
 def curvature_along(model: Model, s: int, z: real, x: real, y: real) -> real:
-    """Curvature [1/m] of surface s at z in the direction (x, y) of its tangents, positive where convex; of a table that
-    of the arc beside it."""
+    """Curvature [1/m] of surface s at z in the direction (x, y) of its tangents, positive if convex; for a tabulated
+    surface that of the neighbouring arc."""
     if model.surfaces.planar[s] != 0:
         return real(0.0)
     along = real(0.0)
@@ -227,8 +227,8 @@ def move_cells(
     run: Run, trial: Trial, patch: PatchScratch, rubbing: FrictionCells, rolling: RollingScratch,
     patch_pressure: wp.array(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair), lanes over splines, then cells: e by local modes, e in all [m], and the outward displacements
-    over the radii of both bodies, that of A less that of B."""
+    """Per (world, pair), lanes over splines, then cells: e by local modes, total e [m], and the outward displacements
+    over the radii of both bodies, that of A minus that of B."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -247,6 +247,7 @@ def move_cells(
             rolling.weak_grown[here * hats + m] = real(0.0)
         m += wp.block_dim()
     sync()
+    # far fields and modes on the splines of each side, then interpolated at the cells
     for side in range(2):
         s = real_side(elements, pair, side)
         if s >= 0:
@@ -291,6 +292,7 @@ def move_cells(
         model, elements, w, pair, rows, rows_of(model, elements, pair, 0), rows_of(model, elements, pair, 1),
         patch.far_strip, patch.far_share, rolling.grown, rolling.weak_grown,
     )  # fmt: skip
+    # near field, and the difference of both sides per area
     rings = elements.rolling.ring_rows[pair]
     near_along(
         model, elements, w, pair, rows, shear_line(rows, rings), STRIPS_AROUND, 0, elements.patches.columns[pair],
@@ -354,8 +356,8 @@ def press_slips(
     run: Run, contact: ContactState, fields: ContactFields, cells: FrictionCells, patch: PatchScratch,
     rolling: RollingScratch,
 ):  # fmt: skip
-    """Per (world, pair), lanes over places, splines, cells: what the change of the pressures makes of the slips [m].
-    place_none: tractions that are zero."""
+    """Per (world, pair), lanes over places, splines, cells: change of the slips due to the change of the pressures [m].
+    place_none: zero tractions."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):

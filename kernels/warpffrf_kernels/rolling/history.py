@@ -1,25 +1,25 @@
-r"""Slips of the cells of a patch in a step: what the material that is in a cell now had displaced where it was before.
+r"""Slips of the cells of a patch in a step: the previous displacement of the material that is now in a cell.
 
-The elastic displacement e at the end of a step is kept on the cells and RINGS strips (and rows, where these travel)
-around them, with the place of the patch on the first body. In the next step the material at the centre x of a cell is
-looked for there, and e read by cubics in both directions,
+The elastic displacement e at the end of a step is stored on the cells and RINGS strips (and rows, if these move) around
+them, with the position of the patch on the first body. In the next step the material at the centre x of a cell is
+located there, and e interpolated by cubics in both directions,
 
     slip = rigid slip + e(x, now) - e_before(x) + growth,
 
-places of material counted on the first body. Rows that stay on the material need no interpolation. Around the cells e
-is that of the half-spaces, exactly, and the rest of it, smooth, goes on in straight lines from the outermost cells;
-what lies beyond is taken to be as far out as there is. A linear interpolation would eat the history: a traction locked
-into the patch keeps half of its peak after ten cells at a tenth of a cell a step.
+positions of material counted on the first body. Rows that are fixed to the material need no interpolation. Around the
+cells, e is that of the half-spaces, exactly; its smooth remainder is extrapolated linearly from the outermost cells;
+positions beyond are treated as the outermost stored ones. Linear interpolation would dissipate the history: a traction
+locked into the patch keeps half of its peak after ten cells at a tenth of a cell per step.
 
-**Work.** Of the material in a cell friction takes the mean of the traction where it was and of that where it is, times
-its slip: with S_0 the slip of the material that was in a cell before, e read where it is now,
+**Work.** For the material in a cell, friction uses the mean of the traction at its previous and its present position,
+times its slip: with S_0 the slip of the material that was in a cell before, e interpolated at its present position,
 
     W = (sum over cells tau.S + sum over cells of before tau_0.S_0)/2 <= 0.
 
-In steady rolling over a half-space that is, exactly, what creep takes from the bodies: with e = G tau, G symmetric and
-the same everywhere, what is elastic in the two sums cancels. By tractions of the end alone a tenth to a half of it
-would be missing, in proportion to the advance in a step, as tractions fall towards the trailing edge, where material
-slips.
+In steady rolling over a half-space this is exactly the work that creep takes from the bodies: with e = G tau, G
+symmetric and translation invariant, the elastic parts of the two sums cancel. With the tractions at the end alone a
+tenth to a half of it would be missing, in proportion to the advance in a step, because tractions fall towards the
+trailing edge, where material slips.
 """
 
 import warp as wp
@@ -44,7 +44,7 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.struct
 class Reading:
-    """Cubic shares of four neighbours from `first` on."""
+    """Cubic weights of four neighbours from `first` on."""
 
     first: int
     share: wp.vec4d
@@ -52,7 +52,7 @@ class Reading:
 
 @wp.func
 def read_at(place: real, count: int) -> Reading:
-    """At a `place` counted in `count` places; beyond them as at the end."""
+    """Weights at a `place` counted in `count` entries; beyond them as at the end."""
     found = Reading()
     x = wp.clamp(place, real(0.0), real(count - 1))
     first = wp.clamp(int(wp.floor(x)) - 1, 0, wp.max(count - 4, 0))
@@ -67,7 +67,8 @@ def read_at(place: real, count: int) -> Reading:
 
 @wp.func
 def way_of(model: Model, elements: Elements, pair: int, z: real, advanced: wp.vec2d) -> wp.vec2d:
-    """Way [m] of the first body's material through the patch, along (e_theta, t_z): against the patch's advance."""
+    """Path [m] of the first body's material through the patch, along (e_theta, t_z): opposite to the patch's
+    advance."""
     A = elements.patches.first[pair]
     slope = slope_of(model, A, z)
     return wp.vec2d(
@@ -80,7 +81,7 @@ def way_of(model: Model, elements: Elements, pair: int, z: real, advanced: wp.ve
 def slide_patch_cells(
     run: Run, patch: PatchScratch, friction: FrictionState, cells: FrictionCells, rolling: RollingScratch
 ):
-    """Per (world, pair), lanes over cells: slip of the step [m]; without a history that of the rigid bodies."""
+    """Per (world, pair), lanes over cells: slip of the step [m]; without a history the rigid-body slip."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -202,7 +203,7 @@ def smooth_at(
     w: int, pair: int, rows: int, c: int, r: int, d: int, base: int, hats: int, cells: FrictionCells,
     rolling: RollingScratch,
 ) -> real:  # fmt: skip
-    """What of e of a cell is not the half-spaces' [m]."""
+    """Part of e of a cell that is not due to the half-spaces [m]."""
     m = c * rows + r
     area = cells.cell_area[w, pair, m]
     if not (area > real(0.0)):
@@ -288,7 +289,7 @@ def keep_rings(
         for c in range(4):
             rubbing.friction_record[w, pair, c] = real(0.0)
         if is_whole(run.ctl, w) and h > real(0.0):
-            # of the material that is in the middle of the patch half way through the step
+            # of the material in the middle of the patch half way through the step
             gone = real(0.5) * advanced[0] / strip_columns(model, elements, w, pair, patch.patch_place)
             across = read_at(real(0.5) * real(columns - 1) - gone, columns)
             middle = real(0.5) * real(rows - 1)

@@ -1,14 +1,14 @@
-"""Cells that travel with the patch: where they lie on both bodies, how far they slide as rigid bodies, bounds.
+"""Contact-fixed cells: positions on both bodies, rigid-body slip, bounds.
 
-As `friction.cells`, but for the places: the centres of the patch's strips and rows. Pressures and tractions are both
-constant on a cell, so that its bound is mu times its own pressure.
+As in `friction.cells`, except for the positions: the centres of the patch's strips and rows. Pressures and tractions
+are both constant on a cell, so its bound is mu times its own pressure.
 
 **Rolling moment.** The wrench of a pressure has no torque about the axles of bodies of revolution (`contact_wrench`),
-which holds for pressures about the middle of a patch. Tractions press unlike bodies off it, by an arm x of the force N
+which is correct for pressures centred on a patch. Tractions between unlike bodies shift them by an arm x of the force N
 along e_theta. The surfaces are flat there, and pressure acts along the common normal c: a couple N x t_z on the first
-body, the opposite on the second, beside the wrench. Its power on both, V N x/R* in rolling with the relative radius R*,
-is what the pressures give to the tractions' displacements while material passes: with gaps g = g_0 + G p + N^T tau = 0
-on the patch, g_0' = x/R*, and G symmetric and the same everywhere,
+body, the opposite on the second, in addition to the wrench. Its power on both, V N x/R* in rolling with the relative
+radius R*, is the power of the pressures on the displacements due to the tractions while material passes: with gaps
+g = g_0 + G p + N^T tau = 0 on the patch, g_0' = x/R*, and G symmetric and translation invariant,
 
     int p (N^T tau)' dx = -int p g_0' dx = -N x/R*.
 """
@@ -40,17 +40,17 @@ def strip_columns(model: Model, elements: Elements, w: int, pair: int, patch_pla
     return real(2.0) * patch_place[w, pair, 2] / (real(elements.patches.columns[pair]) * around)
 
 
-# What the compliance of the cells may be off as a tangent before it is made anew: residuals are never read off it. It
-# goes with the second or third power of W, and far fields, a sixth of it, vary over the columns of the mesh.
+# Permitted change before the compliance of the cells is recomputed: it is used as a tangent only, never for residuals.
+# It varies with the second or third power of W; far fields, a sixth of it, vary over the columns of the mesh.
 SAME_WIDTH = wp.constant(wp.float64(2.0e-3))
 SAME_PLACE = wp.constant(wp.float64(0.5))  # columns
-SAME_NORMAL = wp.constant(wp.float64(1.0e-2))  # rad: gradients by the motion of the bodies turn with it
+SAME_NORMAL = wp.constant(wp.float64(1.0e-2))  # rad: gradients with respect to the bodies' motion rotate with it
 
 
 @kernel
 def open_patch_cells(run: Run, friction: FrictionState, patch: PatchScratch, cells: FrictionCells):
-    """Per (world, pair): whether the compliance of the cells is to be assembled anew. cell_phase: where the patch was
-    when it was, the step size, on which the share of the modes depends, and the normal."""
+    """Per (world, pair): whether the compliance of the cells is to be reassembled. cell_phase: position of the patch at
+    the last assembly, the step size, on which the part of the modes depends, and the normal."""
     w, pair = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -76,8 +76,8 @@ def place_patch_cells(
     run: Run, state: MotionState, trial: Trial, friction: FrictionState, patch: PatchScratch, geometry: ContactGeometry,
     cells: FrictionCells, shear_near: wp.array3d(dtype=real),
 ):  # fmt: skip
-    """Per (world, pair), lanes over cells: area (0 where nothing is opposite), turn, wrench, displacement by a unit
-    traction of their own, rigid slip; and the couple of a unit pressure that acts along the common normal."""
+    """Per (world, pair), lanes over cells: area (0 without an opposite surface), rotation, wrench, displacement by a
+    unit traction of their own, rigid slip; and the couple of a unit pressure that acts along the common normal."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):
@@ -99,7 +99,7 @@ def place_patch_cells(
         z = row_place(elements, pair, m % rows, patch.patch_place, w)[0]
         found = find_cell(model, A, B, s, model.surfaces.theta[A] + x * model.surfaces.pitch[A], z)
         size = geometry.area[w, pair, m]
-        if is_whole(run.ctl, w):  # without tractions pressures stand about the middle
+        if is_whole(run.ctl, w):  # without tractions the pressures are centred
             arm = model.surfaces.side[A] * (real(m / rows) - real(0.5) * real(columns - 1)) * way
             for i in range(3):
                 geometry.more_wrench[w, pair, m, 3 + i] = (
@@ -118,8 +118,8 @@ def bound_patch_cells(
     run: Run, contact: ContactState, geometry: ContactGeometry, rubbing: FrictionCells, friction: FrictionState,
     clip: int,
 ):  # fmt: skip
-    """Per (world, pair), lanes over cells: the bounds mu p [Pa] of the present pressures; with `clip` tractions beyond
-    them are cut. Friction acts in steps in time and load steps only."""
+    """Per (world, pair), lanes over cells: the bounds mu p [Pa] of the present pressures; with `clip`, tractions are
+    cut to them. Friction acts in time steps and load steps only."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or not rubs_on_patch(model, pair):

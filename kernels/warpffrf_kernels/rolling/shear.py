@@ -1,9 +1,9 @@
-r"""The half-spaces of both bodies along the surface: weak displacements of a cell under unit tractions, and under a
-unit pressure where the bodies are unlike.
+r"""The half-spaces of both bodies along the surface: weak displacements of a cell due to unit tractions, and due to a
+unit pressure if the bodies are unlike.
 
-A table as that of `patch.near`, for the half-width W of the attempt, by kind, distance in strips, row under load, row
-that sees; the rows that see reach `ring_rows` beyond the cells on either side, and strips RINGS. Kinds, of
-e = u_A - u_B with x the way along e_theta, z that along t_z from the load:
+A table like that of `patch.near`, for the half-width W of the attempt, by kind, distance in strips, source row, target
+row; target rows extend `ring_rows` beyond the cells on either side, and strips RINGS. Kinds, of
+e = u_A - u_B with x the distance along e_theta, z that along t_z from the load:
 
     0  e_1 by tau_1      1  e_2 by tau_2      2  e_1 by tau_2, e_2 by tau_1 (odd in x and in z)
     3  e_1 by p (odd in x)                    4  e_2 by p (odd in z)
@@ -24,24 +24,24 @@ from warpffrf_kernels.patch.spline_tables import line_of
 
 wp.set_module_options(MODULE_OPTIONS)
 
-RINGS = 3  # strips around a patch whose displacements are kept: a cubic reaches two beyond the cells at a strip a step
+RINGS = 3  # strips around a patch with stored displacements: a cubic reaches two beyond the cells at a strip per step
 KINDS, COUPLED_KINDS = 3, 5
 STRIPS_AROUND = wp.constant(RINGS)
 
 
 @wp.func
 def shear_line(rows: int, rings: int) -> int:
-    """Numbers of a line of the table: all rows that see, whole registers from the first cell on."""
+    """Length of a line of the table: all target rows, padded to whole registers from the first cell on."""
     return line_of(wp.max(rows + 2 * rings, rings + line_of(rows)))
 
 
 @wp.func
 def shear_kinds(elements: Elements, pair: int) -> int:
-    """Kinds of displacements that the table of a pair holds."""
+    """Number of kinds of displacements in the table of a pair."""
     return KINDS + elements.rolling.coupled[pair] * (COUPLED_KINDS - KINDS)
 
 
-# Levels of the table summed, `size` numbers.
+# Sum of the levels of the table, `size` numbers.
 @wp.func_native("""
     const double* const t = elements.rolling.shear.data + start;
     double* const out = shear_near.data + ((size_t)w * model.pairs.count + pair) * elements.rolling.shear_numbers;
@@ -65,7 +65,7 @@ def sum_shear_levels(
 
 @kernel
 def lay_shear(run: Run, patch: PatchScratch, rolling: RollingScratch):
-    """Per (world, pair), lanes over entries: the table at the W of the attempt, where it is not that of
+    """Per (world, pair), lanes over entries: the table at the W of the attempt, unless it is that of
     `shear_laid`."""
     w, pair, lane = wp.tid()
     model = run.models[w]
@@ -90,7 +90,7 @@ def lay_shear(run: Run, patch: PatchScratch, rolling: RollingScratch):
 
 
 # Weak displacements along the surface by tractions q[at], q[at + places] on A, and by pressures p, of `c_count` strips
-# from `c_first` on, `r_count` rows from `r_first` on of those that see: out[at_out + d apart + strip r_count + row].
+# from `c_first` on, `r_count` of the target rows from `r_first` on: out[at_out + d apart + strip r_count + row].
 # Native for contiguous inner loops.
 @wp.func_native("""
     const int B = WP_TILE_BLOCK_DIM > 1 ? 1 : 8, columns = elements.patches.columns.data[pair];
@@ -154,7 +154,7 @@ def near_along(
 ): ...
 
 
-# Weak gaps that tractions on A open by the half-spaces of unlike bodies, added to value[at].
+# Opening of the weak gaps by the half-spaces of unlike bodies due to tractions on A, added to value[at].
 @wp.func_native("""
     const int columns = elements.patches.columns.data[pair], places = elements.patches.places;
     const int filled = (rows + 7) / 8 * 8;

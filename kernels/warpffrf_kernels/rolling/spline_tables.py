@@ -1,9 +1,9 @@
-"""The tangential part of the far field under a patch, laid out for contiguous sums, as `patch.spline_tables` does.
+"""Tables of the tangential part of the far field under a patch for contiguous sums, as in `patch.spline_tables`.
 
-Of one side, with the splines of its far window in lines of `far_nodes`, directions 0 and 1 of the surface:
+For one side, with the splines of its far window in lines of `far_nodes`, directions 0 and 1 of the surface:
 
     table[d', n'] = (S_tt[d n, d' n'] over d and n, then S_nt[n, d' n'] over n): displacement along and outward of all
-                    splines under a unit force along d' on spline n'
+                    splines due to a unit force along d' on spline n'
     trace[mode]   = (direction, spline): displacement of the mode along the surface
 """
 
@@ -22,19 +22,19 @@ wp.set_module_options(MODULE_OPTIONS)
 
 @wp.func
 def half_along(model: Model, elements: Elements, w: int, pair: int, side: int, d: int) -> int:
-    """Where the numbers of the splines of a side and direction begin."""
+    """Start of the numbers of the splines of a side and direction."""
     return (((w * model.pairs.count + pair) * 2 + side) * 2 + d) * elements.patches.far_nodes
 
 
 @wp.func
 def table_along(model: Model, elements: Elements, w: int, pair: int, side: int, d: int) -> int:
-    """Where the table of forces of a side along direction d begins, lines of 3 far_nodes."""
+    """Start of the table of forces of a side along direction d, lines of 3 far_nodes."""
     return half_along(model, elements, w, pair, side, d) * 3 * elements.patches.far_nodes
 
 
 @wp.func
 def trace_along(model: Model, elements: Elements, w: int, pair: int, side: int) -> int:
-    """Where the modes of a side begin, lines of 2 far_nodes: those of B stand behind those of A."""
+    """Start of the modes of a side, lines of 2 far_nodes: those of B follow those of A."""
     line = (w * model.pairs.count + pair) * model.pairs.most_modes
     if side == 1:
         line += model.surfaces.modal_count[model.pairs.first[pair]]
@@ -93,7 +93,7 @@ def table_side_along(
 
 @kernel
 def lay_splines_along(run: Run, patch: PatchScratch, rolling: RollingScratch):
-    """Per (world, pair): the tables of both sides where the window of splines is another one."""
+    """Per (world, pair): the tables of both sides if the window of splines has changed."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].moved == 0 or not rubs_on_patch(model, pair):

@@ -1,11 +1,11 @@
-r"""Compliance of the cells of a patch that may carry friction, as `friction.cell_compliance` has it for others.
+r"""Compliance of the cells of a patch that may carry friction, like `friction.cell_compliance` for other cells.
 
 In the weak slips and the tractions of the slots of a pair
 
     G = half-spaces + (A P) (S_tt + Phi_t sigma^-1 Phi_t^T) (A P)^T of A + Q (the same of B) Q^T,
     J = [A P Phi_tA, -Q A P Phi_tB].
 
-A line of G is read off what a cell's unit tractions displace of the splines of both sides.
+A line of G is gathered from the displacement of the splines of both sides due to a cell's unit tractions.
 """
 
 import warp as wp
@@ -32,8 +32,8 @@ def modes_of_cells(
     run: Run, tangential: FrictionSolve, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
     impulses: ImpulsiveContact,
 ):  # fmt: skip
-    """Per (world, pair), lanes over modes: gradient J of the weak slip by the global modes of A, then of B, times the
-    weight of the pair, and its transpose; of the fresh slots, in the beginning of an attempt of all."""
+    """Per (world, pair), lanes over modes: gradient J of the weak slip with respect to the global modes of A, then of
+    B, times the weight of the pair, and its transpose; for the new slots, at the start of an attempt for all."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):
@@ -119,8 +119,8 @@ def soften_splines(
 ): ...
 
 
-# Numbers of the splines of one side that a unit traction of cell m along direction d of A displaces, (direction,
-# spline): `stride` numbers of a line of `soft`, from `start` on, of which `offset` begin; lanes over the splines.
+# Displacement of the splines of one side due to a unit traction of cell m along direction d of A, (direction, spline):
+# `stride` numbers of a line of `soft`, from `start` on, of which `offset` begin; lanes over the splines.
 @wp.func_native("""
     const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3;
     const size_t p = ((size_t)w * model.pairs.count + pair) * 2 * model.window.hats + side * model.window.hats + m;
@@ -165,8 +165,8 @@ def displaced_splines(
 ): ...
 
 
-# y[at + 2 j + d] += weak displacement along d of the first `count` cells in play by what the splines of one side have
-# been displaced; lanes over the cells.
+# y[at + 2 j + d] += weak displacement along d of the first `count` active cells due to the displacement of the splines
+# of one side; lanes over the cells.
 @wp.func_native("""
     const int nodes = elements.patches.far_nodes, taps = rows < 3 ? rows : 3, hats = model.window.hats;
     const size_t here = (size_t)w * model.pairs.count + pair;
@@ -250,7 +250,7 @@ def assemble_patch_cells(
     run: Run, tangential: FrictionSolve, cells: FrictionCells, patch: PatchScratch, rolling: RollingScratch,
     impulses: ImpulsiveContact, residuals: Residuals,
 ):  # fmt: skip
-    """Per (world, pair): lines of the compliance of the fresh slots, without the outer coordinates."""
+    """Per (world, pair): lines of the compliance of the new slots, without the retained coordinates."""
     w, pair, lane = wp.tid()
     model = run.models[w]
     if run.ctl[w].run == 0 or run.ctl[w].changes != 0 or not rubs_on_patch(model, pair):

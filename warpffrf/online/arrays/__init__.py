@@ -1,4 +1,4 @@
-"""The arrays of a run, each declared once: allocation, checkpoints, launches and the tables of the docs follow."""
+"""The arrays of a run, each declared once; allocation, checkpoints, launches and docs tables use the declarations."""
 
 from warpffrf.online.arrays.axes import Sizes, sizes_of
 from warpffrf.online.arrays.ring import Ring

@@ -1,4 +1,4 @@
-"""How long the axes of arrays are, and what a scene has at all: one number a name, zero for what is not there."""
+"""Lengths of the axes of arrays, and counts of the parts of a scene: one number per name, zero for absent parts."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ NAMES = {
     "friction_factor": "numbers of the sparse factor, in scenes with friction",
     "friction_line": "numbers of a line of it, of all lanes",
     "one": "always 1",
-    # of the model only
+    # axes of the model only
     "surface": "contact surfaces",
     "side": "surfaces as pairs load them, two a pair",
     "response": "tables of what loads displace",
@@ -191,7 +191,7 @@ NAMES = {
         ),
         "entries of tables that stand one behind the other",
     ),
-    # what launches ask for, no axes
+    # domains of launches, not axes of arrays
     "applied": "forces and torques",
     "row_or_mode": "rows and modes",
     "stiffened_interface": "interfaces of bodies that their loads stiffen",
@@ -226,7 +226,7 @@ def sizes_of(
     projected: bool,
     adaptive: bool,
 ) -> dict[str, int]:
-    """Length of each axis of `NAMES`; `pattern`: of the outer matrix."""
+    """Length of each axis in `NAMES`; `pattern`: of the retained matrix."""
     m: Model = compiled.model
     P, B, Q, S, rows, outer = (
         m.pairs.count,
@@ -310,7 +310,7 @@ FILM_STARTS = ("hat", "function", "unknown", "point", "column", "square", "secon
 
 
 def film_sizes(compiled: CompiledScene) -> dict[str, int]:
-    """Those of oil films."""
+    """Axes of oil films."""
     films = compiled.films
     if not films.count:
         more = ("film", "film_near", "film_number", "film_system", "film_seat", "film_press", "film_load")
@@ -331,7 +331,7 @@ LAP_STARTS = {
 
 
 def lap_sizes(compiled: CompiledScene) -> dict[str, int]:
-    """Those of laps."""
+    """Axes of small-sliding contacts."""
     laps = compiled.laps
     found = {axis: 0 for axis in LAP_STARTS.values()}
     if laps.count:
@@ -340,7 +340,7 @@ def lap_sizes(compiled: CompiledScene) -> dict[str, int]:
 
 
 def layer_points(compiled: CompiledScene) -> int:
-    """Points of a pair's window at which the laws of layers are evaluated, the most of all pairs."""
+    """Points of a pair's window at which the laws of layers are evaluated, maximum over all pairs."""
     layers = compiled.elements.layers
     if not layers.count:
         return 0

@@ -1,4 +1,4 @@
-"""Arrays as attributes of a class, each declared once, in topics that kernels take too
+"""Arrays as attributes of a class, each declared once, in the topics that kernels take as arguments
 (`warpffrf_kernels.core.declaration`).
 
 class State(ContactState, Arrays):
@@ -21,9 +21,9 @@ from warpffrf_kernels.core.declaration import Declaration, is_topic
 
 
 def allocate(declaration: Declaration, sizes: Mapping[str, int], device: str) -> Any:
-    """Zero array; an axis without entries gets one that nobody uses, so that kernels can be given it.
+    """Zero array. An axis without entries gets one unused entry, so that the array can be passed to kernels.
 
-    Raises InputError for more entries than the indices of kernels reach.
+    Raises InputError if the array has more entries than the indices of kernels can address.
     """
     shape = tuple(max(n, 1) for n in declaration.shape(sizes))
     size = int(np.prod(shape, dtype=np.int64))
@@ -37,12 +37,12 @@ def allocate(declaration: Declaration, sizes: Mapping[str, int], device: str) ->
 
 
 def as_taken(array: Any, kind: Any) -> Any:
-    """`array`, flat where a parameter or field of this `kind` has one axis."""
+    """`array`, flattened if a parameter or field of this `kind` has one axis."""
     return array.flatten() if array.ndim > 1 and kind.ndim == 1 else array
 
 
 class Bound(dict[Any, Any]):
-    """Arrays by name, and of each topic that is asked for a struct of those that it names, in an array of one."""
+    """Arrays by name; for each requested topic, a struct of the arrays that it names, in an array of length one."""
 
     def __missing__(self, topic: Any) -> Any:
         if not is_topic(topic):
@@ -55,25 +55,25 @@ class Bound(dict[Any, Any]):
 
 
 def topic_of(annotation: Any) -> Any:
-    """The topic that a parameter of a kernel takes, None where it takes something else."""
+    """The topic that a parameter of a kernel takes, None if it takes something else."""
     kind = getattr(annotation, "dtype", None)
     return kind if is_topic(kind) else None
 
 
 def host_structs(of: Any, count: int) -> np.ndarray:
-    """Array (count,) of zero structs on the host, fields by name."""
+    """Array (count,) of zero structs on the host, with fields by name."""
     found: Any = wp.zeros(count, dtype=of, device="cpu")
     return found.numpy().copy()
 
 
 def numbers_of(array: Any) -> np.ndarray:
-    """Those of an array on the host, also of structs, whose fields are its last axis then."""
+    """Values of an array on the host. The fields of structs become its last axis."""
     given = np.asarray(array)
     return structured_to_unstructured(given) if given.dtype.names else given
 
 
 class Arrays:
-    """Arrays as attributes, declared in the classes that derive from this one; `carried=True`: all of the class are."""
+    """Arrays as attributes, declared in derived classes; with `carried=True` all arrays of the class are carried."""
 
     declarations: ClassVar[dict[str, Declaration]] = {}
 
@@ -87,11 +87,11 @@ class Arrays:
                 raise TypeError(f"{cls.__name__}: {', '.join(twice)} declared twice; choose another name")
             found |= part
         for name in set(own) & set(vars(cls)):
-            delattr(cls, name)  # there is one on instances only
+            delattr(cls, name)  # exists on instances only
         cls.declarations = {name: replace(d, carried=True) for name, d in found.items()} if carried else found
 
     def __init__(self, sizes: Mapping[str, int], device: str, beside: Arrays | None = None) -> None:
-        """All arrays, zero. `beside`: where an array may be found that takes the place of another."""
+        """All arrays, zero. `beside`: owner of the arrays that other arrays are declared to share."""
         for name, declaration in self.declarations.items():
             missing = declaration.instead and 0 in declaration.shape(sizes)
             if not missing:
@@ -106,7 +106,7 @@ class Arrays:
         return {name: self.read(name).copy() for name in self.declarations}
 
     def read(self, name: str) -> np.ndarray:
-        """One array on the host, to be read only: a view on the CPU, a copy from another device."""
+        """One array on the host, read-only: a view on the CPU, a copy from another device."""
         return getattr(self, name).numpy()
 
     def assign(self, values: Mapping[str, np.ndarray]) -> None:

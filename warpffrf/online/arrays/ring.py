@@ -1,6 +1,6 @@
-"""Rows that are saved of a run: one ring an array, written by the step and taken out by the host between chunks.
+"""Saved rows of a run: one ring per array, written by the step and read by the host between chunks.
 
-Frames are those of the state: centres of mass, body axes. `warpffrf.online.history.record` makes a History of them.
+Frames are those of the state: centres of mass, body axes. `warpffrf.online.history.record` builds a History from them.
 """
 
 from __future__ import annotations
@@ -22,26 +22,26 @@ from warpffrf_kernels.core.ring import (
 )  # fmt: skip
 
 SavedRows = dict[str, np.ndarray]
-"""Saved rows of one world by the names of the arrays, time first."""
+"""Saved rows of one world by array name, time first."""
 
 
 class Ring(
     SavedBooks, SavedMotion, SavedJointFriction, SavedContact, SavedFriction, SavedLumped, SavedFilms, SavedLaps,
     Arrays, carried=True,
 ):  # fmt: skip
-    """What is saved of the steps of every world."""
+    """Quantities that are saved of the steps of every world."""
 
     def on_host(self) -> SavedRows:
-        """All arrays, worlds first: views on the CPU, one copy each from another device."""
+        """All arrays, world axis first: views on the CPU, one copy each from another device."""
         return {name: self.read(name) for name in self.declarations}
 
 
 def taken(ring: SavedRows, world: int, rows: range) -> SavedRows:
-    """Copies of these rows of a world, counted from the first that was ever saved; `ring`: of `Ring.on_host`."""
+    """Copies of these rows of a world, counted from the first row ever saved; `ring`: from `Ring.on_host`."""
     at = np.asarray(rows, dtype=int) % ring["saved_time"].shape[1]
     return {name: array[world, at] for name, array in ring.items()}
 
 
 def joined(chunks: Sequence[SavedRows]) -> SavedRows:
-    """Rows of all chunks, one at least, one behind the other."""
+    """Rows of all chunks (at least one), concatenated."""
     return {name: np.concatenate([chunk[name] for chunk in chunks]) for name in chunks[0]}

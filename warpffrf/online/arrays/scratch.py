@@ -1,5 +1,5 @@
-"""What happens between two states: arrays that a step makes anew. Those that are `carried` keep what an attempt before,
-or the set-up of the run, has left."""
+"""Scratch arrays, computed anew in each step. Those that are `carried` keep values of an earlier attempt or of the
+set-up of the run."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ RESTORED = {name: declaration for name, declaration in State.declarations.items(
 
 
 class Before(Arrays):
-    """What a rejected attempt puts back: arrays of the state as it was before the attempt."""
+    """What a rejected attempt restores: arrays of the state as they were before the attempt."""
 
     declarations = {
         f"{name}_before": replace(d, carried=False, restored=False, note="before the attempt")
@@ -44,7 +44,7 @@ class Before(Arrays):
 
 
 class Frames(Arrays):
-    """Arrays of structs that kernels define; these take them by themselves."""
+    """Arrays of structs that kernels define and take as separate arguments."""
 
     held: DeviceArray = structs(Held, "world", "pair", "column_point", note="contact frames, see `contact_wrench`")
     patch_row: DeviceArray = structs(Row, "world", "patch_pair", "patch_row", note="what its cells have in common")
@@ -66,18 +66,18 @@ KEPT = tuple(
     for name, declaration in declared_in(part).items()
     if declaration.carried
 )
-"""With friction on cells that travel with the patch: their compliances and factors, which serve from step to step as
-long as they are good."""
+"""With friction on contact-fixed cells: their compliances and factors, which are reused from step to step while they
+are accurate enough."""
 KEPT_OF_PATCHES = (
     "patch_change", "patch_steady", "patch_made", "lasting", "slot_of", "slot_hat", "J", "G", "order", "block",
     "factor",
 )  # fmt: skip
-"""Without: what an attempt begins with, and rows of G that stand from step to step. (Tables that are carried too are
-the same bits whenever they are laid.)"""
+"""Without it: what an attempt starts from, and rows of G that are kept from step to step. (Tables that are carried as
+well are bitwise the same whenever they are computed.)"""
 
 
 def scratch_for(worlds: Sequence[CompiledScene], sizes: Sizes, state: State) -> Scratch:
-    """Scratch arrays of a run of so many worlds, with the constants of interfaces in them."""
+    """Scratch arrays of a run of `worlds`, with the constants of interfaces set."""
     scratch = Scratch(sizes, worlds[0].device, state)
     scratch.film_stretch.fill_(1.0)
     scratch.slope.assign(np.concatenate([compiled.interface_modes.ravel() for compiled in worlds]))

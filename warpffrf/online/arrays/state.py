@@ -1,5 +1,5 @@
-"""What a step takes and leaves: the accepted state of every world, and what the next step needs to continue bit for
-bit. A checkpoint is all of it."""
+"""Input and output of a step: the accepted state of every world, with everything that the next step needs to continue
+bitwise identically. A checkpoint is all of it."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class State(
 
 
 def initial_state(worlds: Sequence[CompiledScene], sizes: Sizes) -> State:
-    """State at the initial pose and velocities of the scenes, one a world; accelerations and multipliers zero."""
+    """State at the initial pose and velocities of the scenes, one per world; accelerations and multipliers are zero."""
     state = State(sizes, worlds[0].device)
     state.slipping.fill_(1)
     _fill_films(worlds, state)
@@ -51,8 +51,8 @@ def initial_state(worlds: Sequence[CompiledScene], sizes: Sizes) -> State:
 
 
 def initial_motion(scene: Scene) -> dict[str, np.ndarray]:
-    """Places r (bodies, 3) of the centres of mass, orientations p (bodies, 4), and velocities v and omega (body axes)
-    that a scene begins with."""
+    """Initial positions r (bodies, 3) of the centres of mass, orientations p (bodies, 4), and velocities v and omega
+    (body axes) of a scene."""
     bodies = scene.bodies
     r, v, omega = (np.zeros((len(bodies), 3)) for _ in range(3))
     p = np.zeros((len(bodies), 4))
@@ -67,7 +67,7 @@ def initial_motion(scene: Scene) -> dict[str, np.ndarray]:
 
 
 def _fill_films(worlds: Sequence[CompiledScene], state: State) -> None:
-    """Full films without pressure but where it is given, of the gaps that the scene begins with."""
+    """Full films with zero pressure, except where it is prescribed, and the gaps of the initial configuration."""
     if not worlds[0].films.count:
         return
     for array, name in ((state.film_pressure, "given"), (state.film_mass, "begin")):

@@ -17,7 +17,7 @@ TYPES = {"float64": "real", "int32": "integer", "vec3d": "vector", "mat33d": "ma
 
 
 def markdown() -> str:
-    """All declarations, by class, and all axes that they have."""
+    """All declarations by class, and all axes that they use."""
     lines = [
         "# Arrays of a run",
         "",
@@ -47,7 +47,7 @@ def markdown() -> str:
 
 
 def topics() -> dict[str, Any]:
-    """Those of the model and its elements that have arrays, by the name of their field."""
+    """Topics of the model and its elements that have arrays, by the name of their field."""
     fields = {**vars(Model()), **vars(External()), **vars(Elements()), "films": Films()}
     found = {name: type(value) for name, value in fields.items() if hasattr(value, "declarations")}
     return {name: topic for name, topic in found.items() if topic.declarations}

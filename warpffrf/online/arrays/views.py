@@ -1,13 +1,12 @@
-"""The part that one world has in the arrays of several: what an engine of this world alone would have.
+"""The part of one world in the arrays of several: the arrays that an engine of this world alone would have.
 
-Worlds come first in every array, one behind the other, so that the part of a world is contiguous, and a view on it has
-the shape that the array has where there is but one world. What is launched on views works on this world alone. They
-are made when they are asked for, as a scene asks for few of all arrays. What has no worlds, the conditions of loops, is
-the same for all.
+The world axis is the first axis of every array, so the part of a world is contiguous, and a view on it has the shape
+that the array has for a single world. Launches on views affect this world only. Views are created on request, because
+a scene uses few of all arrays. Arrays without a world axis (the conditions of loops) are shared by all worlds.
 
-From another device every array of every world would be a copy of its own, some tens of microseconds each. So what is
-read of all arrays at once (`to_numpy`, `on_host`) comes out of copies that all worlds share (`OnHost`), as long as a
-world has not asked for one of its arrays, or for a launch on them, since they were stepped together (`Views.touched`).
+From another device, every array of every world would be a separate copy of some tens of microseconds. Reads of all
+arrays (`to_numpy`, `on_host`) therefore use copies that all worlds share (`OnHost`), as long as a world has not
+requested one of its arrays, or a launch on them, since the worlds were last stepped together (`Views.touched`).
 """
 
 from __future__ import annotations
@@ -31,22 +30,22 @@ class OnHost:
         self._held: dict[int, tuple[Any, np.ndarray]] = {}
 
     def forget(self) -> None:
-        """The arrays have changed."""
+        """Drop the copies, because the arrays have changed."""
         self._held.clear()
 
     def array(self, array: Any) -> np.ndarray:
-        """One of them, whole."""
+        """One array, all worlds."""
         if id(array) not in self._held:
             self._held[id(array)] = array, array.numpy()
         return self._held[id(array)][1]
 
 
 class Views(Bound):
-    """Views on the arrays that it is to `see`, by name, of `world` of `worlds`; those called `of_worlds` have worlds
-    first.
+    """Views on the part of `world` of `worlds` in the arrays passed to `see`, by name; the arrays `of_worlds` have the
+    world axis first.
 
-    An array that takes the place of another is one view with it. on_host: what all worlds read. `touched`: whether this
-    world may have changed its part since they were stepped together.
+    An array that shares the memory of another has one view with it. on_host: copies that all worlds read. `touched`:
+    whether this world may have changed its part since the worlds were last stepped together.
     """
 
     def __init__(self, world: int, worlds: int, of_worlds: tuple[str, ...], on_host: OnHost) -> None:
@@ -57,7 +56,7 @@ class Views(Bound):
         self._made: dict[int, Any] = {}  # by the identity of the array
 
     def see(self, arrays: Mapping[str, Any]) -> None:
-        """`arrays` from now on, also where views are held already (`part`)."""
+        """Use `arrays` from now on, also where views already exist (`part`)."""
         self.clear()
         self._made.clear()
         self._arrays, self.touched = arrays, True
@@ -75,11 +74,11 @@ class Views(Bound):
         return array[self._places(array)] if name in self._of_worlds else array
 
     def _places(self, array: Any) -> slice:
-        each = array.shape[0] // self._worlds  # of a run, whose axes are one, all that the world has
+        each = array.shape[0] // self._worlds  # of a run whose axes are one: everything that the world has
         return slice(self._world * each, (self._world + 1) * each)
 
     def numpy(self, name: str) -> np.ndarray:
-        """The part of this world in an array, on the host, to be read only."""
+        """The part of this world in an array on the host, read-only."""
         if self.touched:
             return self[name].numpy()
         found = self._on_host.array(self._arrays[name])
@@ -87,7 +86,7 @@ class Views(Bound):
 
 
 def part(arrays: Kind, views: Views) -> Kind:
-    """`arrays` as the world of `views` has them."""
+    """`arrays` as seen by the world of `views`."""
     found = object.__new__(_part_of(type(arrays)))
     vars(found)["_views"] = views
     return found
@@ -95,7 +94,7 @@ def part(arrays: Kind, views: Views) -> Kind:
 
 @functools.cache
 def _part_of(kind: Any) -> Any:
-    """The class of parts of the arrays `kind`, which finds its attributes in views."""
+    """The class of parts of the arrays `kind`, which looks up its attributes in views."""
 
     def __getattr__(self: Any, name: str) -> Any:
         if name not in kind.declarations:

@@ -1,1 +1,1 @@
-"""The program of a step: launches that bind arrays by name, participants that put them into phases, and the graph."""
+"""The program of a step: launches with arrays by name, participants that assign them to phases, and the graph."""

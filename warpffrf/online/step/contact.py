@@ -27,11 +27,11 @@ from warpffrf_kernels.normal import (
 from warpffrf_kernels.patch import between, cells, fields, near, place, spline_tables, system
 from warpffrf_kernels.step import leaps
 
-BESIDE = "pair_beside"  # bodies that several pairs load
-LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of geometry
+BESIDE = "pair_beside"  # bodies that are loaded by several pairs
+LINE, POINT, FEW = "line_pair", "point_pair", "few_pair"  # families of kinematics
 TOUCHING = "patch_beside"  # several of these on one body
-PATCH = "patch_pair"  # pressures on cells that travel with the patch
-HATS = "hat_pair"  # pressures on hats of the first grid
+PATCH = "patch_pair"  # pressures on contact-fixed cells
+HATS = "hat_pair"  # pressures at the nodes of the first grid
 STEP = {"amplitude": "modal_step", "of_state": 0, "first_field": "first_step", "second_field": "second_step"}
 
 CONTACT = Participant(

@@ -1,4 +1,4 @@
-"""Oil films: gaps, pressures and forces, what is left of them for bodies and modes, and what a step keeps."""
+"""Oil films: gaps, pressures and forces, the resulting loads on bodies and modes, and what a step stores."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""Friction of the pairs that have any: cells, slip and tractions, and the solve for stick and slip.
+"""Friction of the pairs that have it: cells, slip and tractions, and the solution for stick and slip.
 
-Within one Newton iteration the tractions are solved for when the pressures and their active set have settled, with
-bodies, modes, joints and the pressures of that set condensed into them, and in rounds with the bounds, which follow the
-pressures.
+Within one Newton iteration the tractions are solved for once the pressures and their active set have converged. Bodies,
+modes, joints and the pressures of that set are condensed into them. The solution alternates with updates of the bounds,
+which follow the pressures.
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ from warpffrf_kernels.friction import (
 from warpffrf_kernels.rolling import couple, entering, fields, places, shear, spline_tables, system
 from warpffrf_kernels.rolling import history as rolling_history
 
-GRID = "grid_rubbing"  # pairs whose cells are bound to the material of the first surface
-ROLLING = "rolling_pair"  # where some travel with the patch
-SPEED = "speed_pair"  # where a coefficient depends on the slip speed
+GRID = "grid_rubbing"  # pairs whose cells are fixed to the material of the first surface
+ROLLING = "rolling_pair"  # pairs whose cells are contact-fixed
+SPEED = "speed_pair"  # pairs whose coefficient depends on the slip speed
 LIMITS = {"radius": "cell_radius", "softness": "cell_softness"}
 
 
 def bounds(of_state: int) -> list[Launch]:
-    """mu p of the cells, of the state or of the pressures just found; with those of the state tractions are cut."""
+    """mu p of the cells, of the state or of the pressures just found; tractions are limited by that of the state."""
     return [
         blocks(traction_bounds.bound_cells, "pair", when=GRID, clip=of_state),
         blocks(places.bound_patch_cells, "pair", when=ROLLING, clip=of_state),
@@ -46,7 +46,7 @@ def bounds(of_state: int) -> list[Launch]:
 
 
 def press(pressure: str, load: str, of_state: int) -> Launch:
-    """What pressures, or changes of them, move along the surfaces."""
+    """Tangential displacements due to pressures, or to changes of them."""
     return blocks(
         tangential_fields.press_cells, "pair", when=GRID, pressure=pressure, second_load=load, of_state=of_state
     )

@@ -1,8 +1,8 @@
 """The step as a graph: recorded once, replayed until a chunk of steps is done.
 
-One attempt of a step is: begin, predict, the Newton loop (evaluate, is it balanced? condense, contact, advance),
-velocities projected and the local error estimated where asked for, ledger, decision, what is kept or restored, record.
-What a scene does not have (contact, modes, inertia terms, rows, loads) records no kernel. Nothing here runs on the host
+One attempt of a step consists of: begin, predict, the Newton loop (evaluate, check the balance, condense, contact,
+advance), optional projection of velocities and local error estimate, ledger, decision, commit or restore, record.
+Parts that a scene does not have (contact, modes, inertia terms, rows, loads) record no kernel. Nothing runs on the host
 while a graph replays.
 """
 
@@ -29,7 +29,7 @@ STARTING = ("v_rate", "v_alg", "omega_rate", "omega_alg", "qd_rate", "qd_alg")
 
 
 class Parts(ABC):
-    """A step on the arrays of `program`: its parts by themselves, launched one by one, and many attempts of it."""
+    """A step on the arrays of `program`: its parts, launched one by one, and many attempts of it."""
 
     def __init__(
         self, compiled: CompiledScene, state: State, scratch: Scratch, pattern: OuterPattern, program: Program
@@ -39,8 +39,8 @@ class Parts(ABC):
 
     @abstractmethod
     def replay(self, budget: int | np.ndarray) -> float:
-        """Attempt steps until every world has reached its target or failed, each at most `budget` times: one number
-        for all, or one for each; returns the wall time [s]."""
+        """Attempt steps until every world has reached its target or failed, at most `budget` times each: one number for
+        all worlds, or one per world. Returns the wall time [s]."""
 
     def evaluate(self) -> None:
         """Trial state of the increments, its unbalanced forces and rows, the diagonal of the tangent, gaps and contact
@@ -48,19 +48,19 @@ class Parts(ABC):
         self.program.run(phases.EVALUATION)
 
     def move_and_load(self) -> None:
-        """The part of `evaluate` that leaves contact out."""
+        """The part of `evaluate` without contact."""
         self.program.run(phases.MOVE_AND_LOAD)
 
     def contact(self) -> None:
-        """The rest of it."""
+        """The contact part of `evaluate`."""
         self.program.run(phases.CONTACT)
 
     def assemble(self) -> None:
-        """The outer matrix and its right-hand side, of what `evaluate` has left."""
+        """The retained matrix and its right-hand side, from the last `evaluate`."""
         self.program.run(("assemble",))
 
     def iterate(self) -> None:
-        """One Newton iteration: the linearised step, and the increments with it where the active set has settled."""
+        """One Newton iteration: the linearised step, with the increments once the active set has converged."""
         self.program.run((*phases.EVALUATION, *phases.JUDGEMENT))
         running: Any = self.scratch.running
         wp.capture_if(running, lambda: self.program.run(phases.SOLUTION))
@@ -70,16 +70,16 @@ class Parts(ABC):
         self.program.run(phases.RECORD)
 
     def commit(self) -> None:
-        """Make history of what was evaluated last, where `commit` is set."""
+        """Update the history with the last evaluation where `commit` is set."""
         self.program.run(("commit",))
 
     @property
     def remembers(self) -> bool:
-        """Whether the scene has anything that `commit` is for."""
+        """Whether the scene has anything for `commit` to store."""
         return any(True for _ in phases.launches(self.program.parts["commit"], self.program.sizes))
 
     def open_books(self) -> None:
-        """The energies of the state that was evaluated last, in every world, as the first of the ledger."""
+        """Set the initial energies of the ledger to those of the last evaluated state, in every world."""
         words = self.state.ctl.numpy().copy()
         words["attempt"] = 1
         self.state.ctl.assign(words)
@@ -91,7 +91,7 @@ class Parts(ABC):
         self.state.energy.assign(lines)
 
     def stand_still(self) -> None:
-        """Before an evaluation that is no part of an attempt: accelerations as they are, no pair impulsive."""
+        """Prepare an evaluation outside an attempt: keep the accelerations, mark no pair as impulsive."""
         s, x = self.state, self.scratch
         if self.compiled.model.pairs.count:
             for name in STARTING:
@@ -101,7 +101,7 @@ class Parts(ABC):
 
 
 class StepGraph(Parts):
-    """Records the loop over attempts on a device; `replay(budget)` runs it. `worlds`: the scene of each."""
+    """Records the loop over attempts on a device; `replay(budget)` runs it. `worlds`: the scene of each world."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Friction in joints: stick and slip of its rows, what they lose, and what is kept of them."""
+"""Friction in joints: stick and slip of its rows, dissipation, and what is stored."""
 
 from __future__ import annotations
 

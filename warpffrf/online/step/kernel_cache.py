@@ -1,11 +1,11 @@
-"""Warp's cache of compiled kernels: what is loaded from it is what the compiler wrote.
+"""Warp's cache of compiled kernels: files are loaded only as the compiler wrote them.
 
-Warp loads an object file as it finds it; damage to one crashes the process or stops every run until someone deletes the
-folder. So a module's folder gets a seal, the sha256 of its files, when it has been compiled and loaded. A folder
-without a seal, or with another content, is removed and compiled anew. While one process has a module in hand, others
-wait for it at a lock file (where there are such locks), and find it compiled.
+Warp loads an object file without a check; a damaged file crashes the process or stops every run until the folder is
+deleted. Each module's folder therefore gets a seal, the sha256 of its files, once it has been compiled and loaded. A
+folder without a seal, or with different content, is removed and recompiled. While one process handles a module, others
+wait at a lock file (where file locks are available), and then find it compiled.
 
-Compilations that were killed leave folders `*_pPID_tTHREAD`; those of processes that have ended are removed.
+Killed compilations leave folders `*_pPID_tTHREAD`; those of processes that have ended are removed.
 """
 
 from __future__ import annotations
@@ -30,21 +30,21 @@ from warpffrf.model.files.paths import lives
 
 try:
     import fcntl
-except ImportError:  # Windows: processes that start at once compile side by side, as Warp lets them
+except ImportError:  # Windows: processes that start simultaneously compile in parallel, as Warp allows
     fcntl = None
 
 logger = logging.getLogger("warpffrf.online")
 SEAL = "warpffrf.seal"
 SOURCES = (".cpp", ".cu")
 UNFINISHED = re.compile(r"wp_.*_p([0-9]+)_t[0-9]+")
-UNFINISHED_FOR = 600.0  # seconds without a change; its process may be one of another machine or container
+UNFINISHED_FOR = 600.0  # seconds without a change; its process may belong to another machine or container
 
-_known: set[Path] = set()  # folders that this process has seen whole, or sealed
-_in_hand = threading.local()  # names of the modules that a thread has in hand: their locks are not asked for again
+_known: set[Path] = set()  # folders that this process has verified or sealed
+_in_hand = threading.local()  # names of the modules that a thread handles: their locks are not acquired again
 
 
 def check_place() -> None:
-    """Raise `InputError` where the folder that `WARP_CACHE_PATH` names cannot be one that kernels are written to."""
+    """Raise `InputError` if the folder named by `WARP_CACHE_PATH` cannot be written to."""
     place = os.environ.get("WARP_CACHE_PATH")
     if not place or wp.config.kernel_cache_dir is not None:
         return
@@ -58,7 +58,7 @@ def check_place() -> None:
 
 
 def remove_unfinished() -> None:
-    """Remove the folders that killed compilations of this machine have left."""
+    """Remove the folders that killed compilations on this machine have left."""
     for folder in Path(wp.config.kernel_cache_dir or ".").glob("wp_*_p*_t*"):
         found = UNFINISHED.fullmatch(folder.name)
         try:
@@ -66,14 +66,14 @@ def remove_unfinished() -> None:
                 shutil.rmtree(folder)
                 logger.info("kernel cache: %s, left by a process that has ended, is removed", folder.name)
         except OSError:
-            continue  # it costs space only
+            continue  # it only occupies disk space
 
 
 @contextmanager
 def sound(module: Any) -> Iterator[None]:
-    """Load the Warp `module` within this block: its folders in the cache are whole before and sealed behind.
+    """Load the Warp `module` within this block: its cached folders are verified before and sealed afterwards.
 
-    Raises `InputError` for a damaged folder that cannot be removed.
+    Raises `InputError` if a damaged folder cannot be removed.
     """
     root, name = Path(wp.config.kernel_cache_dir or "."), f"wp_{module.name}"
     names: set[str] = vars(_in_hand).setdefault("names", set())
@@ -94,7 +94,7 @@ def sound(module: Any) -> Iterator[None]:
 
 
 def _folders(root: Path, name: str) -> list[Path]:
-    """The folders of a module, one for each content and size of blocks, that this process has not yet looked at."""
+    """The folders of a module, one per content and block size, that this process has not yet checked."""
     pattern = re.compile(re.escape(name) + "_[0-9a-f]{7}")
     found = [root / entry for entry in os.listdir(root) if pattern.fullmatch(entry)]
     return [folder for folder in found if folder not in _known]
@@ -108,7 +108,7 @@ def _remove(folder: Path) -> None:
     try:
         shutil.rmtree(folder)
     except OSError as error:
-        if not damaged:  # a cache that was made beforehand and may not be written to
+        if not damaged:  # a read-only cache that was prepared in advance
             logger.warning("kernel cache: %s has no seal and cannot be removed, it is used as it is", folder)
             return
         raise InputError(
@@ -118,7 +118,7 @@ def _remove(folder: Path) -> None:
 
 
 def _digests(folder: Path) -> dict[str, str]:
-    """sha256 of each file that is loaded; the sources beside them are not."""
+    """sha256 of each file that is loaded; source files are excluded."""
     return {
         path.name: hashlib.sha256(path.read_bytes()).hexdigest()
         for path in sorted(folder.iterdir())
@@ -137,7 +137,7 @@ def _is_sealed(folder: Path) -> bool:
 
 
 def _seal(folder: Path) -> None:
-    """Write the seal. A cache that cannot be written to is compiled anew next time."""
+    """Write the seal. A cache that cannot be written to is recompiled next time."""
     part = folder / f"{SEAL}.{os.getpid()}"
     try:
         text = json.dumps(_digests(folder))
@@ -150,7 +150,7 @@ def _seal(folder: Path) -> None:
 
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
-    """Hold the lock file `path`, where the system and the disk have such locks."""
+    """Hold the lock file `path`, if the system and the file system support such locks."""
     try:
         lock = path.open("ab") if fcntl is not None else None
     except OSError:
@@ -160,7 +160,7 @@ def _alone(path: Path) -> Iterator[None]:
         return
     with lock:
         try:
-            fcntl.flock(lock, fcntl.LOCK_EX)  # let go of when the file is closed, by a kill too
+            fcntl.flock(lock, fcntl.LOCK_EX)  # released when the file is closed, also if the process is killed
         except OSError:
             pass
         yield

@@ -1,4 +1,4 @@
-"""Laps: forces of their cells, what these do to bodies and modes, their tangent, and what a step keeps of them."""
+"""Small-sliding contacts: forces of their cells, loads on bodies and modes, tangents, and what a step stores."""
 
 from __future__ import annotations
 

@@ -2,10 +2,10 @@
 
     blocks(motion.predict_bodies, v_rate="v_rate0")
 
-launches the kernel with the topics that it takes (structs of arrays, `warpffrf_kernels.core.declaration.topic`), and
-the array of each other parameter's own name, but for those that are renamed here; a number is passed as it is. Names,
-types and axes are held against the declarations (`online.arrays`) where the launch stands, at import: a kernel whose
-argument no array declares is refused there.
+launches the kernel with the topics that it takes (structs of arrays, `warpffrf_kernels.core.declaration.topic`). Each
+other parameter receives the array of the same name, unless it is renamed here; a number is passed as it is. Names,
+types and axes are checked against the declarations (`online.arrays`) when the launch is defined, at import: a kernel
+with an argument that no array declares is rejected there.
 """
 
 from __future__ import annotations
@@ -27,15 +27,15 @@ CONSTANTS = ("models", "patterns")  # of the scene, in structs
 
 
 class All(State, Ring, Scratch):
-    """Every array that a launch may name; raises TypeError at import where two have the same name."""
+    """Every array that a launch may name; raises TypeError at import if two have the same name."""
 
 
 DECLARED: dict[str, Declaration] = All.declarations
 
 
 class Launch:
-    """A kernel with the topics and arrays it works on, in the places `over`, where the scene has `when`; `block`: a
-    block of lanes per place, not a thread."""
+    """A kernel with its topics and arrays, launched over the axes `over` if the scene has `when`; `block`: one block of
+    lanes per entry instead of one thread."""
 
     def __init__(self, kernel: Any, over: tuple[str, ...], when: str, block: bool, given: Mapping[str, str | int]):
         self.kernel, self.over, self.when, self.block = kernel, over, when, block
@@ -71,14 +71,14 @@ class Launch:
             )
 
     def arguments(self, arrays: Mapping[Any, Any]) -> list[Any]:
-        """What the kernel is given, in its order; an array of several axes is flat where the kernel takes one."""
+        """Arguments of the kernel in its order; an array of several axes is flattened if the kernel takes one axis."""
         found = []
         for name, parameter in zip(self.bound, self.kernel.adj.args, strict=True):
             found.append(name if isinstance(name, int) else as_taken(arrays[name], parameter.type))
         return found
 
     def present(self, sizes: Mapping[str, int]) -> bool:
-        """Whether the scene has what it is for."""
+        """Whether the scene has the parts that the launch is for."""
         return not self.when or sizes[self.when] > 0
 
     def go(self, arrays: Mapping[Any, Any], sizes: Mapping[str, int], device: str) -> None:
@@ -91,12 +91,12 @@ class Launch:
 
 
 def blocks(kernel: Any, *over: str, when: str = "", **given: str | int) -> Launch:
-    """One block of lanes for each world, and each place along the axes `over` beside."""
+    """One block of lanes for each world and each entry along the axes `over`."""
     return Launch(kernel, ("world", *over), when, True, given)
 
 
 def threads(kernel: Any, *over: str, when: str = "", **given: str | int) -> Launch:
-    """One thread for each world, and each place along the axes `over` beside."""
+    """One thread for each world and each entry along the axes `over`."""
     return Launch(kernel, ("world", *over), when, False, given)
 
 

@@ -1,4 +1,4 @@
-"""Layers whose yield is no constant (`warpffrf_kernels.layers.weak_layer`, `layer_energy`)."""
+"""Layers with nonlinear or damped laws (`warpffrf_kernels.layers.weak_layer`, `layer_energy`)."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The ledger of energies, the watch over it, and the rows that are saved."""
+"""The energy ledger, its monitoring, and the saved rows."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
-"""Lumped contacts of rigid surfaces: forces at their nearest places, moments against rolling and pivoting where a scene
-has some, their tangents, and what a step keeps of them."""
+"""Lumped contacts of rigid surfaces: forces at their closest points, moments that resist rolling and pivoting (if any),
+their tangents, and what a step stores."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Kernel modules of a scene, compiled side by side, or read from Warp's cache."""
+"""Kernel modules of a scene, compiled in parallel or read from Warp's cache."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from warpffrf.online.step import kernel_cache
 from warpffrf.online.warp_start import quiet
 from warpffrf_kernels.core.scalars import BLOCK
 
-MOST_AT_ONCE = 8  # a compiler takes some hundred megabytes
-READ_BY = 2.0  # s in which modules that are in the cache have been read
+MOST_AT_ONCE = 8  # a compiler needs several hundred megabytes
+READ_BY = 2.0  # s, within which cached modules have been loaded
 
 log = logging.getLogger("warpffrf")
 
 
 def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
-    """Load the Warp `modules`, which cannot be done while a graph is being captured; `progress`: a bar, or log lines,
-    where they have to be compiled."""
+    """Load the Warp `modules`, which is impossible while a graph is being captured; `progress`: show a bar, or log
+    lines, if they have to be compiled."""
     wanted = list(dict.fromkeys(modules))
     bar = Progress("compile kernels", len(wanted), enabled=progress, unit="module", timed=False)
     try:
@@ -38,7 +38,7 @@ def load(modules: Iterable[Any], device: str, *, progress: bool) -> None:
                 for done, future in enumerate(as_completed(running), start=1):
                     future.result()
                     bar.update(done)
-            except BaseException:  # an interruption too: what is being compiled ends, the rest does not begin
+            except BaseException:  # also an interruption: running compilations finish, the rest does not start
                 pool.shutdown(cancel_futures=True)
                 raise
     finally:

@@ -1,4 +1,4 @@
-"""Bodies, modes, rows and loads: their motion, their forces, and what a step keeps of them."""
+"""Bodies, modes, rows and loads: their motion and forces, and what a step stores."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The outer linear system: bodies, modes with inertia and rows; its increments, and the loop that they end."""
+"""The retained linear system (bodies, modes with inertia, rows), its increments, and the loop that they end."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""Phases of a step, and the participants that put launches into them.
+"""Phases of a step, and the participants that add launches to them.
 
-A participant names the launches that it adds to each phase; within a phase they stand in the order of the participants.
-The tests check the order of every program that they make (`tests/launch_order`), from what kernels read and write
-according to their source: a scratch array that a launch reads, or changes, has to be set by one before it, unless it is
-declared as `carried`, and within a phase nothing is read that is set anew after it. They run scenes with scratch that
-holds NaN between attempts, too (`tests/online/test_program.py`). Phase `commit` is for what remembers a history, which
-not every accepted attempt adds to (`warpffrf_kernels.step.proximal`).
+A participant names the launches that it adds to each phase; within a phase they follow the order of the participants.
+The tests check the order of every program that they create (`tests/launch_order`), from what kernels read and write
+according to their source: a scratch array that a launch reads or changes must be set by an earlier launch, unless it is
+declared as `carried`, and within a phase nothing is read that is set anew later. They also run scenes with scratch
+filled with NaN between attempts (`tests/online/test_program.py`). Phase `commit` is for quantities with a history, to
+which not every accepted attempt adds (`warpffrf_kernels.step.proximal`).
 """
 
 from __future__ import annotations
@@ -43,12 +43,12 @@ DECISION = (
     "count",
 )
 REPEATED = {"increase_again": ("increase", "friction_pair")}
-"""A phase that is another one, where the scene has something."""
+"""Replaces a phase by another one if the scene has something."""
 PHASES = tuple(dict.fromkeys(p for p in (*ATTEMPT, *ITERATION, *DECISION) if p not in REPEATED))
 
 
 class Loop:
-    """Launches that are repeated while the array `condition` is not zero; it is set to one before."""
+    """Launches that are repeated while the array `condition` is nonzero; it is set to one before."""
 
     def __init__(self, condition: str, body: Sequence[Launch | Loop]) -> None:
         self.condition, self.body = condition, list(body)
@@ -58,7 +58,7 @@ Part = Launch | Loop
 
 
 class Participant:
-    """What takes part in a step where the scene has `when`: launches by phase."""
+    """A part of the step, present if the scene has `when`: launches by phase."""
 
     def __init__(self, name: str, when: str = "", **phases: Sequence[Part]) -> None:
         for phase in phases:
@@ -68,7 +68,7 @@ class Participant:
 
 
 Placed = tuple[tuple[str, ...], Part]
-"""What the scene must have, and what is launched then."""
+"""What the scene must have, and what is then launched."""
 
 
 def collect(participants: Sequence[Participant], phase: str) -> list[Placed]:
@@ -82,7 +82,7 @@ def collect(participants: Sequence[Participant], phase: str) -> list[Placed]:
 
 
 def record(parts: Sequence[Placed], arrays: Mapping[Any, Any], sizes: Mapping[str, int], device: str) -> None:
-    """Launch the parts that the scene has, or record them where a graph is being captured."""
+    """Launch the parts that the scene has, or record them while a graph is being captured."""
     for needs, part in parts:
         if not all(sizes[name] for name in needs):
             continue
@@ -96,7 +96,7 @@ def record(parts: Sequence[Placed], arrays: Mapping[Any, Any], sizes: Mapping[st
 
 
 def launches(parts: Sequence[Placed], sizes: Mapping[str, int]) -> Iterator[tuple[Launch, bool]]:
-    """The launches that a scene of these sizes has, loops opened, and whether each is repeated by a loop."""
+    """The launches of a scene of these sizes, with loops expanded, and whether each is repeated by a loop."""
     for needs, part in parts:
         if not all(sizes[name] for name in needs):
             continue

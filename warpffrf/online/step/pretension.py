@@ -1,4 +1,4 @@
-"""Pretensions: the pull of their rows, and the lengths that they lock."""
+"""Pretensions: the forces of their rows, and the lengths that they lock."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The program of a scene: all participants, in the order in which they act within a phase."""
+"""The program of a scene: all participants, in their order within a phase."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ WHOLE = (*phases.ATTEMPT, *phases.ITERATION, *phases.DECISION)
 
 
 class Program:
-    """The launches of a scene on its arrays; `run` of some phases, in order."""
+    """The launches of a scene on its arrays; `run` executes phases in order."""
 
     def __init__(
         self, compiled: CompiledScene, sizes: Sizes, owners: Sequence[Arrays], constants: dict[str, object]
@@ -41,20 +41,20 @@ class Program:
         arrays = {name: getattr(owner, name) for owner in owners for name in owner.declarations}
         self.arrays: Mapping[Any, Any] = Bound(arrays | constants)
         self.parts = {phase: phases.collect(PARTICIPANTS, phase) for phase in WHOLE}
-        for launch in self.launches():  # topics are made here: what is made while a graph is captured is not there yet
+        for launch in self.launches():  # allocates the topics: what is created during capture does not exist yet
             launch.arguments(self.arrays)
 
     def on(self, arrays: Mapping[Any, Any], sizes: Sizes) -> Program:
-        """The same launches on other arrays, which are for a scene with the same axes but for the worlds."""
+        """The same launches on other arrays, for a scene whose axes are the same except for the worlds."""
         found = copy.copy(self)
         found.arrays, found.sizes = arrays, sizes
         return found
 
     def run(self, names: Sequence[str]) -> None:
-        """Launch these phases, or record them where a graph is being captured."""
+        """Launch these phases, or record them while a graph is being captured."""
         for name in names:
             phases.record(self.parts[name], self.arrays, self.sizes, self.device)
 
     def launches(self) -> list[Launch]:
-        """All launches of the scene, for what they need to be compiled."""
+        """All launches of the scene, to compile their modules."""
         return [launch for phase in WHOLE for launch, _ in phases.launches(self.parts[phase], self.sizes)]

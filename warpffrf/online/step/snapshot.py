@@ -1,4 +1,4 @@
-"""What of the state a rejected attempt puts back, see `warpffrf_kernels.step.snapshot`."""
+"""Parts of the state that a rejected attempt restores, see `warpffrf_kernels.step.snapshot`."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ COPY = {wp.float64: snapshot.copy_reals, wp.int32: snapshot.copy_integers}
 
 
 def copies(source: str, target: str, *, rejected: int) -> list[Launch]:
-    """One launch for each array that is restored, `{}` its name, where the scene has its last axis.
+    """One launch for each array that is restored, with name `{}`, if the scene has its last axis.
 
-    Raises TypeError at import for an array that is none of pairs, or not of numbers.
+    Raises TypeError at import for an array that has no pair axis, or is not numeric.
     """
     found = []
     for name, d in RESTORED.items():
