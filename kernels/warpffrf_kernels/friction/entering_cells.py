@@ -17,8 +17,8 @@ ahead of the node: then (1 - phi)/phi = a/d - 1. The pressure of the last node g
 the edge beyond it, up to 0.91 of its neighbour's a column later (half-planes of 5 to 12 cells in a half-width, every
 phase). A cell's front makes contact half a column before its node; 1/8 is added to d. The factor 2 and the 1/8 are
 measured: with them the error of Carter's force is 0.5 % at eight cells in a half-width, at every phase of the grid and
-at up to two cells per step; without this softness it is 1 to 6 % high, depending on the phase, and 3 to 7 % at two
-(docs/studies/carter.md).
+at up to two cells per step; with cells that count the whole step it is 1 to 6 % high, depending on the phase, and
+3 to 7 % at two (docs/studies/carter.md).
 
 A node that was under pressure before is not reached anew, whatever the computed advance (which may jump if there are
 two patches). The advance along the rows is not known: cells reached in that direction count the whole step.

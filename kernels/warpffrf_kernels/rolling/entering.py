@@ -24,7 +24,7 @@ with an error of 5 to 25 % of mu p at one length, of up to 47 % at several (on h
 half-width); at most a tenth of that relative to the largest load of the scene.
 
 Measured on half-planes (docs/studies/patch_rolling.md): Carter's force within 1 % of mu P from five cells in a
-half-width on, 0.1 to 4 cells per step, at every phase; without this softness it is 3 to 10 % high.
+half-width on, 0.1 to 4 cells per step, at every phase; with cells that count the whole step it is 3 to 10 % high.
 """
 
 import warp as wp
