@@ -1,4 +1,4 @@
-"""Friction in joints -> rows without stiffness, and what bounds their forces (`kernels joint_friction`)."""
+"""Friction in joints -> rows without stiffness, and the bounds of their forces (`kernels joint_friction`)."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ class SlipTable:
 
     laws: dict[str, SlipLaw] = field(default_factory=dict)
     rows: dict[str, list[int]] = field(default_factory=dict)
-    held: dict[str, list[int]] = field(default_factory=dict)  # rows of the joints that press
+    held: dict[str, list[int]] = field(default_factory=dict)  # rows of the joints whose reactions act normally
 
 
 def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTable:
-    """Enter the rows, behind those of the joints and before those of springs; a note where the reactions that press
-    are not determined."""
+    """Enter the rows, after those of the joints and before those of springs; a note where the normal reactions are not
+    determined.
+    """
     table = SlipTable()
     for item in collector.scene.forces:
         if not hasattr(item, "slip"):

@@ -1,24 +1,24 @@
-r"""What is said of pairs whose pressures stand on cells that travel with the patch: where they are not fine enough, and
-where the half-space under them is not what the bodies are.
+r"""Notes on pairs on contact-fixed grids: where cells are not fine enough, and where the half-space under them does not
+represent the bodies.
 
-Undeformed normal. What it costs where gaps are taken along undeformed normals, or nearly so.
+Undeformed normal. Error of gaps that are measured along undeformed normals, or nearly so.
 
-A soft surface also moves along itself, by u_t outwards from under the load, and where the partner is inclined by x/R*
-that opens the gap by u_t x/R*. To first order in x/R* that is in the compliance of soft bodies
-(`warpffrf.offline.contact.local_mass`). What is left, of second order, makes the line load at a given approach too high
-by up to
+A soft surface also moves tangentially, by u_t outwards from under the load, and where the partner is inclined by x/R*
+that opens the gap by u_t x/R*. To first order in x/R* this is in the compliance of soft bodies
+(`warpffrf.offline.contact.local_mass`). The remainder, of second order, makes the line load at a given approach too
+high by up to
 
     0.7 (b/R*)^2,
 
-b the half-width, 1/R* the relative curvature. Where the first order is not there, as with dynamic local modes, or not
-all of it, as on a surface that serves partners of different curvature, the load is too high by
+b the half-width, 1/R* the relative curvature. Where the first order is missing, as with dynamic local modes, or
+incomplete, as on a surface with partners of different curvature, the load is too high by
 
-    error = b^2/(R* H) (0.45 + b/(2 H)) ((nu - 0.3)/0.2)^2,      nothing to speak of below nu = 0.3,
+    error = b^2/(R* H) (0.45 + b/(2 H)) ((nu - 0.3)/0.2)^2,      negligible below nu = 0.3,
 
-since what is pressed out from under the load passes through the depth H of the material sideways, u_t ~ delta b/H; nu
-is Poisson's ratio; of two soft bodies the mean weighted by (1 - nu^2)/E. Fitted to finite elements with the normal of
-the partner (tests/verification, `plane_strain_cover`, bonded inside, R/H 1.4 to 10, b/H 0.1 to 1.3). Surfaces that are
-touched in points are not judged.
+since the material displaced from under the load passes sideways through the depth H of the material, u_t ~ delta b/H;
+nu is Poisson's ratio; for two soft bodies the mean weighted by (1 - nu^2)/E. Fitted to finite elements with the normal
+of the partner (tests/verification, `plane_strain_cover`, bonded inside, R/H 1.4 to 10, b/H 0.1 to 1.3). Point contacts
+are not evaluated.
 """
 
 from __future__ import annotations
@@ -37,15 +37,16 @@ from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.off_end import shares_at_ends
 from warpffrf.online.history.history import ContactHistory, History
 
-FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 forces err by 0.1 %, peaks by 0.9 %
-# longest facet edges between two patches: nearer, forces err by 1 %; on a sphere, where patches feel each other by the
-# mesh alone, what one does to the other errs by 2 % and more
+FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the error of forces is 0.1 %, of peaks 0.9 %
+# longest facet edges between two patches: nearer, the error of forces is 1 %; on a sphere, where patches influence each
+# other by the mesh alone, the error of this influence is 2 % and more
 APART, APART_ON_SPHERES = 1.5, 6.0
-ROLLED = 0.1  # of W: less is a contact that does not roll
-WIDE = 0.9  # of WHOLE that a patch may span without a word
+ROLLED = 0.1  # of W: with less the contact does not roll
+WIDE = 0.9  # of WHOLE: span of a patch without a note
 ROUND_OFF = 1e-6  # of W
-SHORT = 0.5  # of the half-width: last rows of patches that run off an end, without a word
-CLEAR = 2.0  # half-lengths of the patch of a point contact from an end: nearer, what the end adds varies over the patch
+SHORT = 0.5  # of the half-width: last rows of patches that run off an end, without a note
+# half-lengths of the patch of a point contact from an end: nearer, the contribution of the end varies over the patch
+CLEAR = 2.0
 
 
 def cell_notes(contact: Contact, found: ContactHistory, history: History) -> list[str]:
@@ -87,7 +88,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
 
 
 def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
-    """A patch that is larger than its cells may become, whose outermost ones bear what lies beyond."""
+    """A patch that is larger than its cells may become; its outermost cells carry the load beyond."""
     cells, p = found.cells, found.pressure
     if cells is None:
         return []
@@ -105,7 +106,7 @@ def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def _unsymmetric(contact: Contact) -> list[str]:
-    """Surfaces on whose mesh the half-space that was taken out of the far field is not symmetric."""
+    """Surfaces with a mesh on which the half-space subtracted from the far field is not symmetric."""
     sides = [(port.label, getattr(port.surface.far, "asymmetry", 0.0)) for port in contact.ports if not port.rigid]
     return [
         f"contact {contact.name!r}: the half-space on the mesh of {label} is not symmetric ({asymmetry:.0%}): forces "
@@ -117,7 +118,7 @@ def _unsymmetric(contact: Contact) -> list[str]:
 
 
 def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
-    """A point contact so close to an end that what the end adds is not the same all over the patch."""
+    """A point contact so close to an end that the contribution of the end varies over the patch."""
     cells, under = found.cells, np.any(found.pressure > 0.0, axis=1)
     ends = end_places(contact)
     if cells is None or not ends or not under.any():
@@ -137,7 +138,7 @@ def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
-    """A crowned line contact that runs off an end, where the last row is long, or the partner goes on beyond."""
+    """A crowned line contact that runs off an end, where the last row is long, or the partner extends beyond."""
     cells = found.cells
     if cells is None or not is_crowned(contact):
         return []
@@ -164,7 +165,7 @@ def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def _travelled(contact: Contact, found: ContactHistory, history: History) -> list[str]:
-    """A line contact whose partner has moved along the axis: its ends are where they were at the start."""
+    """A line contact whose partner has moved along the axis: its ends are modelled at their initial positions."""
     a, b = contact.a, contact.b
     if found.cells is None or b.rigid or getattr(b.surface.far, "ends", ()) == ():
         return []
@@ -189,7 +190,8 @@ def _turns(rotation: np.ndarray) -> np.ndarray:
 
 def _cut(contact: Contact, found: ContactHistory) -> list[str]:
     """A note for each surface on whose end across the patch has been cut: cells beyond the outermost columns carry
-    nothing."""
+    no load.
+    """
     cells = found.cells
     if cells is None or not len(cells.column):
         return []
@@ -217,7 +219,7 @@ def _cut(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def near_patches(scene: Scene, history: History) -> list[str]:
-    """Notes on patches of one surface that come so near to each other that the mesh errs between them."""
+    """Notes on patches of one surface so near to each other that the mesh is inaccurate between them."""
     sides = [
         (contact, port, side)
         for contact in scene.contacts
@@ -249,7 +251,7 @@ def near_patches(scene: Scene, history: History) -> list[str]:
 
 
 def _column(history: History, contact: Contact, side: int) -> np.ndarray:
-    """Column (T,) of the grid on a side at which the patch lies."""
+    """Column (T,) of the grid on a side at the position of the patch."""
     cells = history.contacts[contact.name].cells
     if cells is None:
         raise TypeError(f"contact {contact.name!r} has no cells")
@@ -262,7 +264,7 @@ def arc_per_theta(contact: Contact) -> float:
     return float(surface.shape.radius_at(float(np.mean(np.asarray(surface.grid.z)[[0, -1]]))))
 
 
-MOST = 0.005  # of the line load: a larger error is worth a word
+MOST = 0.005  # of the line load: a larger error is noted
 HARMLESS, SPAN = 0.3, 0.2  # Poisson's ratios from which on u_t counts, and up to that of an incompressible body
 SECOND_ORDER = 0.7  # of (b/R*)^2: 0.4 on a rigid roller of the same radius, 0.7 on a plane
 
@@ -275,10 +277,11 @@ def line_load_error(half_width: float, radius: float, wall: float, poisson_ratio
 
 def normal_notes(contact: Contact, half_width: float, taken: Mapping[tuple[int, str], float]) -> list[str]:
     """A note where the error is noticeable in the largest patch of `contact`, of that `half_width` [m]; `taken`: the
-    slope that each surface has taken into its compliance, by (index of the body, surface)."""
+    slope that each surface has included in its compliance, by (index of the body, surface).
+    """
     relative = sum(curvature(port.surface) for port in contact.ports)
     if not relative > 0.0 or any(port.surface.shape.profile().crown for port in contact.ports):
-        return []  # conformal, or touched in a point
+        return []  # conformal, or a point contact
     error = weight = 0.0
     for port in contact.ports:
         if (share := compliance(port)) == 0.0:
