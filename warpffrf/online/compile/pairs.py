@@ -182,7 +182,7 @@ def _half_window(collector: Collector, pair: Pair, turned: float) -> int:
 
 
 def _soft(contact: Contact) -> bool:
-    """Whether a body of the pair is of a material that is compressed far beyond what metals bear."""
+    """Whether a body of the pair is of a material that is compressed far beyond the range of metals."""
     found = [
         port.body.reduced.provenance.get("contact_materials", {}).get(port.name)
         for port in contact.ports

@@ -105,8 +105,9 @@ def _tilted(contact: Contact, found: ContactHistory, history: History) -> list[s
 
 @dataclass(frozen=True)
 class Leaning:
-    """Where axes that lean towards each other by `tilt` [rad] leave most out: R_B tilt F, the moment `left` [N m] out
-    of a pair on lines of centres, beside its `moment` [N m] and its `force` [N]."""
+    """Maximum error for axes that are inclined towards each other by `tilt` [rad]: R_B tilt F, the moment `left` [N m]
+    missing for a pair with parallel-axes kinematics, with its `moment` [N m] and its `force` [N].
+    """
 
     tilt: float
     left: float
@@ -227,8 +228,9 @@ NOTED = 0.01  # a larger difference of the force is noted with a cure
 
 @dataclass(frozen=True)
 class SamplingCheck:
-    """Largest differences over the steps looked at: `gap` over the depth of the patch, `force` over the force,
-    `pressure` over the pressure in the L2 norm; at the saved rows `rows`."""
+    """Largest differences over the evaluated steps: `gap` over the depth of the patch, `force` over the force,
+    `pressure` over the pressure in the L2 norm; at the saved rows `rows`.
+    """
 
     gap: float
     force: float
@@ -336,8 +338,9 @@ def _compare(contact: Contact, history: History, t: int, few: _Rule, every: _Rul
 def _weak(
     contact: Contact, history: History, t: int, rule: _Rule, columns: np.ndarray, pressure: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Weak gaps (hats,) [m^3] of the columns under `pressure` (hats,) without A's displacement, stencils (hats, nodes
-    of B's window) [m^2], and the depth of the patch [m]."""
+    """Weak gaps (nodes,) [m^3] of the columns under `pressure` (nodes,) without A's displacement, stencils (nodes,
+    nodes of B's window) [m^2], and the depth of the patch [m].
+    """
     A, B = contact.a.surface, contact.b.surface
     grid = A.grid
     x = np.concatenate([columns[:1] - 1, columns])[:, None] + rule.fraction  # strips below and above each column
@@ -350,7 +353,8 @@ def _weak(
     weights = _hat_weights(rule, columns, grid.rows)
     if B.grid is None:
         return weights @ gap.ravel(), np.zeros((len(weights), 0)), depth
-    weights = weights * ((z_b >= B.grid.z[0]) & (z_b <= B.grid.z[-1])).ravel()  # what lies beside B faces nothing
+    # points outside B have no opposite point
+    weights = weights * ((z_b >= B.grid.z[0]) & (z_b <= B.grid.z[-1])).ravel()
     second = _second_columns(history.contacts[contact.name], t, B)
     S = weights @ _opposite(B, theta_b, z_b, second)
     modal = B.mode_normal.reshape(B.grid.columns, B.grid.rows, -1)[second % B.grid.columns] @ q_b
@@ -359,7 +363,7 @@ def _weak(
 
 
 def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
-    """w_p psi_i(x_p) (hats of the columns, points of their strips) [m^2]."""
+    """w_p psi_i(x_p) (nodes of the columns, points of their strips) [m^2]."""
     n = len(rule.fraction)
     weights = np.zeros((len(columns), rows, len(columns) + 1, n))
     for j in range(len(columns)):
@@ -372,7 +376,9 @@ def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
 def _weak_yield(
     curve: Curve, rule: _Rule, columns: np.ndarray, rows: int, pressure: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Weak yield (hats,) [m^3] of a layer under `pressure` (hats,), and its tangent E (hats, hats) [m^3/Pa]."""
+    """Weak compression (nodes,) [m^3] of a layer under `pressure` (nodes,), and its tangent E (nodes, nodes)
+    [m^3/Pa].
+    """
     weights = _hat_weights(rule, columns, rows)
     psi = weights / np.tile(rule.weight, len(columns) + 1)
     y, slope = curve.yielding(pressure @ psi)
@@ -380,7 +386,7 @@ def _weak_yield(
 
 
 def _pose(body: Body, history: History, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Place of the user origin, axes (3, 3) and global coordinates of a body, or the ground, at the saved row t."""
+    """Position of the user origin, axes (3, 3) and global coordinates of a body, or the ground, at the saved row t."""
     if body.index < 0:
         return np.zeros(3), np.eye(3), np.zeros(0)
     motion = history.bodies[body.name]
@@ -402,7 +408,7 @@ def _second_columns(record: ContactHistory, t: int, B: ContactSurface) -> np.nda
 
 
 def _opposite(B: ContactSurface, theta: np.ndarray, z: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Values (points, nodes) of B's hats of the window's `columns` at chart places theta, z."""
+    """Values (points, nodes) of the shape functions of the window's `columns` of B at chart points theta, z."""
     grid = B.grid
     x = ((theta - _grid_angle(B) - grid.theta_start) / grid.pitch).ravel()
     middle = 0.5 * float(columns[0] + columns[-1])

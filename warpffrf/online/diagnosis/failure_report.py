@@ -65,8 +65,9 @@ def _array(owner: Arrays, name: str, world: int) -> np.ndarray:
 
 
 def largest_force(engine: Engine, world: int) -> float:
-    """The largest of weight, inertia force, multiplier of a length, contact force, force of a lap, and point force, as
-    those of a bolt cancel each other on a body [N]."""
+    """The largest of weight, inertia force, multiplier of a length, contact force, force of a small-sliding contact,
+    and point force, as those of a bolt cancel each other on a body [N].
+    """
     m, scratch, state = engine.compiled.model, engine.scratch, engine.state
     B, R, P = m.bodies.count, m.rows.count, m.pairs.count
     rate = np.linalg.norm(_array(scratch, "v1_rate", world)[:B], axis=1)

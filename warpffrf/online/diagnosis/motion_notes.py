@@ -151,8 +151,9 @@ def hidden_inertia(engine: Engine, world: int = 0) -> str:
 
 
 def _independent(C: np.ndarray, shapes: np.ndarray, length: float) -> bool:
-    """Whether no row depends on the others: C (rows, 6 bodies), turns counted in `length` [m], and `shapes` (rows,
-    modes), counted by the largest."""
+    """Whether the rows are independent: C (rows, 6 bodies), rotations scaled by `length` [m], and `shapes` (rows,
+    modes), scaled by the largest.
+    """
     scaled = C.reshape(len(C), -1, 6) / np.repeat([1.0, length], 3)
     scaled = np.hstack([scaled.reshape(len(C), -1), shapes / max(float(np.abs(shapes).max(initial=0.0)), 1e-300)])
     sizes = np.linalg.norm(scaled, axis=1)
