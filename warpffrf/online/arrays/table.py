@@ -21,7 +21,7 @@ def markdown() -> str:
     lines = [
         "# Arrays of a run",
         "",
-        "Written from the declarations in `kernels/warpffrf_kernels/core/` by `python -m warpffrf.online.arrays.table`.",
+        "Made from the declarations in `kernels/warpffrf_kernels/core/` by `python -m warpffrf.online.arrays.table`.",
         "The first axis is the world; the model has none. A *run* is read and written along contiguous",
         "ranges by index, as one axis. *Carried* arrays keep values from attempt to attempt, as all of `State`",
         "do.",
