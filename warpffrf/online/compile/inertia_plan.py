@@ -107,7 +107,7 @@ def _plan(body: Body, speed: float, fastest: float, notes: list[str]) -> BodyIne
         said = f"body {body.name!r}: inertia 'auto' chose {level!r} (estimates at {speed:.3g} rad/s: {sizes})"
         limit = fastest_for(terms, body.inertia, 2.0 * np.pi * body.flexible.frequencies, level)
         if fastest > limit:
-            said += f", then 'full', as it turns faster than {limit:.3g} rad/s, up to which {level!r} holds"
+            said += f", then 'full', as it rotates faster than {limit:.3g} rad/s, the limit of {level!r}"
             level, limit = "full", np.inf
         notes.append(said)
     if level != "constant" and (terms is None or not len(terms.first)):

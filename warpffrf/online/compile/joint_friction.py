@@ -39,9 +39,9 @@ def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTabl
     if rubbing := [name for name, law in table.laws.items() if str(law.joint.name) in joints.undetermined]:
         collector.notes.append(
             f"friction {', '.join(map(repr, rubbing))}: the constraints do not determine how the joints "
-            f"{', '.join(map(repr, joints.undetermined))} share their load; reactions that are left out as redundant "
-            "do not press, so that this friction depends on the order in which the joints were added; let one of them "
-            "leave free what another one holds, or replace it by a Bushing, whose stiffness shares the load"
+            f"{', '.join(map(repr, joints.undetermined))} share their load; reactions omitted as redundant "
+            "do not contribute, so that this friction depends on the order of adding the joints; let one of them "
+            "leave free what another one constrains, or replace it by a Bushing, whose stiffness shares the load"
         )
     return table
 

@@ -206,12 +206,12 @@ def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
     soft = np.einsum("ij,ij->j", J[kept], J[kept])
     if np.any(stiffness > STIFF * soft):
         raise InputError(
-            f"{label}: cells have nothing left to yield by: the global modes of their bodies take up all that some of "
-            "their forces deform; reduce with fewer modes, with more elements across the thickness, or with fewer cells"
+            f"{label}: no local compliance is left for the cells: the global modes contain all deformation by some of "
+            "their forces; reduce with fewer modes, with more elements across the thickness, or with fewer cells"
         )
     return [
-        f"{label}: {missing} of {len(part)} forces of cells displace nothing that the others do not, as with more "
-        f"cells than nodes; a layer that yields {THIN:g} of what a cell does on the average tells them apart, "
+        f"{label}: {missing} of {len(part)} forces of cells cause no independent displacement, as with more "
+        f"cells than nodes; a layer with {THIN:g} of the mean compliance of a cell makes them unique, "
         "LapCells(size=) gathers cells"
     ]
 
@@ -243,7 +243,7 @@ def _notes(laps: list[Lap], cells: list[LapCellsOf], lines: int) -> list[str]:
     count = sum(len(own.cell) for own in cells)
     if count > MANY:
         notes.append(
-            f"{', '.join(lap.label for lap in laps)}: {count} cells with {lines} unknown forces, each of which "
-            "answers all others; LapCells(size=, growth=) makes cells large where little changes"
+            f"{', '.join(lap.label for lap in laps)}: {count} cells with {lines} unknown forces, all "
+            "coupled; use LapCells(size=, growth=) for larger cells where little changes"
         )
     return notes

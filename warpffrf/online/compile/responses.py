@@ -182,7 +182,7 @@ def _apart(collector: Collector) -> list[str]:
             names = ", ".join(sorted(collector.surfaces[i].name for i in mine))
             why = "its local modes have inertia" if collector.local.count(body.index) else "reduce it again"
             notes.append(
-                f"body {body.name!r}: its contact surfaces {names} feel each other through its {body.mode_count} "
+                f"body {body.name!r}: its contact surfaces {names} are coupled through its {body.mode_count} "
                 f"global modes only ({why})"
             )
     return notes

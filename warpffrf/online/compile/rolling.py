@@ -89,9 +89,9 @@ def _apart(contacts: list[Contact], rolling: Mapping[int, PatchPlan]) -> list[st
             if not port.rigid:
                 on_body.setdefault(port.body.name, []).append(repr(contacts[i].name))
     return [
-        f"body {body!r}: its contacts {', '.join(names)} rub on cells that travel with their patches, and what the "
-        "tractions of one do to the others by its local modes is left out; global modes carry it as far as they can "
-        "(more modes=)"
+        f"body {body!r}: its contacts {', '.join(names)} have friction on contact-fixed grids, and the "
+        "influence of the tractions of one on the others by its local modes is neglected; global modes include a part "
+        "of it (more modes=)"
         for body, names in on_body.items()
         if len(names) > 1
     ]

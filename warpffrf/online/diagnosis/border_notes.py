@@ -51,7 +51,7 @@ def border_notes(contact: Contact, found: ContactHistory, time: np.ndarray) -> l
             notes.append(
                 f"contact {contact.name!r}: the patch reaches the end of {surface.label}, whose last {along} had "
                 f"{most[at]:.0%} of the largest pressure at {time[at]:.4g} s; the pressure is cut there: where the "
-                "body goes on, give it a larger contact surface; where it ends too, its peak is as sharp as the grid"
+                "body continues, define a larger contact surface; where it ends too, the grid resolves its peak"
             )
     return notes
 

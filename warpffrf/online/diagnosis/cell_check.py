@@ -61,13 +61,13 @@ class CellCheck:
             return f"{label} was not compared with another one, whose pressures were not found at the saved steps"
         text = (
             f"{label} adds errors of about {self.force:.2%} to the force, {self.pressure:.2%} to the largest pressure, "
-            f"{self.field:.1%} to pressures in the mean square, by nearly {'twice' if self.finer else 'half'} as many "
-            f"either way at {len(self.rows)} saved steps"
+            f"{self.field:.1%} to pressures (RMS), estimated with nearly {'twice' if self.finer else 'half'} as many "
+            f"in both directions at {len(self.rows)} saved steps"
         )
         if max(self.force, self.pressure) <= ABOUT * contact.cell_error:
             return text
         if contact.cells is None:
-            return f"{text}, more than cell_error={contact.cell_error:g} asks for; use a smaller one, or cells="
+            return f"{text}, more than cell_error={contact.cell_error:g}; use a smaller one, or cells="
         return f"{text}; use more strips or rows in cells= where that matters"
 
 

@@ -66,8 +66,8 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     travelled = np.abs(cells.column - cells.column[0]).max() * contact.a.surface.grid.pitch
     if contact.law.chi > 0.0 and travelled * arc_per_theta(contact) > ROLLED * float(np.max(cells.half_width)):
         notes.append(
-            f"contact {contact.name!r}: the patch rolled over the first body, and its layer is damped by how fast its "
-            "depth changes in each cell of the patch, not at each place of the material; damping in a rolling contact "
+            f"contact {contact.name!r}: the patch rolled over the first body, and its layer is damped by the rate of "
+            "depth in each cell of the patch, not at each material point; damping in a rolling contact "
             "wants grid='body_fixed'"
         )
     middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
@@ -76,7 +76,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     if spans > WIDE * WHOLE:
         notes.append(
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
-            f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="body_fixed", with a finer mesh'
+            f'flat; beyond {WHOLE:g} rad the error of pressures exceeds 2 %: use grid="body_fixed", with a finer mesh'
         )
     notes += _too_large(contact, found)
     notes += _unsymmetric(contact)
@@ -100,7 +100,7 @@ def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
         return []
     return [
         f"contact {contact.name!r}: at {np.count_nonzero(cut)} saved steps the patch is larger than its cells may be, "
-        f"half-widths of {widest(contact):.3g} m, beyond which the half-space under them is not what the bodies are: "
+        f"half-widths of {widest(contact):.3g} m, beyond which the half-space does not represent the bodies: "
         'pressures at its edges, and peak pressures, are too high; use grid="body_fixed", with a finer mesh'
     ]
 
@@ -132,7 +132,7 @@ def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
     closest = float(np.min(away[near]))
     return [
         f"contact {contact.name!r}: the patch comes within {closest:.2g} m of a free end, {CLEAR:g} of its "
-        "half-lengths or less; what the end adds to its displacement is taken in the middle of the patch only: use "
+        "half-lengths or less; the contribution of the end to its displacement is evaluated in its middle only: use "
         'grid="body_fixed" where the pressure at the end matters'
     ]
 
@@ -150,7 +150,7 @@ def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
     half_width = strips * float(cells.half_width[t]) / found.pressure.shape[1]
     if np.ptp(widths(contact)[:, end]) > length:
         return [
-            f"contact {contact.name!r}: the patch reaches an end, where one surface ends and the other goes on: "
+            f"contact {contact.name!r}: the patch reaches an end, where one surface ends and the other continues: "
             f"pressure has no bound at a sharp edge, and that of the last row, which had {shares[t, end]:.0%} of the "
             f"largest, is a mean over its {length:.2g} m; force and line loads do not depend on that length"
         ]
@@ -177,9 +177,9 @@ def _travelled(contact: Contact, found: ContactHistory, history: History) -> lis
     if way <= float(found.cells.length.min()):
         return []
     return [
-        f"contact {contact.name!r}: body {b.body.name!r} moved {way:.2g} m along the axis, and its free ends are where "
-        "they were at the start for the displacement of the cells: pressures near them are off; let the body with the "
-        'ends that matter come first in the contact, or use grid="body_fixed"'
+        f"contact {contact.name!r}: body {b.body.name!r} moved {way:.2g} m along the axis, and its free ends are "
+        "modelled at their initial positions for the cells: pressures near them are inaccurate; let the body with the "
+        'relevant ends be the first of the contact, or use grid="body_fixed"'
     ]
 
 
@@ -212,8 +212,8 @@ def _cut(contact: Contact, found: ContactHistory) -> list[str]:
         if np.any(pressed & beside):
             notes.append(
                 f"contact {contact.name!r}: the patch reaches the end of {port.label} across, a spacing of its grid "
-                f"({metres:.2g} m) inside the edge of the named facets; the pressure is cut there: where the body goes "
-                "on, give it a larger contact surface"
+                f"({metres:.2g} m) inside the edge of the named facets; the pressure is cut there: where the body "
+                "continues, define a larger contact surface"
             )
     return notes
 
@@ -245,7 +245,7 @@ def near_patches(scene: Scene, history: History) -> list[str]:
                 notes.append(
                     f"contacts {contact.name!r} and {other.name!r}: their patches come within {metres:.2g} m of each "
                     f"other on {port.label}, {metres / edge:.2g} facet edges; nearer than {least:g} the mesh under "
-                    "them errs in what one does to the other: use a finer one there"
+                    "them is too coarse for their mutual influence: use a finer one there"
                 )
     return notes
 

@@ -84,9 +84,9 @@ def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[s
     if angles.max() <= MOST_SKEW:
         return _tilted(contact, found, history)
     return [
-        f"contact {contact.name!r}: the axes of the two surfaces turned against each other by up to "
-        f"{angles.max():.3g} rad, more than the {MOST_SKEW:g} that gaps along the line of centres are good for, and "
-        f"pressures are wrong by the order of {0.5 * angles.max() ** 2:.1%}; {AT_POINTS}"
+        f"contact {contact.name!r}: the axes of the two surfaces were skewed by up to "
+        f"{angles.max():.3g} rad, more than the {MOST_SKEW:g} allowed by parallel-axes kinematics, and "
+        f"pressures have an error of the order of {0.5 * angles.max() ** 2:.1%}; {AT_POINTS}"
     ]
 
 
@@ -97,8 +97,8 @@ def _tilted(contact: Contact, found: ContactHistory, history: History) -> list[s
     if lean.left <= MOMENT_LEFT * lean.moment:
         return []
     return [
-        f"contact {contact.name!r}: the axes of the two surfaces lean towards each other by up to {lean.tilt:.2g} rad; "
-        f"gaps along the line of centres leave about {lean.left:.2g} N m of the moment out that this gives, of "
+        f"contact {contact.name!r}: the axes of the two surfaces are inclined by up to {lean.tilt:.2g} rad; "
+        f"parallel-axes kinematics omits about {lean.left:.2g} N m of the moment due to this, of "
         f"{lean.moment:.2g} N m in all; {AT_POINTS} where that matters"
     ]
 
@@ -171,7 +171,7 @@ def _cut(contact: Contact, found: ContactHistory) -> list[str]:
     if pressed <= (1.0 + CUT) * force:
         return []
     return [
-        f"contact {contact.name!r}: pressures of the first surface reach over the end of the second, their integral is "
+        f"contact {contact.name!r}: pressures of the first surface extend beyond the end of the second: they sum to "
         f"{pressed / max(force, 1e-300):.2f} of the normal force; name the narrower surface first, or give the first "
         "finer rows there"
     ]
@@ -187,8 +187,8 @@ def overlap_notes(scene: Scene) -> list[str]:
             continue
         if -gap > SHALLOW * float(contact.a.surface.shape.radius):
             notes.append(
-                f"contact {contact.name!r}: the run starts with an overlap of {-gap:.3g} m, pressed together at once; "
-                "scene.close_gap(contact, along=...) or start='equilibrium' would not"
+                f"contact {contact.name!r}: the run starts with an overlap of {-gap:.3g} m, which acts as an impulse; "
+                "scene.close_gap(contact, along=...) or start='equilibrium' avoids this"
             )
     return notes
 
@@ -209,13 +209,13 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     if gained > max(GAINED * hand, nothing):
         notes.append(
             f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, "
-            "that nothing supplied (ledger lines numerical and contact grid): use a smaller step, step_error=, or "
+            "without a source (ledger lines numerical and contact grid): use a smaller step, step_error=, or "
             "initial velocities that agree with the drives"
         )
     if taken > max(TAKEN * hand, nothing):
         notes.append(
-            f"the integrator took {taken:.3g} J, {taken / max(hand, 1e-300):.1%} of the largest energy of the ledger "
-            "(ledger line numerical), from motions that the step does not resolve: use a smaller step, step_error=, or "
+            f"the integrator dissipated {taken:.3g} J, {taken / max(hand, 1e-300):.1%} of the largest energy of the "
+            "ledger (line numerical), from motions that the step does not resolve: use a smaller step, step_error=, or "
             "less numerical damping (rho_inf=)"
         )
     return notes
@@ -242,8 +242,8 @@ class SamplingCheck:
         if not self.rows:
             return f"contact {name!r}: evaluation 'hyper' was not checked, no saved step with contact"
         text = (
-            f"contact {name!r}: evaluation 'hyper', {few} of {all_points} points a strip; against all points on "
-            f"{len(self.rows)} saved steps at most {self.gap:.2%} of the depth in a gap, {self.force:.2%} of the "
+            f"contact {name!r}: evaluation 'hyper', {few} of {all_points} points per strip; compared with all points "
+            f"on {len(self.rows)} saved steps at most {self.gap:.2%} of the depth in a gap, {self.force:.2%} of the "
             f"force, {self.pressure:.2%} of the pressure (L2)"
         )
         if self.force > NOTED:

@@ -95,8 +95,8 @@ class EnergyWatch:
             engine.put_back(last)
             engine.chunks[0], engine.drained = rows, drained
         return (
-            f"{owner} makes energy: by t = {t:.6g} s the run had gained {made:.3g} J, {made / most:.1%} of the largest "
-            f"energy of the ledger, that nothing supplied; {cure}"
+            f"{owner} creates energy: by t = {t:.6g} s the run had gained {made:.3g} J, {made / most:.1%} of the "
+            f"largest energy of the ledger, without a source; {cure}"
         )
 
     def _without_smaller_steps(self, owner: str) -> str:
@@ -105,10 +105,12 @@ class EnergyWatch:
         """
         if owner == INTEGRATOR and self.engine.scene.lumped_contacts:
             tighter = self.engine.settings.energy_tolerance * TIGHTER
-            return f"allow less of it in a step of an impact as well, energy_tolerance={tighter:.2g}"
+            return f"limit it in steps of impacts, energy_tolerance={tighter:.2g}"
         cure = "give the contact surfaces a finer grid (half_width=, expected_half_width=) or the machine some damping"
         if self.set_down and any(contact.friction.acts for contact in self.engine.scene.contacts):
-            cure = f"begin at rest where what rubs is set down, start=equilibrium(scene, friction=True), or {cure}"
+            cure = (
+                f"begin at rest with closed contacts with friction, start=equilibrium(scene, friction=True), or {cure}"
+            )
         return cure
 
     def _cure(self, made: float, most: float, began: float, end: float, otherwise: str) -> str:

@@ -123,7 +123,7 @@ def _rows(engine: Engine, world: int) -> list[Residual]:
             found.append(Residual(np.inf, f"{owner} is not finite"))
         elif rigid[row]:
             unit = "m" if kinds[row] in (int(k.TRANSLATION), int(k.DISTANCE)) else "rad"
-            found.append(Residual(abs(defect[row]), f"{owner} misses by {abs(defect[row]):.3g} {unit}"))
+            found.append(Residual(abs(defect[row]), f"{owner} is violated by {abs(defect[row]):.3g} {unit}"))
         else:
             off = abs(defect[row]) / max(abs(softness[row]), NO_FORCE)
             found.append(Residual(off / scale, f"{owner} is {off:.3g} (N or N m) off its law"))
@@ -197,8 +197,8 @@ def _fullest(engine: Engine, world: int) -> str:
     hats = (_array(engine.state, "active", world)[: len(contacts)] != 0.0).reshape(len(contacts), -1).sum(axis=1)
     widest = [i for i, (low, high) in enumerate(window) if low <= -H or high >= H] or list(range(len(contacts)))
     worst = max(widest, key=lambda i: hats[i])
-    others = f"; windows wide open too: {len(widest) - 1}" if 1 < len(widest) < len(contacts) else ""
-    return f"at contact {contacts[worst].name!r}, which has {int(hats[worst])} active hats{others}"
+    others = f"; further windows at full width: {len(widest) - 1}" if 1 < len(widest) < len(contacts) else ""
+    return f"at contact {contacts[worst].name!r}, which has {int(hats[worst])} active nodes{others}"
 
 
 def _undetermined(engine: Engine, world: int) -> str:

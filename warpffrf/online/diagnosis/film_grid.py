@@ -72,7 +72,7 @@ class FilmGridError:
         if not max(self.load, self.flow, self.torque) > NOTED:
             return ""
         return (
-            f"{film.label}: its grid of {film.grid.columns} columns and {film.grid.rows} rows errs by about "
+            f"{film.label}: its grid of {film.grid.columns} columns and {film.grid.rows} rows has an error of about "
             f"{self.load:.2g} of the load ({self.rows:.2g} by rows, {self.columns:.2g} by columns), {self.flow:.2g} of "
             f"the flow and {self.torque:.2g} of the torque, at a given gap; reduce with a finer mesh {self.finer}"
         )

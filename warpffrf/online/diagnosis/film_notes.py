@@ -72,11 +72,11 @@ def film_notes(scene: Scene, history: History) -> list[str]:
         error = ERROR * (film.grid.pitch / fine) ** 2 if fine > 0.0 else np.inf
         if error > ERROR:
             columns = int(np.ceil(2.0 * np.pi / fine)) if fine > 0.0 else None
-            more = f", {columns} columns on a turn would do for 1 %" if columns else ""
+            more = f", {columns} columns per revolution are sufficient for 1 %" if columns else ""
             notes.append(
                 f"{film.label}: its smallest film, {thinnest:.3g} m, is {thinnest / clearance:.2g} of the clearance, "
-                f"coarse columns of {np.degrees(film.grid.pitch):.3g} degrees for that: the peak pressure may err by "
-                f"{min(error, 1.0):.1%}, where the surface does not yield{more}; reduce with a finer mesh around"
+                f"too thin for columns of {np.degrees(film.grid.pitch):.3g} degrees: the peak pressure may have an "
+                f"error of {min(error, 1.0):.1%}, for a rigid surface{more}; reduce with a finer mesh around"
             )
     return notes
 
@@ -101,9 +101,9 @@ def _overlapping(film: Film, gap: np.ndarray) -> list[str]:
     j, k = np.argwhere(held)[np.argmin(gap[:, held].min(axis=0))]
     return [
         f"{film.label}: its walls overlap by up to {-least:.3g} m at theta = {film.theta[j]:.4g}, z = "
-        f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the film beside it is "
-        "squeezed by a shape that is not there; give the first surface a form that falls off to its ends "
-        "(films.BarrelForm), or asperities that carry there (law=)"
+        f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the adjacent film is "
+        "squeezed by a nonphysical shape; give the first surface a form with relieved ends "
+        "(films.BarrelForm), or asperities (asperities=)"
     ]
 
 
@@ -131,7 +131,7 @@ def _beyond_second(film: Film, history: History) -> list[str]:
         return []
     return [
         f"{film.label}: it reaches up to {out:.3g} m beyond the grid of {film.b.label} and a cell, where that surface "
-        "does not yield; reduce its body with a longer contact surface"
+        "is rigid; reduce its body with a longer contact surface"
     ]
 
 
@@ -142,8 +142,8 @@ def alternation_notes(scene: Scene, integrator: Integrator) -> list[str]:
     if not scene.films or np.abs(roots_at_infinity(integrator.coefficients)).max() <= DAMPS:
         return []
     return [
-        "thin films damp motions within less than a step, which the integrator leaves alternating from step to step: "
-        "steps are halved less with integrator=GeneralizedAlpha(0.5), or shorter ones"
+        "thin films damp motions within less than a step, which then alternate from step to step: "
+        "fewer steps are halved with integrator=GeneralizedAlpha(0.5), or shorter steps"
     ]
 
 
@@ -157,9 +157,9 @@ def squeezed_out(engine: Engine, still: Sequence[Film] = ()) -> str:
         gap = engine.scratch.film_line.numpy()[:, first:end, int(GAP)]
         least, thick = float(np.nanmin(gap, initial=np.inf)), float(films.thickness.numpy()[i])
         if least < SQUEEZED * thick:
-            why, cure = "it does not carry what is on it", "it more speed, a thicker oil or less load"
+            why, cure = "it does not carry its load", "it more speed, a thicker oil or less load"
             if film in still:
-                why, cure = "nothing slides and it carries nothing at rest", "one of its bodies a velocity"
+                why, cure = "nothing slides and it carries no load at rest", "one of its bodies a velocity"
             return (
                 f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where {why}; give "
                 f"{cure}, or asperities=laws.ExponentialAsperities(...)"
@@ -224,19 +224,19 @@ class FilmCheck:
     def note(self, film: Film) -> str:
         """The line for the report."""
         label, states = f"{film.label}: evaluation 'hyper', axial_degrees {film.axial_degrees}", len(self.time)
-        lost = f"no film of all hats was found in {self.missed} of {states + self.missed} states of the run"
+        lost = f"no film of all nodes was found in {self.missed} of {states + self.missed} states of the run"
         if not states:
             return (
                 f"{label}: {lost}; {cure_of(film)}" if self.missed else f"{label} was not checked, no state with a load"
             )
         text = (
-            f"{label}; against all hats in {states} states of the run at most {self.gap:.2%} of the smallest gap and "
-            f"{self.pressure:.2%} of the largest pressure under the same force; where the bodies are, "
+            f"{label}; compared with all nodes in {states} states of the run at most {self.gap:.2%} of the smallest "
+            f"gap and {self.pressure:.2%} of the largest pressure under the same force; at the same positions, "
             f"{self.force:.2%} of the force, {_most(self.held_gaps):.2%} of the gap and "
             f"{_most(self.held_pressures):.2%} of the pressure; worst at "
-            f"t = {self.worst:.6g} s; with all hats {1e9 * np.mean(self.feed_flow):.4g} mm3/s come in through feeds "
-            f"and {1e9 * np.mean(self.end_flow):.4g} leave at the ends, on average; hats of {film.grid.rows} rows "
-            f"err by about {self.own:.2%} of the force themselves"
+            f"t = {self.worst:.6g} s; with all nodes {1e9 * np.mean(self.feed_flow):.4g} mm3/s come in through feeds "
+            f"and {1e9 * np.mean(self.end_flow):.4g} leave at the ends, on average; the error of {film.grid.rows} rows "
+            f"of nodes is about {self.own:.2%} of the force"
         )
         if self.missed:
             text += f"; {lost}"
@@ -326,8 +326,8 @@ def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
             found.append(checks[str(film.name)].note(film))
         elif film.evaluation == "hyper":
             found.append(
-                f"{film.label}: evaluation 'hyper' was not held beside all hats, as {_beyond(film)}; what the profiles "
-                "cost shows beside evaluation='semi'"
+                f"{film.label}: evaluation 'hyper'was not compared with all nodes, as {_beyond(film)}; compare "
+                "with evaluation='semi'"
             )
     return found
 
@@ -335,7 +335,7 @@ def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
 def _beyond(film: Film) -> str:
     """Why a film is not compared with all nodes, "" where it is."""
     if not film.b.rigid:
-        return "its second surface yields"
+        return "its second surface is compliant"
     return "its walls are rough" if film.deviation > 0.0 else ""
 
 

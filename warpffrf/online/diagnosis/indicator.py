@@ -189,10 +189,10 @@ def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str], stiffe
         if any(not s.kept and s.size > FLAG for s in own):
             line += f"; use inertia={better!r}"
         elif better != level:
-            line += f"; {better!r} would do"
+            line += f"; {better!r} is sufficient"
         softened = next((s.on_modes for s in own if s.term == "deformed inertia"), 0.0)
         if softened > FLAG and body not in stiffened:
-            line += "; turning stiffens as much as that softens: stiffening=True in reduce and add_body"
+            line += "; rotation stiffens as much as that softens: stiffening=True in reduce and add_body"
         lines.append(line)
     return lines
 
@@ -211,8 +211,8 @@ def unheld_lines(scene: Scene, bodies: Mapping[str, BodyHistory]) -> list[str]:
         if missing > max(NOTICEABLE, FLAG * found):
             cure = "a larger inertia_modes" if known.get("centrifugal") else "centrifugal=True"
             lines.append(
-                f"body {body.name!r}: turning at {speed:.3g} rad/s deforms it by up to {missing:.1e} of its size in "
-                f"shapes that its modes with inertia terms do not hold; reduce it with {cure}"
+                f"body {body.name!r}: rotation at {speed:.3g} rad/s deforms it by up to {missing:.1e} of its size in "
+                f"shapes outside its modes with inertia terms; reduce it with {cure}"
             )
     return lines
 
@@ -332,7 +332,7 @@ def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[st
     if one.membrane is not None:
         facts.append(f"membrane energy up to {percent(one.membrane)} of the energy of its modes")
     if one.turned is not None and (far or body.stiffening and one.turned > STILL):
-        facts.append(f"interface {one.interface!r} turns by up to {one.turned:.2g} rad from the mean axes")
+        facts.append(f"interface {one.interface!r} rotates by up to {one.turned:.2g} rad from the mean axes")
     if one.inertia is not None:
         facts.append(
             f"inertia of second-order motion, which is neglected, up to {percent(one.inertia)} of the kinetic energy "
@@ -354,24 +354,24 @@ def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[st
             lines.append(f"{line}; reduce it with membrane_modes={count}, to see")
     if not body.stiffening and one.extents > THICK:
         lines.append(
-            f"{name}: it deflects by up to {one.extents:.2g} of its smallest extent, and what that stretches is left "
-            f"out; if it is held against shortening, or bends both ways, use {_cure(body)}"
+            f"{name}: it deflects by up to {one.extents:.2g} of its smallest extent, and the resulting stretching is "
+            f"neglected; if its shortening is constrained, or it bends in two directions, use {_cure(body)}"
         )
     if one.second > FLAG and motion_of(body) is None:
         lines.append(
-            f"{name}: its interfaces move by up to {percent(one.second)} of the deflection in a way of second order "
-            "that pictures of it lack; use stiffening='membrane' in reduce"
+            f"{name}: its interfaces move by up to {percent(one.second)} of the deflection by second-order motion "
+            "that its pictures omit; use stiffening='membrane' in reduce"
         )
     if one.second > FLAG and touched:
         lines.append(
-            f"{name}: its contact surfaces and laps move by its modes alone, without the second-order motion, which is "
-            f"up to {percent(one.second)} of the deflection; split it into several bodies"
+            f"{name}: its contact surfaces and joint faces move by its modes only, without the second-order motion, "
+            f"which is up to {percent(one.second)} of the deflection; split it into several bodies"
         )
     if one.strain > STRAINED:
         place = ", ".join(f"{x:.4g}" for x in one.place)
         lines.append(
             f"{name}: strains up to {percent(one.strain)} at ({place}) m of its skin; above {percent(STRAINED)} its "
-            "material, linear in them, and stresses are wrong by about as much; load it less, make it stiffer, or take "
+            "material, linear in them, and stresses are wrong by about as much; load it less, make it stiffer, or use "
             "a program with materials for large strains"
         )
     return lines

@@ -190,7 +190,7 @@ def run_check(
                 moved = [ADVANCE[kind](b, s, t, step) for b, s in zip(bodies, states, strict=True)]
                 energy = ledger.book(bodies, [m[0] for m in moved], sum(m[1] for m in moved), sum(m[2] for m in moved))
                 if not np.all(np.isfinite(energy)):
-                    status, message = "not_finite", "a NaN or infinite number arose; reduce step"
+                    status, message = "not_finite", "a NaN or infinite number occurred; reduce step"
                     break
                 states, accepted, count.done = [m[0] for m in moved], energy, n
                 most = max(m[3] for m in moved)

@@ -176,24 +176,24 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     collector.notes.extend(film.notes)
     if film.cavitation == "half_sommerfeld":
         collector.notes.append(
-            f"{film.label}: cavitation 'half_sommerfeld' leaves pressures below zero out of the forces, which drive "
-            f"oil all the "
-            "same: the ledger does not close with it, and nothing watches over energy from nowhere"
+            f"{film.label}: cavitation 'half_sommerfeld' omits negative pressures from the forces, though they drive "
+            "oil: "
+            "the ledger does not close, and created energy is not detected"
         )
     if film.asperities is not None and film.asperities.remark:
         collector.notes.append(f"{film.label}: {film.asperities.remark}")
     if film.evaluation == "hyper":
         collector.notes.append(
-            f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} hats, which balance "
-            "its oil in means along: flows through feeds and ends are not recorded"
+            f"{film.label}: its pressure consists of {len(free)} profiles in place of {hats} nodes, which balance "
+            "its oil in the axial mean: flows through feeds and ends are not recorded"
         )
     elif len(free) > MANY:
         collector.notes.append(
-            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; "
-            "evaluation='hyper' takes a profile along in place of rows, whose number the load errs by as its square"
+            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of this order; "
+            "evaluation='hyper' uses an axial profile in place of rows"
         )
     if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
-        collector.notes.append(f"{film.label}: local modes move without inertia under its pressure")
+        collector.notes.append(f"{film.label}: local modes respond without inertia to its pressure")
 
 
 def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
@@ -258,8 +258,8 @@ def _alone(collector: Collector) -> list[str]:
         if len(names) > 1 and any(port.body is body for port in films):
             on = ", ".join(sorted(set(names)))
             notes.append(
-                f"body {body.name!r}: {len(names)} films and contacts load it, on {on}; where there is a film, what "
-                "the others do goes through its global modes alone: more modes leave out less"
+                f"body {body.name!r}: {len(names)} films and contacts load it, on {on}; with a film, the influence of "
+                "the others is included by its global modes alone; use more modes for a smaller error"
             )
     return notes
 

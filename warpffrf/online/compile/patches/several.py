@@ -162,7 +162,7 @@ def _operator_between(target: Any, source: Any, along: bool) -> tuple[Array, int
     cross = target.body.reduced.cross_compliance(target.name, source.name)
     if cross is None:
         raise InputError(
-            f"body {target.body.name!r}: its surfaces {target.name!r} and {source.name!r} do not feel each other by "
+            f"body {target.body.name!r}: its surfaces {target.name!r} and {source.name!r} are not coupled by "
             "its local modes; reduce it again"
         )
     lags = second.splines.sources(first.splines.targets(cross.lags))

@@ -45,8 +45,8 @@ def patch_plans(
         if not asked and (reason := _why_not(contact, contacts, dynamic)):
             if coarse := _spacing_beside_far_fields(contact):
                 notes.append(
-                    f"contact {contact.name!r}: pressures on the material grid, whose columns are {coarse:.2g} m "
-                    f"apart, though its bodies have what cells that travel with the patch need: {reason}"
+                    f"contact {contact.name!r}: pressures on the body-fixed grid, whose columns are {coarse:.2g} m "
+                    f"apart, though its bodies have the data of a contact-fixed grid: {reason}"
                 )
             continue
         try:
@@ -54,22 +54,22 @@ def patch_plans(
         except InputError as error:
             if asked:
                 raise
-            notes.append(f"{error}: pressures on the material grid, not on cells that travel with the patch")
+            notes.append(f"{error}: pressures on the body-fixed grid, not on the contact-fixed one")
     while beside := next(_beside_a_grid(contacts, plans), None):  # removing one may remove others
         i, port, other = beside
         if contacts[i].grid == "contact_fixed":
             raise InputError(
-                f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose hats "
-                "and the cells of a patch do not feel each other by its local modes; give both the same grid="
+                f"contact {contacts[i].name!r}: body {port.body.name!r} is also loaded by {other.name!r}, whose nodes "
+                "and the cells of a patch are not coupled by its local modes; give both the same grid="
             )
         del plans[i]
         notes.append(
-            f"contact {contacts[i].name!r}: pressures on the material grid, as those of {other.name!r} on body "
+            f"contact {contacts[i].name!r}: pressures on the body-fixed grid, as those of {other.name!r} on body "
             f"{port.body.name!r} are"
         )
     notes += [
-        f"contact {contacts[i].name!r}: pressures on cells that travel with the patch, for which its bodies were "
-        'reduced (contact_fixed); grid="body_fixed" takes the contact grid instead'
+        f"contact {contacts[i].name!r}: pressures on the contact-fixed grid, for which its bodies were "
+        'reduced (contact_fixed); grid="body_fixed" uses the other one'
         for i in plans
         if contacts[i].grid == "auto"
     ]
@@ -80,9 +80,7 @@ def _on_its_surfaces(contact: Contact, contacts: list[Contact]) -> str | None:
     """Message that another contact uses the surfaces of this one, whose pressures are on separate cells."""
     for other in contacts:
         if other is not contact and on_same_surfaces(contact, other):
-            return (
-                f"{other.name!r} stands on the same surfaces, and cells of two patches in one place share no pressure"
-            )
+            return f"{other.name!r} uses the same surfaces, and cells of two patches at one point share no pressure"
     return None
 
 
