@@ -66,7 +66,7 @@ def test_a_lumped_contact_that_never_touches_is_named() -> None:
     ball = scene.add_rigid_body(0.03, (1e-6,) * 3, name="ball", position=place, velocity=up, surfaces={"skin": skin})
     scene.add(wf.LumpedContact(ball["skin"], floor, law=wf.laws.HertzPoint(steel, steel), name="landing"))
     said = notes(scene)
-    assert "contact without any touch in the run: 'landing' (1 m apart at least)" in said
+    assert "contact not closed in the run: 'landing' (1 m apart at least)" in said
 
 
 def test_reports_at_rest_do_not_alarm() -> None:

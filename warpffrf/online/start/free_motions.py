@@ -233,7 +233,7 @@ class FreeMotions:
     def afloat(self) -> list[str]:
         """Text on groups that float in an equilibrium, in which their loads balance."""
         told = [(told_of(self.engine, group), "it is" if len(group) == 1 else "they are") for group in self.floating]
-        return [f"equilibrium: {loads} balance; not moved from where {left}" for loads, left in told]
+        return [f"equilibrium: {loads} balance: left where {left}" for loads, left in told]
 
     def _beside_afloat(self, world: int) -> np.ndarray:
         """Constrained motions other than those of groups that float as a whole."""
