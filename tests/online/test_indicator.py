@@ -205,7 +205,7 @@ def test_what_the_report_says() -> None:
         "gyroscopic 0.01 %; use inertia='deformed'"
     ]
     assert indicator_lines(sized("full", 0.3, 0.003, 0.0), {"a": "full"}) == [
-        "body 'a': inertia 'full', nothing neglected; 'deformed' would do"
+        "body 'a': inertia 'full', nothing neglected; 'deformed' is sufficient"
     ]
     assert indicator_lines(sized("deformed", 0.3, 0.003, 0.002), {"a": "deformed"}) == [
         "body 'a': inertia 'deformed', neglected of the forces kept: gyroscopic 0.2 %"
