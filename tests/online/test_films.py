@@ -386,7 +386,7 @@ def test_whirl_is_that_of_the_coefficients_of_a_rigid_film(share: float) -> None
     assert np.abs(found - expected).max() < 1e-3 * SPEED  # c/R, of shear that the coefficients leave out
     assert (found.real.max() > 0.0) == (share > 1.0)
     assert np.abs(modes.eigenvalues[2:]).min() > 10.0 * np.abs(expected).max()  # the sleeve, and nothing of the oil
-    assert any("oil films keep their sets of voids" in note for note in modes.notes)
+    assert any("oil films keep their cavities" in note for note in modes.notes)
 
 
 def test_modes_are_what_a_small_disturbance_does() -> None:

@@ -273,13 +273,13 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         )
     if linear.closed:
         notes.append(
-            f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "
+            f"closed contacts stay closed ({linear.closed} active nodes): the modes are those of vibrations too small "
             "to open them, with the patch held in place; what rolls it along is at 0 Hz"
         )
     notes.extend(stuck_notes(engine, name))
     if linear.films:
         notes.append(
-            "oil films keep their sets of voids: the modes are those of vibrations too small to change them; motions "
+            "oil films keep their cavities: the modes are those of vibrations too small to change them; motions "
             "of oil alone are left out, walls slide as the state has it, and at an equilibrium what drag does to small "
             "motions is left out"
         )
@@ -292,11 +292,11 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         names = ", ".join(repr(n) for n in linear.turning)
         if linear.co_rotating:
             notes.append(
-                f"bodies that turn: {names}; frequencies are those in axes that turn with each body, exact where all "
-                "of them turn as one and what holds them is alike from all sides; else those of this instant"
+                f"rotating bodies: {names}; frequencies are those in axes that rotate with each body, exact where all "
+                "of them rotate as one and their supports are isotropic; else those of this instant"
             )
         else:
-            notes.append(f"bodies that turn: {names}; frequencies are those in world axes")
+            notes.append(f"rotating bodies: {names}; frequencies are those in world axes")
     if name != "equilibrium" and _passing(engine):
         notes.append("the state is not steady (bodies accelerate, or stretch): the modes are those of this instant")
     return notes

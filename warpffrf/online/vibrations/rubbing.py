@@ -135,7 +135,10 @@ class RubbingMode:
         self.engine.put_back(self.state)
         f_0 = self.laps.at(np.zeros(len(self.T)))
         if f_0 is None:
-            raise InputError("equivalent_damping: the laps find no states about the state of the modes; load it anew")
+            raise InputError(
+                "equivalent_damping: the cells of the small-sliding contacts do not converge at the state of the "
+                "modes; compute it again"
+            )
         self.f_0, self.eta, self.alpha, self.q = f_0, np.zeros(len(self.shape)), 0.0, 0.0
         self.laps.accept()
         lost, rows, slipping = [self._lost()], [(0.0, 0.0)], np.zeros(len(self._lost()), bool)
@@ -175,8 +178,8 @@ class RubbingMode:
             return
         if not halvings:
             raise InputError(
-                f"equivalent_damping: no equilibrium of the laps was found at {q:.3g} m kg^(1/2) of the mode's "
-                "coordinate; take more steps, or a smaller amplitude"
+                f"equivalent_damping: no equilibrium of the small-sliding contacts was found at {q:.3g} "
+                "m kg^(1/2) of the mode's coordinate; take more steps, or a smaller amplitude"
             )
         self._go_to(0.5 * (self.q + q), halvings - 1)
         self._go_to(q, halvings - 1)
@@ -226,7 +229,7 @@ def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
     """
     label, linear, value = "equivalent_damping", modes.linear, modes.eigenvalues[i]
     if not modes.scene.laps:
-        raise InputError(f"{label}: the scene has no lap; damping_ratios has all that is linear")
+        raise InputError(f"{label}: the scene has no small-sliding contact; use damping_ratios")
     if linear.turning:
         raise InputError(
             f"{label}: {', '.join(map(repr, linear.turning))} turns; take modes about an equilibrium, or the end of a "
