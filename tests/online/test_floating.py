@@ -82,7 +82,9 @@ def test_loads_that_do_not_balance_are_told_with_their_resultant(friction: bool)
     scene.add(forces.PointTorque(wheel.at((0, 0, 0)), (0.0, 0.0, 3.0)))
     found = find_equilibrium(scene, friction=friction)
     assert found.status == "no_equilibrium"
-    assert "'wheel', whose loads do not balance: the resultant is (0, 0, 3) N m about the centre of mass" in found.message
+    assert (
+        "'wheel', whose loads do not balance: the resultant is (0, 0, 3) N m about the centre of mass" in found.message
+    )
 
 
 @pytest.mark.parametrize("back", [LOAD, LOAD - 100.0])
