@@ -26,7 +26,9 @@ def test_a_cycle_takes_what_it_says(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, script], cwd=tmp_path, env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     loss, damping = (float(x) for x in done.stdout.split()[:2])
-    said = re.search(r"A cycle takes ([\d.]+) µJ.* an equivalent damping of ([\d.]+) %", EXAMPLES.replace("\n", " "))
+    said = re.search(
+        r"A cycle dissipates ([\d.]+) µJ.* an equivalent damping of ([\d.]+) %", EXAMPLES.replace("\n", " ")
+    )
     assert said is not None
     assert 1e6 * loss == pytest.approx(float(said.group(1)), rel=QUOTED)
     assert 1e2 * damping == pytest.approx(float(said.group(2)), rel=QUOTED)

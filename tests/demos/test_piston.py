@@ -391,7 +391,7 @@ def test_the_run_begins_with_velocities_that_agree_and_films_that_carry(body: wf
     assert liner.report["warnings"] == []
     result = demo.run(demo.machine(body, liner), 2.0, turns=0.1, progress=False)
     assert result.status == "completed", result.message
-    alone = [note for note in result.history.notes if "through its global modes alone" in note]
+    alone = [note for note in result.history.notes if "by its global modes alone" in note]
     assert len(alone) == 2  # of the skirt's two sides, and of both films on the liner
     found = np.sum([result.film(name).force[:, 2] for name in (demo.THRUST, demo.ANTI)], axis=0)
     exact = side_force(demo.SPEED * result.time, body.mass)

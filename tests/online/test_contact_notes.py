@@ -32,8 +32,8 @@ def test_a_patch_of_two_columns_is_named(coarse) -> None:
 def test_hats_over_the_end_of_a_narrower_surface_are_named(coarse) -> None:
     """Three rows of hats over 20 mm against a roller of 11 mm: the middle hats hang over its ends."""
     narrow = roller_body(60, layers=2, axial=2, grading=1.6, width=0.011, modes=0, cache=False)
-    assert "reach over the end" in notes_of(guided_pair(coarse, narrow, load=2e4), start="equilibrium")
-    assert "reach over the end" not in notes_of(guided_pair(narrow, coarse, load=2e4), start="equilibrium")
+    assert "extend beyond the end" in notes_of(guided_pair(coarse, narrow, load=2e4), start="equilibrium")
+    assert "extend beyond the end" not in notes_of(guided_pair(narrow, coarse, load=2e4), start="equilibrium")
 
 
 def test_an_overlap_at_the_start_is_named(coarse) -> None:
@@ -51,10 +51,10 @@ def test_energy_from_nowhere_and_energy_that_is_lost_are_named() -> None:
     assert energy_notes(rows, 0.0) == []
     rows["numerical"] = np.array([0.0, -0.005, 0.015, 0.0])  # falls, then rises by two per cent
     gained, taken = energy_notes(rows, 0.0)
-    assert "gained 0.02 J" in gained and "took 0.015 J" in taken
+    assert "gained 0.02 J" in gained and "dissipated 0.015 J" in taken
     assert energy_notes(rows, 0.1) == []
     rows["numerical"] = np.array([0.0, -0.02, -0.04, -0.5])
-    assert [note.split(",")[0] for note in energy_notes(rows, 0.0)] == ["the integrator took 0.5 J"]
+    assert [note.split(",")[0] for note in energy_notes(rows, 0.0)] == ["the integrator dissipated 0.5 J"]
 
 
 @pytest.mark.parametrize("step, taken", [(0.05, True), (0.005, False)])  # 1.6 and 0.16 over the frequency
@@ -66,7 +66,7 @@ def test_an_oscillation_that_the_step_does_not_resolve_is_named(step: float, tak
     scene.add(wf.forces.JointSpringDamper(guide, stiffness=1e3, preload=-10.0))
     result = wf.simulate(scene, 20.0, step=step, save_every=7, progress=False)
     assert result.status == "completed" and result.time[-1] == pytest.approx(20.0)
-    said = [note for note in result.history.notes if note.startswith("the integrator took")]
+    said = [note for note in result.history.notes if note.startswith("the integrator dissipated")]
     assert len(said) == taken and all("smaller step" in note for note in said)
 
 
@@ -106,7 +106,7 @@ def test_axes_that_turn_against_each_other_are_named(coarse, angle: float, named
     assert result.status == "completed"
     skew = angle_between_axes(scene.contacts[0], result.history)
     assert skew[-1] == pytest.approx(angle, rel=1e-3) and skew[0] == pytest.approx(0.0, abs=1e-9)  # the bore gives
-    assert named == ("turned against each other by up to 0.084 rad" in "\n".join(result.history.notes))
+    assert named == ("were skewed by up to 0.084 rad" in "\n".join(result.history.notes))
 
 
 def test_up_to_the_named_skew_both_families_agree(fine, monkeypatch) -> None:

@@ -21,7 +21,7 @@ CROWN = 2.0  # m: on both, 1/m of relative curvature along the axis, an ellipse 
 TILT = 9e-3  # rad: two crowns touch at CROWN TILT/2 from their middles, 9 mm of 10
 APPROACH = 2e-5  # m, of the crowns where they touch
 LOAD = 3000.0  # N
-LONG, SHARP = "use more rows in cells=", "one surface ends and the other goes on"
+LONG, SHARP = "use more rows in cells=", "one surface ends and the other continues"
 FORCE = 0.005  # of the force, and of line loads over many rows: what `cell_error` asks for
 EDGE = 0.02  # of the line load over two rows at a sharp edge, as r^-0.226, of which the first errs by 3 %
 PEAK = 0.01  # of the largest pressure, where it is finite

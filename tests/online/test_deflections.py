@@ -121,11 +121,11 @@ def test_interfaces_that_turn_far() -> None:
         (line,) = about(result.history.notes, "from the mean axes")
         q = result.history.bodies["beam"].modal[-1]
         angles = [np.linalg.norm(interface_motion(scene.body("beam"), name, q)[3:]) for name in ("x_min", "x_max")]
-        assert f"turns by up to {max(angles):.2g} rad" in line
+        assert f"rotates by up to {max(angles):.2g} rad" in line
         assert (max(angles) > TURNED) == far
         assert (f"above {TURNED:g} rad: split it into several bodies" in line) == far
         assert not about(result.history.notes, "kinetic energy")  # at rest there is none
-        assert not about(result.history.notes, "pictures of it lack")
+        assert not about(result.history.notes, "its pictures omit")
     assert not about(equilibrium(cantilever((0.0, 0.0, 1e-3 * BENDING))).history.notes, "mean axes")
 
 
@@ -133,14 +133,14 @@ def test_pictures_that_lack_the_way_of_interfaces() -> None:
     """Of stiffening=True, which has no second-order motion of the skin; the share of it is that of the body's that
     has it, but for places between interfaces."""
     notes = equilibrium(cantilever((0.0, 0.0, 0.5 * BENDING), kind=True)).history.notes
-    (line,) = about(notes, "pictures of it lack")
+    (line,) = about(notes, "its pictures omit")
     shares = []
     for kind in (True, "membrane"):
         scene = cantilever((0.0, 0.0, 0.5 * BENDING), kind=kind)
         shares += [one.second for one in deflections(scene, equilibrium(scene).history.bodies)]
     assert shares[1] == pytest.approx(shares[0], rel=0.1) and shares[0] > 0.02
     assert "use stiffening='membrane' in reduce" in line
-    assert not about(equilibrium(cantilever((0, 0, 0.01 * BENDING), kind=True)).history.notes, "pictures of it lack")
+    assert not about(equilibrium(cantilever((0, 0, 0.01 * BENDING), kind=True)).history.notes, "its pictures omit")
 
 
 @pytest.mark.parametrize(

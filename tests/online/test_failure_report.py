@@ -36,7 +36,7 @@ def test_a_step_far_too_long_names_body_and_joint() -> None:
     history = run(scene, 4.0, step=1.0, progress=False, settings=Settings(max_level=1))
     assert history.status == "not_converged" and len(history.time) == 1
     assert "largest residual: an unbalanced" in history.message and " on body '" in history.message
-    assert "joint 'elbow' misses by" in history.message or "joint 'hinge' misses by" in history.message
+    assert "joint 'elbow' is violated by" in history.message or "joint 'hinge' is violated by" in history.message
 
 
 def test_a_rope_pulled_beyond_reach_ends_the_run_with_its_results() -> None:
@@ -119,7 +119,7 @@ def test_the_fullest_pair_is_named() -> None:
 
     wide, narrow = (-8, 8), (-2, 2)
     assert _fullest(engine([wide, narrow, wide]), 0) == (
-        "at contact 'third', which has 2 active hats; windows wide open too: 1"
+        "at contact 'third', which has 2 active nodes; further windows at full width: 1"
     )
-    assert _fullest(engine([narrow, narrow, narrow]), 0) == "at contact 'second', which has 3 active hats"
-    assert _fullest(engine([wide, wide, wide]), 0) == "at contact 'second', which has 3 active hats"
+    assert _fullest(engine([narrow, narrow, narrow]), 0) == "at contact 'second', which has 3 active nodes"
+    assert _fullest(engine([wide, wide, wide]), 0) == "at contact 'second', which has 3 active nodes"

@@ -41,7 +41,7 @@ def test_errors_of_the_grid_are_true_within_a_factor(load: float) -> None:
         (found.torque, true[3]),
     ):
         assert size / TRUE < said < size * TRUE
-    assert any("its grid of 32 columns and 7 rows errs by about" in note for note in history.notes)
+    assert any("its grid of 32 columns and 7 rows has an error of about" in note for note in history.notes)
 
 
 def test_every_rule_of_cavities_has_an_estimate() -> None:

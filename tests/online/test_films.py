@@ -386,7 +386,7 @@ def test_whirl_is_that_of_the_coefficients_of_a_rigid_film(share: float) -> None
     assert np.abs(found - expected).max() < 1e-3 * SPEED  # c/R, of shear that the coefficients leave out
     assert (found.real.max() > 0.0) == (share > 1.0)
     assert np.abs(modes.eigenvalues[2:]).min() > 10.0 * np.abs(expected).max()  # the sleeve, and nothing of the oil
-    assert any("oil films keep their sets of voids" in note for note in modes.notes)
+    assert any("oil films keep their cavities" in note for note in modes.notes)
 
 
 def test_modes_are_what_a_small_disturbance_does() -> None:
@@ -492,7 +492,7 @@ def test_a_film_without_sliding_is_told_to_carry_nothing_at_rest() -> None:
     found = find_equilibrium(bearing((2e3, 0.0), speed=0.0, evaluation="hyper", axial_degrees=(0, 2)))
     assert found.status == "no_equilibrium" and not len(found.time)
     assert found.message.startswith("equilibrium: film 'film' is squeezed to")
-    assert "nothing slides and it carries nothing at rest" in found.message and "a velocity" in found.message
+    assert "nothing slides and it carries no load at rest" in found.message and "a velocity" in found.message
 
 
 def test_a_half_film_says_that_its_ledger_does_not_close() -> None:
@@ -500,7 +500,7 @@ def test_a_half_film_says_that_its_ledger_does_not_close() -> None:
     scene = bearing(turning_load(step, steps), feeds=[], ambient_pressure=1.0, cavitation="half_sommerfeld")
     found = run(scene, steps * step, step=step, start="equilibrium", progress=False)
     assert found.status == "completed", found.message
-    assert any("the ledger does not close with it" in note for note in found.notes)
+    assert any("the ledger does not close" in note for note in found.notes)
 
 
 # --- notes
@@ -509,8 +509,8 @@ def test_a_half_film_says_that_its_ledger_does_not_close() -> None:
 def test_columns_too_coarse_for_the_smallest_film_are_told() -> None:
     """The rule at 128 columns and an eccentricity of 0.9 says what hats beside fine volumes have there."""
     found = find_equilibrium(bearing((20e3, 0.0)))
-    (note,) = [n for n in found.notes if "coarse columns" in n]
-    assert "film 'film'" in note and "coarse columns of 11.2 degrees" in note and "columns on a turn" in note
+    (note,) = [n for n in found.notes if "too thin for columns" in n]
+    assert "film 'film'" in note and "too thin for columns of 11.2 degrees" in note and "columns per revolution" in note
     scene = bearing((2e3, 0.0))
     gap = np.full((1, COLUMNS, ROWS), CLEARANCE)
     history: Any = SimpleNamespace(films={"film": SimpleNamespace(smallest_gap=np.array([0.1 * CLEARANCE]), gap=gap)})

@@ -76,13 +76,15 @@ def test_rollers_that_loads_press_together_carry_them(friction: bool) -> None:
 def test_loads_that_do_not_balance_are_told_with_their_resultant(friction: bool) -> None:
     found = find_equilibrium(sprung(back=LOAD - 9.0), friction=friction)
     assert found.status == "no_equilibrium" and not len(found.time)
-    assert "'a', 'b', whose loads do not balance: (6, -3, 6) N are left over" in found.message
+    assert "'a', 'b', whose loads do not balance: the resultant is (6, -3, 6) N" in found.message
     scene = Scene(gravity=(0.0, 0.0, 0.0))
     wheel = scene.add_rigid_body(1.0, CUBE, name="wheel")
     scene.add(forces.PointTorque(wheel.at((0, 0, 0)), (0.0, 0.0, 3.0)))
     found = find_equilibrium(scene, friction=friction)
     assert found.status == "no_equilibrium"
-    assert "'wheel', whose loads do not balance: (0, 0, 3) N m about the centre of mass are" in found.message
+    assert (
+        "'wheel', whose loads do not balance: the resultant is (0, 0, 3) N m about the centre of mass" in found.message
+    )
 
 
 @pytest.mark.parametrize("back", [LOAD, LOAD - 100.0])

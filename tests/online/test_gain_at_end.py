@@ -25,7 +25,7 @@ def test_a_short_run_that_has_made_its_energy_says_so(steps: int) -> None:
     """All energy beyond the 7.6 kJ of the spring is from nowhere."""
     history = run(spun(), steps * STEP, step=STEP, progress=False)
     assert history.status == "energy" and len(history.time) == steps + 1
-    assert "the integrator makes energy" in history.message and "Settings" not in history.message
+    assert "the integrator creates energy" in history.message and "Settings" not in history.message
     assert history.energy["kinetic"][-1] > 100.0 * history.energy["potential"][0]
 
 

@@ -49,7 +49,10 @@ def test_next_to_no_inertia_is_no_fault(mass: float, inertia: float, skew: float
 def test_what_round_off_hides_is_named() -> None:
     history = run(pendulum(1e-12, 1e-18), 0.1, step=1e-3, progress=False)
     assert history.status == "singular"
-    assert "body 'light' is too light beside body 'heavy'" in history.message and "redundant" not in history.message
+    assert (
+        "body 'light' is too light for a joint with body 'heavy'" in history.message
+        and "redundant" not in history.message
+    )
 
 
 def test_other_singular_systems_are_not_blamed_on_masses() -> None:

@@ -171,7 +171,7 @@ def test_stiffening_that_is_missing() -> None:
     """Softening without the stiffening that comes with it would be worse than neither."""
     for level in ("constant", "full"):
         (line,) = indicator_lines(sized(level, 0.3, 0.05, 0.0), {"a": level})
-        assert line.endswith("turning stiffens as much as that softens: stiffening=True in reduce and add_body")
+        assert line.endswith("rotation stiffens as much as that softens: stiffening=True in reduce and add_body")
         (line,) = indicator_lines(sized(level, 0.3, 0.05, 0.0), {"a": level}, {"a"})
         assert "stiffens" not in line
 
@@ -205,7 +205,7 @@ def test_what_the_report_says() -> None:
         "gyroscopic 0.01 %; use inertia='deformed'"
     ]
     assert indicator_lines(sized("full", 0.3, 0.003, 0.0), {"a": "full"}) == [
-        "body 'a': inertia 'full', nothing neglected; 'deformed' would do"
+        "body 'a': inertia 'full', nothing neglected; 'deformed' is sufficient"
     ]
     assert indicator_lines(sized("deformed", 0.3, 0.003, 0.002), {"a": "deformed"}) == [
         "body 'a': inertia 'deformed', neglected of the forces kept: gyroscopic 0.2 %"
@@ -263,7 +263,7 @@ def test_turning_that_the_modes_do_not_hold(plain_body: ReducedBody) -> None:
         assert len(lines) == said
         if said:
             assert (
-                "'a': turning at 600 rad/s deforms it by up to 1.4e-05" in lines[0] and "centrifugal=True" in lines[0]
+                "'a': rotation at 600 rad/s deforms it by up to 1.4e-05" in lines[0] and "centrifugal=True" in lines[0]
             )
     known["centrifugal"] = True
     scene, motions = moving(body, terms_of(2), (0.0, 0.0, 600.0), modes(body), modes(body))

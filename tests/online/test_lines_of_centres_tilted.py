@@ -14,7 +14,7 @@ from warpffrf.output.accuracy.limits import Limits
 from warpffrf.output.budget.contacts import GAPS
 from warpffrf.output.simulate import simulate
 
-SAID = "gaps along the line of centres leave about"
+SAID = "parallel-axes kinematics omits about"
 
 
 @pytest.mark.parametrize(("skew", "points"), [(0.0, False), (0.0, True), (3e-2, False)])

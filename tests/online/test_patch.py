@@ -341,12 +341,12 @@ def test_what_a_patch_cannot_is_refused(roller) -> None:
     layered = pair(roller, 1e-5, law=wf.laws.LinearLayer(1e14))
     lower, upper = layered.bodies
     layered.add(wf.Contact(lower["rim"], upper["rim"], law=wf.laws.LinearLayer(1e13), name="second", grid="body_fixed"))
-    with pytest.raises(InputError, match="'second' stands on the same surfaces, .* use grid=\"body_fixed\""):
+    with pytest.raises(InputError, match="'second' uses the same surfaces, .* use grid=\"body_fixed\""):
         find_equilibrium(layered)
     scene = pair(roller, 1e-5)
     third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
     scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="body_fixed"))
-    with pytest.raises(InputError, match="body 'lower' is loaded by 'third-lower' too, .*give both the same grid="):
+    with pytest.raises(InputError, match="body 'lower' is also loaded by 'third-lower', .*give both the same grid="):
         find_equilibrium(scene)
 
 
@@ -358,7 +358,7 @@ def test_a_mesh_whose_half_space_is_not_symmetric_is_refused(roller) -> None:
         pair(skew, 1e-5)
     history = find_equilibrium(pair(skew, 1e-5, grid="auto"))
     assert history.contacts[NAME].cells is None
-    assert any("pressures on the material grid" in n and "not symmetric" in n for n in history.notes)
+    assert any("pressures on the body-fixed grid" in n and "not symmetric" in n for n in history.notes)
     doubtful = replace(roller, contact_surfaces={"rim": replace(rim, far=replace(rim.far, asymmetry=0.1))})
     said = "is not symmetric (10%): forces of a patch of cells may err by more than 1 %"
     assert any(said in note for note in find_equilibrium(pair(doubtful, 1e-5)).notes)
@@ -378,7 +378,9 @@ def test_the_grid_is_chosen(roller) -> None:
     a run says so."""
     history = find_equilibrium(pair(roller, 10e-6, grid="auto"))
     assert history.contacts[NAME].cells is not None
-    assert any("cells that travel with the patch, for which its bodies were reduced" in note for note in history.notes)
+    assert any(
+        "pressures on the contact-fixed grid, for which its bodies were reduced" in note for note in history.notes
+    )
     assert find_equilibrium(pair(roller, 10e-6, grid="body_fixed")).contacts[NAME].cells is None
     scene = pair(roller, 10e-6, grid="auto")
     third = scene.add_body(roller, name="third", position=(2 * RADIUS - 1e-5, 0, 0))
@@ -386,7 +388,7 @@ def test_the_grid_is_chosen(roller) -> None:
     scene.add(wf.Contact(third["rim"], scene.bodies[0]["rim"], grid="body_fixed"))
     history = find_equilibrium(scene)
     assert history.contacts[NAME].cells is None
-    assert any("material grid, as those of 'third-lower' on body 'lower' are" in note for note in history.notes)
+    assert any("body-fixed grid, as those of 'third-lower' on body 'lower' are" in note for note in history.notes)
 
 
 def test_a_coarse_mesh_needs_no_option() -> None:
@@ -406,7 +408,7 @@ def test_a_coarse_mesh_needs_no_option() -> None:
 def test_a_run_tells_why_cells_are_not_taken(roller) -> None:
     history = find_equilibrium(pair(without_tangential_field(roller), 1e-5, grid="auto", friction=0.1))
     assert history.contacts[NAME].cells is None
-    assert any("material grid, whose columns are 0.0079 m apart" in n and "friction" in n for n in history.notes)
+    assert any("body-fixed grid, whose columns are 0.0079 m apart" in n and "friction" in n for n in history.notes)
 
 
 def test_flat_faces_on_each_other_stay_on_the_material_grid() -> None:
@@ -431,7 +433,7 @@ def test_rollers_beside_each_other_stay_on_the_material_grid(roller) -> None:
     scene = pair(roller, 1e-5, grid="auto")
     scene.bodies[1].position = np.array([0.0, 1.1 * WIDTH, 2 * RADIUS - 1e-5])
     notes = Engine(scene).compiled.notes
-    assert any("no width in common: pressures on the material grid" in note for note in notes)
+    assert any("no width in common: pressures on the body-fixed grid" in note for note in notes)
     scene.contacts[0].grid = "contact_fixed"
     with pytest.raises(InputError, match="no width in common"):
         Engine(scene)

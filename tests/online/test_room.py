@@ -113,7 +113,11 @@ def test_a_run_without_memory_for_more_keeps_what_it_has(little: None, monkeypat
     history = run(
         plate_on_balls((-7e-3, 6e-3), height=1e-4, speed=1.0, load=LOAD), 20 * STEP, step=STEP, progress=False
     )
-    assert history.status == "memory" and "no memory for" in history.message and "traction_spacing" in history.message
+    assert (
+        history.status == "memory"
+        and "memory does not suffice for" in history.message
+        and "traction_spacing" in history.message
+    )
     assert len(history.time) >= 1 and np.all(np.isfinite(history.bodies["plate"].position))
 
 
@@ -131,7 +135,7 @@ def test_a_world_without_memory_leaves_the_others_their_room(little: None, monke
     scenes = [plate_on_balls((0.0,), height=height, speed=speed) for height, speed in falls]
     found = wf.simulate_worlds(scenes, 6 * STEP, step=STEP, progress=False)
     assert [result.status for result in found] == ["memory", "completed", "completed"]
-    assert "no memory for 45 active nodes or cells" in found[0].message
+    assert "memory does not suffice for 45 active nodes or cells" in found[0].message
     for scene, result in zip(scenes, found, strict=True):
         alone = wf.simulate(scene, 6 * STEP, step=STEP, progress=False)
         assert unlike(alone.history, result.history) == []

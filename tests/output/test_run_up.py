@@ -70,7 +70,7 @@ def test_a_run_up_from_rest_peaks_as_a_jeffcott_rotor(shaft: ReducedBody) -> Non
     assert deflection.max() == pytest.approx(exact, rel=SIMPLE)
     assert disc.angular_velocity[np.argmax(deflection), 0] == pytest.approx(speed, rel=0.3 * SIMPLE)
     said = next(note for note in result.history.notes if "'auto' chose 'constant'" in note)
-    assert "then 'full', as it turns faster than" in said and said in result.report(progress=False)
+    assert "then 'full', as it rotates faster than" in said and said in result.report(progress=False)
 
 
 def test_modes_about_the_end_of_a_run_up_have_its_inertia(shaft: ReducedBody) -> None:

@@ -128,7 +128,7 @@ def test_a_run_that_makes_energy_ends(small_body: ReducedBody) -> None:
     scene = guided_pair(small_body, small_body, load=load, speed=30.0, ramp=0.005)
     history = run(scene, 0.06, step=1e-4, start="equilibrium", progress=False)
     assert history.status == "energy"
-    for text in (f"contact {PAIR!r} makes energy", "tried", "do not help", "finer grid"):
+    for text in (f"contact {PAIR!r} creates energy", "tried", "do not help", "finer grid"):
         assert text in history.message
     energy = history.energy
     hand = max(np.abs(values).max() for name, values in energy.items() if name != "potential")

@@ -33,7 +33,7 @@ NO_ATTEMPT = -1  # for a world that takes no part in the attempt
 EngineOf = Callable[..., "Engine"]
 """Creates the engine of a run, with the scene and the options of `Engine`."""
 NOT_KEPT = (
-    "what cells that travel with the patch keep from step to step is not in the checkpoint, or does not fit: the run "
+    "what contact-fixed cells keep from step to step is not in the checkpoint, or does not fit: the run "
     "goes on to the tolerance of the iteration, not bit for bit"
 )
 OFF_END = "off_end"  # in a checkpoint: cells cover patches of crowns that run off an end

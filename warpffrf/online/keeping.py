@@ -32,7 +32,7 @@ class Keeping:
         if keeper is None:
             return
         if not engine.chunks[0]:
-            engine.chunks[0].append(taken(engine.ring.on_host(), 0, range(0)))  # says what rows are like
+            engine.chunks[0].append(taken(engine.ring.on_host(), 0, range(0)))  # describes the rows
         options = {"local": engine.compiled.local.options, "settings": engine.settings, "off_end": engine.off_end}
         keeper.begin(Source(KIND, engine.scene, options))
 

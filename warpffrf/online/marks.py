@@ -36,7 +36,7 @@ WHOLE = 4000  # steps, up to which a run is repeated as a whole
 FEW, MARKS = 32, 100  # states of such a run, and of a longer one
 MOST_BYTES = 64e6  # of them
 COARSER, FINER = 2, 4  # times the step of the run, parts of it
-ROUGHER = float(COARSER**3)  # times the error of a step allowed: local errors grow with h^3
+ROUGHER = float(COARSER**3)  # factor of the allowed error of a step: local errors grow with h^3
 MOST_ATTEMPTS = 4  # per user step, in one replay: more follow where steps are halved
 
 Array = np.ndarray

@@ -72,9 +72,9 @@ START_REST = "the equilibrium that the run starts from"
 MOST_UNDAMPED = 0.95  # spectral radius at infinity up to which an alternation of reactions grows less than tenfold
 OTHER_LEVELS = "a body has more inertia terms from here on than in the run that this one continues"
 VELOCITY_JUMP = 1e-6  # of the largest velocity: rounding of a signal's coefficients
-STATIC_CURE = "; hold what turns or slides freely (a weak spring will do), or begin with a smaller load"
+STATIC_CURE = "; constrain free rotation or sliding (a weak spring is sufficient), or begin with a smaller load"
 COARSEN = "coarsen the contact grid (traction_spacing)"
-UPHILL = "every step from here leads uphill; begin from another pose, or with a smaller load"
+UPHILL = "every step from here increases the energy; begin from another pose, or with a smaller load"
 NO_LOAD_PATH = "a mechanism with no load path; add a joint, a spring, a drive or a contact that carries the load"
 UNSOLVED = int(k.NOT_CONVERGED | k.CAPACITY | k.CYCLING | k.STENCIL)  # failure bits of deeply wedged contact
 RUNS_AWAY = int(
@@ -89,10 +89,10 @@ MESSAGES = {
     k.CAPACITY: ("capacity", "window overflow, raise capacity of the contact to >= {capacity}"),
     k.ROOM: (
         "memory",
-        "there is no memory for {capacity} active nodes or cells at once; {coarsen}, "
+        "the memory does not suffice for {capacity} active nodes or cells; {coarsen}, "
         "give the contacts a capacity, or run fewer worlds",
     ),
-    k.NOT_FINITE: ("not_finite", "a NaN or infinite number arose; look for extreme loads, masses or stiffnesses"),
+    k.NOT_FINITE: ("not_finite", "a NaN or infinite number occurred; check for extreme loads, masses or stiffnesses"),
     k.SINGULAR: (
         "singular",
         "the joint equations are singular: redundant constraints, or a mechanism with no load path",
@@ -103,9 +103,8 @@ MESSAGES = {
     ),
     k.STENCIL: (
         "stencil",
-        "a hat of the first contact surface faces more of the second grid than its stencil holds (the bodies are "
-        "turned or tilted too far against each other for the window); lower the capacity of the contact, or swap its "
-        "surfaces",
+        "a node of the first contact surface overlaps more of the second grid than its stencil allows (the bodies are "
+        "rotated or tilted too far for the window); lower the capacity of the contact, or swap its surfaces",
     ),
     k.PASSED: (
         "passed",
@@ -114,12 +113,12 @@ MESSAGES = {
     ),
     k.LEAPT: (
         "leapt",
-        "two surfaces change sides in a step without a touch, so that they may pass through each other; reduce step",
+        "two surfaces change sides in a step without contact, so that they may pass through each other; reduce step",
     ),
-    k.GAIN: ("energy", "energy came from nowhere; reduce step"),
+    k.GAIN: ("energy", "energy was created; reduce step"),
     k.RESTLESS: ("no_equilibrium", "the bodies do not come to rest"),
     k.ENERGY: ("energy", "the energy ledger does not close at an impact; reduce step"),
-    k.STEP_ERROR: ("step error", "the local error of a step exceeds step_error; reduce step, or allow more"),
+    k.STEP_ERROR: ("step error", "the local error of a step exceeds step_error; reduce step, or increase step_error"),
 }
 
 
@@ -169,7 +168,9 @@ def run(
         except _Outrun as faster:
             turned = faster.turned
             start = start.start if isinstance(start, Unfinished) else start
-            log.info("a body turns faster than its inertia terms hold for: the run begins anew, with all of them")
+            log.info(
+                "a body rotates faster than its inertia level is valid for: the run is restarted with all inertia terms"
+            )
 
 
 class _Outrun(Exception):
@@ -203,9 +204,7 @@ def _run(
     `off_end`; raises `_Outrun` if a body rotates faster than its level is valid for, and `OffEnd`."""
     if isinstance(integrator, CHECK_INTEGRATORS):
         if step_error is not None or as_local_dynamics(local).treatment != "quasi_static":
-            raise InputError(
-                f"simulate: {type(integrator).__name__} steps free bodies evenly; leave step_error and local out"
-            )
+            raise InputError(f"simulate: {type(integrator).__name__} uses a constant step; remove step_error and local")
         return run_check(
             scene, duration, step=step, integrator=integrator, save_every=save_every, progress=progress, start=start,
             keeper=keeper,
@@ -473,7 +472,7 @@ def finish(
     repeated = int(engine.word("repeated")[0])
     if repeated and engine.compiled.model.modes.dynamic_count:
         notes.append(
-            f"{repeated} steps were repeated with a contact force that keeps no memory: impacts on local modes with "
+            f"{repeated} steps were repeated with a contact force without history: impacts on local modes with "
             "inertia, in which the faces lose their own kinetic energy"
         )
     levels = {
@@ -510,7 +509,7 @@ def _reaction_notes(integrator: Integrator, engine: Engine) -> list[str]:
     if rho <= MOST_UNDAMPED or not any(engine.compiled.joints.rows.values()):
         return []
     return [
-        f"{type(integrator).__name__} has the root {rho:g} at infinity and hardly damps the alternation of joint "
+        f"{type(integrator).__name__} has the root {rho:g} at infinity and hardly damps alternating joint "
         "reactions from step to step, which may grow until steps fail; with joints choose rho_inf 0.9 or less"
     ]
 

@@ -127,7 +127,7 @@ class Place(Engine):
 
     @property
     def graph(self) -> _Together:
-        """The parts of a step in this place; who asks for them may change the arrays."""
+        """The parts of a step in this place; the caller may change the arrays."""
         self._views.touched = True
         return self._graph
 
@@ -182,8 +182,9 @@ class Company:
         self._seconds = 0.0
 
     def engine_of(self, world: int) -> Callable[..., Engine]:
-        """What makes the engine of a run in place of `Engine`, with the same options in all worlds; of a run that
-        begins anew an engine of its own."""
+        """Creates the engine of a run in place of `Engine`, with the same options in all worlds; for a restarted run
+        its own engine.
+        """
 
         def place(
             scene: Scene,
@@ -198,7 +199,8 @@ class Company:
             progress: bool = False,
         ) -> Engine:
             used = settings or Settings()
-            if self._tables is None:  # the run begins anew with other inertia terms or cells: it is of another kind now
+            # the run is restarted with other inertia terms or cells, so that its structure differs
+            if self._tables is None:
                 self.meeting.leave(world)
                 return Engine(
                     scene, device=device, settings=used, integrator=integrator, step_error=step_error, local=local,
@@ -237,7 +239,7 @@ Together = Callable[[dict[int, Any]], None]
 
 
 class Ended(BaseException):
-    """Raised in a run whose work nobody wants any more, as another one has raised an error."""
+    """Raised in a run whose result is not needed any more, as another one has raised an error."""
 
 
 class Meeting:
@@ -288,7 +290,7 @@ class Meeting:
             raise self._ends
 
     def _hold(self) -> None:
-        """The meeting, with the turn."""
+        """Take part in the meeting, with the lock."""
         together, brought = self._together, self._brought
         self._brought, self.error = {}, None
         try:

@@ -22,9 +22,9 @@ def markdown() -> str:
         "# Arrays of a run",
         "",
         "Made from the declarations in `kernels/warpffrf_kernels/core/` by `python -m warpffrf.online.arrays.table`.",
-        "Worlds come first; the model, which holds for all, has none. A *run* is read and written along contiguous",
-        "stretches by index, as one axis. What is *carried* keeps something from attempt to attempt, as all of `State`",
-        "does.",
+        "The first axis is the world; the model has none. A *run* is read and written along contiguous",
+        "ranges by index, as one axis. *Carried* arrays keep values from attempt to attempt, as all of `State`",
+        "do.",
     ]
     tables = [
         (f"{whole.__name__}: {part.__name__}", str(inspect.getdoc(part)), part.declarations, whole is Scratch)
@@ -57,7 +57,7 @@ def _row(name: str, d: Declaration, scratch: bool) -> str:
     kind = TYPES.get(d.dtype.__name__, d.dtype.__name__) if isinstance(d.dtype, type) else d.dtype.key
     marks = [d.note] if d.note else []
     marks += ["run"] * d.run + ["carried"] * (d.carried and scratch)
-    marks += ["put back where an attempt is rejected"] * d.restored
+    marks += ["restored after a rejected attempt"] * d.restored
     marks += [f"`{d.instead}` without its axes"] * bool(d.instead)
     axes = " x ".join(str(axis) for axis in d.axes)
     return f"| `{name}` | {kind} | {axes} | {d.unit} | {'; '.join(marks)} |"

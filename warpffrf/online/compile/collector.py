@@ -1,4 +1,4 @@
-"""What a scene brings along while it is compiled; `compile_...` and `fill_...` of this folder take and add."""
+"""Data of a scene collected during compilation; `compile_...` and `fill_...` of this folder read and add to it."""
 
 from __future__ import annotations
 
@@ -39,8 +39,9 @@ class OnBody(NamedTuple):
 
 
 class Pair(NamedTuple):
-    """A contact pair and its surfaces as they are compiled, the first flexible; of a patch of cells those with the
-    meshes."""
+    """A contact pair and its surfaces as they are compiled, the first flexible; on a contact-fixed grid those with the
+    meshes.
+    """
 
     contact: Contact
     body_a: Body | Ground
@@ -83,8 +84,9 @@ class Rows:
 
 
 class Collector:
-    """What is gathered of a scene on its way to the device: rows, markers, signals, interfaces, surfaces, notes; and
-    the plans that decide what of bodies and modes is kept. `fill` puts arrays into a topic of the model."""
+    """Data collected from a scene for the device: rows, markers, signals, interfaces, surfaces, notes; and the plans
+    that decide what of bodies and modes is kept. `fill` puts arrays into a topic of the model.
+    """
 
     def __init__(
         self,
@@ -137,7 +139,7 @@ class Collector:
         return found
 
     def interface(self, port: Port) -> int:
-        """Number of the flexible interface of a port, -1 for a place that no mode moves."""
+        """Number of the flexible interface of a port, -1 for one that no mode moves."""
         if port.interface_name is None or not port.body.mode_count:
             return -1
         return self.interfaces.setdefault((port.body.index, str(port.interface_name)), len(self.interfaces))

@@ -14,21 +14,21 @@ Array = np.ndarray
 
 
 def modal_moments(surface: ContactSurface) -> Array:
-    """M Phi (nodes, modes): weak normal displacement of the global modes on the hats of the grid."""
+    """M Phi (nodes, modes): weak normal displacement of the global modes at the nodes of the grid."""
     grid = surface.grid
     phi = surface.mode_normal.reshape(grid.columns, grid.rows, -1)
     return np.einsum("kl,jlm->jkm", surface.gram_z, grid.along_theta(phi))
 
 
 def columns_of_turn(surface: ContactSurface) -> int:
-    """Columns of the full turn that the compliance of a surface counts, 0 where it covers an arc."""
+    """Columns of the full circumference in the compliance of a surface, 0 where it covers an arc."""
     sectors = len(surface.lags)
     whole = sectors > 1 or surface.grid.periodic
     return sectors * surface.lags.shape[1] // surface.grid.rows if whole else 0
 
 
 def hat_gram(surface: ContactSurface, sectors: int | None = None) -> Array:
-    """M_psi of the hats [m^2], block-circulant like D, or in so many `sectors`, 1: dense."""
+    """M_psi of the nodes [m^2], block-circulant like D, or in `sectors` sectors, 1: dense."""
     grid = surface.grid
     sectors = len(surface.lags) if sectors is None else sectors
     if sectors == 1:
@@ -38,14 +38,16 @@ def hat_gram(surface: ContactSurface, sectors: int | None = None) -> Array:
     theta = np.zeros((sectors, c, c))
     j = np.arange(c)
     theta[0, j, j] = 2.0 / 3.0 * grid.pitch
-    for shift in (1, -1):  # hat j overlaps hat j + shift, which may stand in the next sector
+    for shift in (1, -1):  # node j overlaps node j + shift, which may be in the next sector
         other = j + shift
         theta[(-(other // c)) % sectors, j, other % c] += grid.pitch / 6.0
     return np.einsum("nab,kl->nakbl", theta, surface.gram_z).reshape(sectors, side, side)
 
 
 def product(*operators: Array) -> Array:
-    """Of block-circulant operators, on a turn harmonic by harmonic; dense ones are multiplied out."""
+    """Product of block-circulant operators, harmonic by harmonic on a full circumference; of dense ones by
+    multiplication.
+    """
     sectors = len(operators[0])
     turned = [np.fft.rfft(A, axis=0) for A in operators] if sectors > 1 else operators
     total = turned[0]
@@ -61,7 +63,8 @@ def transposed(operator: Array) -> Array:
 
 def by_column(operator: Array, target: tuple[int, int], source: tuple[int, int]) -> Array:
     """`operator` (sectors, target lines, source lines) as (sectors, column, line, column, line): `target` and `source`
-    are directions (1 of normal, 2 of tangential lines, which stand before the columns) and rows."""
+    are directions (1 for normal, 2 for tangential lines, which precede the columns) and rows.
+    """
     shape = []
     for (directions, rows), lines in zip((target, source), operator.shape[1:], strict=True):
         shape += [directions, lines // (directions * rows), rows]
@@ -73,8 +76,8 @@ def by_column(operator: Array, target: tuple[int, int], source: tuple[int, int])
 def response_table(blocks: Array, reach: int, turns: bool) -> Array:
     """Table (column of the block, source line, target column + reach, target line) of `by_column`.
 
-    The response to a line along the columns of a window is one contiguous run, whatever the block: kernels add such
-    runs. Columns are counted from the source's block; with `turns` they go on beyond a dense block, else they are zero,
+    The response to a line along the columns of a window is one contiguous run, for any block: kernels add such runs.
+    Columns are counted from the source's block; with `turns` they continue beyond a dense block, else they are zero,
     where the grid has no nodes.
     """
     sectors, c = blocks.shape[:2]

@@ -11,12 +11,13 @@ from warpffrf.model.errors import InputError
 from warpffrf.online.settings import LARGEST_INDEX
 from warpffrf_kernels.core.declaration import Declaration, parts
 
-WITHIN = {wp.vec3d: (3,), wp.mat33d: (3, 3)}  # numbers of an entry
+WITHIN = {wp.vec3d: (3,), wp.mat33d: (3, 3)}  # numbers per entry
 
 
 class Shared:
-    """Arrays that scenes have in common, which differ in numbers only: each lies on the device once. To be kept no
-    longer than until the last of them is compiled, as it holds their numbers on the host as well."""
+    """Arrays that scenes have in common, which differ in numbers only: each is on the device once. To be kept no
+    longer than until the last of them is compiled, as it keeps their numbers on the host as well.
+    """
 
     def __init__(self) -> None:
         self._first: dict[str, tuple[np.ndarray, Any]] = {}
@@ -38,8 +39,9 @@ def _same_bits(a: np.ndarray, b: np.ndarray) -> bool:
 
 
 class Constants:
-    """Fills topics of `warpffrf_kernels.core.model`; `sizes`: of all axes met so far, which later arrays have to agree
-    with."""
+    """Fills topics of `warpffrf_kernels.core.model`; `sizes`: of all axes so far, with which later arrays have to
+    agree.
+    """
 
     def __init__(self, device: str, shared: Shared | None = None) -> None:
         self.device = device
@@ -47,10 +49,10 @@ class Constants:
         self.shared = shared
 
     def fill(self, topic: Any, **values: Any) -> None:
-        """Set numbers and arrays of a topic by name; arrays in the shapes that are declared, or empty.
+        """Set numbers and arrays of a topic by name; arrays in the declared shapes, or empty.
 
-        Raises TypeError for an array that is not as long as others along the same axis, InputError for one longer than
-        the indices of kernels reach.
+        Raises TypeError for an array whose length differs from others along the same axis, InputError for one longer
+        than the indices of kernels reach.
         """
         for name, value in values.items():
             declaration = topic.declarations.get(name)
@@ -68,7 +70,7 @@ class Constants:
                 "a coarser traction_spacing"
             )
         within = WITHIN.get(declaration.dtype, ())
-        if data.size == 0:  # one entry that nobody uses, so that kernels can be given it
+        if data.size == 0:  # one unused entry, so that it can be passed to kernels
             self._meet(label, declaration.axes[0], 0)
             data = np.zeros((*(n if isinstance(n, int) else 1 for n in declaration.axes), *within), kind)
         else:

@@ -1,7 +1,7 @@
 """Forces of a scene -> spring rows, point loads and body loads of the device model.
 
 Elements describe themselves in the terms of `warpffrf.model.forces.laws`. A spring law on one coordinate is a row with
-its own stiffness, and so is each coordinate of a law with characteristics; a linear law on several is a *group* of rows
+its own stiffness, as is each coordinate of a law with characteristics; a linear law on several is a *group* of rows
 that share matrices (`warpffrf_kernels.constraints.forces`).
 """
 
@@ -33,7 +33,9 @@ ROW_KINDS = {
 
 @dataclass
 class ForceTable:
-    """Where the forces of a scene went: rows and laws of springs by name; loads in the order of the device arrays."""
+    """Device indices of the forces of a scene: rows and laws of springs by name; loads in the order of the device
+    arrays.
+    """
 
     rows: dict[str, list[int]] = field(default_factory=dict)
     laws: dict[str, SpringLaw] = field(default_factory=dict)
@@ -99,7 +101,7 @@ def _spring(collector: Collector, joints: JointTable, table: ForceTable, law: Sp
 
 
 def fill_forces(collector: Collector, table: ForceTable, m: Model) -> None:
-    """Device arrays of groups and loads; the signals of loads are entered, so call it before those are laid out."""
+    """Device arrays of groups and loads; the signals of loads are entered, so that it must precede their layout."""
     rows, bodies = len(collector.rows), collector.scene.bodies
     group = np.full(rows, -1)
     group[list(table.of_row)] = list(table.of_row.values())

@@ -1,6 +1,6 @@
 """Friction of the contact pairs -> device tables: coefficients, cells and traces of modes along the surfaces.
 
-A scene without friction gets empty tables. What tractions displace is among the responses (`responses`).
+A scene without friction gets empty tables. Displacements by tractions are among the responses (`responses`).
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from warpffrf.online.compile.room import CellRoom, slots_of
 from warpffrf.online.compile.windows import Extent, between_axes, sine_between
 from warpffrf_kernels.core.model import Model
 
-CUBIC_SPARE = 2  # columns beyond the overlap that a cubic reaches, see `cell_shares.spread_cells`
+CUBIC_SPARE = 2  # columns beyond the overlap reached by a cubic, see `cell_shares.spread_cells`
 ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one
 
 
@@ -72,7 +72,7 @@ def fill_friction(collector: Collector, m: Model, z_start: np.ndarray) -> None:
 
 
 def _fill_slip_speeds(collector: Collector) -> None:
-    """Coefficients that depend on the slip speed, in cubic pieces, one table behind the other."""
+    """Coefficients that depend on the slip speed, in cubic pieces, concatenated tables."""
     tables = [
         cubic_pieces(c.friction, f"contact {c.name!r}") if c.friction.breaks else np.zeros((0, 5))
         for c in collector.scene.contacts
@@ -85,8 +85,9 @@ def _fill_slip_speeds(collector: Collector) -> None:
 
 
 def _cell_room(collector: Collector, m: Model) -> CellRoom:
-    """Cells are loaded beside those where hats are too (`bounds`): a patch of n hats in r rows and c columns has at
-    most 2 (c + r) neighbours."""
+    """Cells next to active nodes are loaded too (`bounds`): a patch of n nodes in r rows and c columns has at most
+    2 (c + r) neighbours.
+    """
     first = most = 0
     for i, (contact, _, a, _, _) in enumerate(collector.pairs()):
         plan = collector.patches.get(i)
@@ -102,8 +103,9 @@ def _cell_room(collector: Collector, m: Model) -> CellRoom:
 
 
 def _extent(a: ContactSurface, b: ContactSurface, crossed: float) -> tuple[int, int]:
-    """Most columns and rows of the second grid's cells under a cell of the first, `crossed` the largest sine of the
-    angle between the grids."""
+    """Largest numbers of columns and rows of the second grid's cells under a cell of the first, `crossed` the largest
+    sine of the angle between the grids.
+    """
     z_a, z_b = np.asarray(a.grid.z), np.asarray(b.grid.z)
     pitch_a, pitch_b = np.max(a.grid.pitch * a.shape.radius_at(z_a)), np.min(b.grid.pitch * b.shape.radius_at(z_b))
     edges = [np.diff(np.concatenate([z[:1], 0.5 * (z[1:] + z[:-1]), z[-1:]])) for z in (z_a, z_b)]

@@ -1,4 +1,4 @@
-"""Modes that carry inertia, and what loads stiffen -> tables (`warpffrf_kernels.bodies.inertia`)."""
+"""Modes that carry inertia, and stiffening by loads -> tables (`warpffrf_kernels.bodies.inertia`)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from warpffrf_kernels.core.model import Model
 
 
 def fill_inertia(collector: Collector, m: Model) -> None:
-    """Modes that are outer unknowns, and the inertia tables of those that carry it."""
+    """Retained modes, and the inertia tables of those that carry inertia."""
     plans = collector.inertia.bodies
     carrying = [plan.count for plan in plans]
     counts = outer_modes(collector)
@@ -66,9 +66,10 @@ def _fill_membrane(collector: Collector, m: Model) -> None:
 
 
 def outer_modes(collector: Collector) -> list[int]:
-    """How many modes of each body are outer unknowns: those that carry inertia, and all global ones of a body that is
-    loaded on several surfaces, as those of a sheet: by these its pairs feel each other about as much as themselves; and
-    all global ones of a body with a film or a lap, which leave blocks of their own."""
+    """Number of retained modes of each body: those that carry inertia; all global ones of a body that is loaded on
+    several surfaces, as those of a sheet, by which its pairs influence each other about as much as themselves; and all
+    global ones of a body with a film or a small-sliding contact, which have blocks of their own.
+    """
     loads = Counter(body.index for body, _, _ in (collector.surfaces[s] for s in set(collector.sides)))
     scene = collector.scene
     blocks = {port.body.index for item in (*scene.films, *scene.laps) for port in item.ports}
@@ -86,7 +87,7 @@ def mode_reach(reduced: ReducedBody) -> np.ndarray:
 
 
 def fill_stiffening(collector: Collector, m: Model) -> bool:
-    """Tables of what loads at interfaces stiffen; True where there are any."""
+    """Tables of stiffening by interface loads; True where there are any."""
     start = np.full(max(len(collector.interfaces), 1), -1)
     bodies = np.full(max(len(collector.interfaces), 1), -1)
     tables, size = [], 0
@@ -106,7 +107,7 @@ def fill_stiffening(collector: Collector, m: Model) -> bool:
 
 
 def dense_columns(m: Model, collector: Collector, bodies: Sequence[Body]) -> list[int]:
-    """Outer columns of the modes of `bodies` that are outer unknowns."""
+    """Retained columns of the retained modes of `bodies`."""
     starts = np.cumsum([0, *outer_modes(collector)])
     indices = dict.fromkeys(body.index for body in bodies)
     return [6 * m.bodies.count + int(d) for i in indices for d in range(starts[i], starts[i + 1])]

@@ -1,28 +1,28 @@
 r"""Inertia levels of the bodies of a scene.
 
-A level says which parts of J(q) = J0 + sum q_i J1_i + sum q_i q_j J2_ij and h = sum q_i qdot_j G_ij a body keeps:
+A level defines which parts of J(q) = J0 + sum q_i J1_i + sum q_i q_j J2_ij and h = sum q_i qdot_j G_ij a body keeps:
 
-    constant      none: the deformation feels no rotation, the rotation no deformation
+    constant      none: rotation and deformation are not coupled
     deformed      J1, J2: inertia of the deformed body, and its conjugate, the centrifugal forces on the modes
     gyroscopic    J1, G: centrifugal load on the undeformed shape, Coriolis and Euler forces, momentum of the vibration
     full          J1, J2, G
 
 Each is the Lagrangian of its own kinetic energy, so each conserves energy and angular momentum. `auto` takes the least
-level that keeps every term whose estimate is above its bound (BOUNDS), with omega the fastest turning that the scene
+level that keeps every term whose estimate is above its bound (BOUNDS), with omega the fastest rotation that the scene
 states (initial angular velocities, drives), frequencies omega_i and |J0| = tr J0/2 = int |X|^2 dm:
 
-    centrifugal   omega^2/2 root(sum_i |J1_i|^2/omega_i^4) / root(|J0|)   what the centrifugal load deforms, of the size
-    deformed      omega^2 norm(|J2_ij|/(omega_i omega_j))                 centrifugal against elastic force
+    centrifugal   omega^2/2 root(sum_i |J1_i|^2/omega_i^4) / root(|J0|)   deformation by the centrifugal load, of the
+    size deformed      omega^2 norm(|J2_ij|/(omega_i omega_j))                 centrifugal against elastic force
     gyroscopic    2 omega max_ij |G_ij|/max(omega_i, omega_j)             Coriolis against elastic force
 
-The last two are ratios of forces that both grow with the deformation. The first is a load; what else loads the body is
-not known before the run, so that it is judged by itself: modes have the mass norm, hence |q|/root(|J0|) is the root
+The last two are ratios of forces that both grow with the deformation. The first is a load; the other loads on the body
+are not known before the run, so that it is judged by itself: modes have the mass norm, hence |q|/root(|J0|) is the root
 mean square of the displacement over the radius of gyration.
 
-What torques, contacts and springs set turning is not stated. With the estimates the speed is known up to which a level
-holds; a run in which a body turns faster begins anew, with all terms of that body (`online.run`): a level that changes
-in the middle of a run would change its energy and momentum. The fastest turning of each body is part of the state, so
-that a run that goes on from a checkpoint has the level that was chosen.
+Rotation caused by torques, contacts and springs is not stated. The estimates give the speed up to which a level
+is valid; a run in which a body rotates faster is restarted, with all terms of that body (`online.run`): a change of
+level in the middle of a run would change its energy and momentum. The fastest rotation of each body is part of the
+state, so that a run continued from a checkpoint has the level that was chosen.
 """
 
 from __future__ import annotations
@@ -37,15 +37,16 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.reduced.inertia import LEVELS, TERM_NAMES, GeometricStiffness, InertiaTerms
 from warpffrf.model.scene import Scene
 
-AUTO = 0.01  # a neglected term estimated above 1 % is kept: what a force or displacement is usually wanted to
-NOTICEABLE = 1e-5  # a deformation of 1e-5 of the size, in steel a stress of 2 MPa: less than what tolerances leave open
+AUTO = 0.01  # a neglected term estimated above 1 % is kept: the usual accuracy of a force or displacement
+NOTICEABLE = 1e-5  # a deformation of 1e-5 of the size, in steel a stress of 2 MPa: less than the effect of tolerances
 BOUNDS = {"centrifugal": NOTICEABLE, "deformed inertia": AUTO, "gyroscopic": AUTO}
 
 
 @dataclass(frozen=True)
 class BodyInertia:
-    """What one body carries: the level in use, the terms (None: constant), and what of them loads stiffen (None:
-    nothing); `limit`: the fastest turning [rad/s] for which `auto` would choose the level."""
+    """Inertia terms of one body: the level in use, the terms (None: constant), and those that loads stiffen (None:
+    none); `limit`: the fastest rotation [rad/s] for which `auto` would choose the level.
+    """
 
     level: str
     terms: InertiaTerms | None
@@ -60,15 +61,16 @@ class BodyInertia:
 
 @dataclass(frozen=True)
 class InertiaPlan:
-    """The levels of all bodies of a scene, and what is to be said about them."""
+    """The levels of all bodies of a scene, and notes on them."""
 
     bodies: list[BodyInertia]
     notes: list[str]
 
     @classmethod
     def of(cls, scene: Scene, turned: Sequence[float] | np.ndarray = ()) -> InertiaPlan:
-        """Levels as the scene asks for them; `turned`: the fastest turning of each body [rad/s] in a run so far. Raises
-        InputError for a body that was reduced without inertia terms."""
+        """Levels requested by the scene; `turned`: the fastest rotation of each body [rad/s] in a run so far. Raises
+        InputError for a body that was reduced without inertia terms.
+        """
         plans, notes = [], []
         found = turned if len(turned) else [0.0] * len(scene.bodies)
         speed = fastest_turning(scene)
@@ -81,7 +83,7 @@ class InertiaPlan:
 
     @property
     def limits(self) -> np.ndarray:
-        """(bodies,) rad/s: a body that turns faster needs another level; inf where none is chosen."""
+        """(bodies,) rad/s: a body that rotates faster needs another level; inf where none is chosen."""
         return np.array([plan.limit for plan in self.bodies])
 
 
@@ -105,7 +107,7 @@ def _plan(body: Body, speed: float, fastest: float, notes: list[str]) -> BodyIne
         said = f"body {body.name!r}: inertia 'auto' chose {level!r} (estimates at {speed:.3g} rad/s: {sizes})"
         limit = fastest_for(terms, body.inertia, 2.0 * np.pi * body.flexible.frequencies, level)
         if fastest > limit:
-            said += f", then 'full', as it turns faster than {limit:.3g} rad/s, up to which {level!r} holds"
+            said += f", then 'full', as it rotates faster than {limit:.3g} rad/s, the limit of {level!r}"
             level, limit = "full", np.inf
         notes.append(said)
     if level != "constant" and (terms is None or not len(terms.first)):
@@ -118,7 +120,7 @@ def _plan(body: Body, speed: float, fastest: float, notes: list[str]) -> BodyIne
 
 
 def fastest_turning(scene: Scene) -> float:
-    """The fastest turning that a scene states [rad/s]: of initial angular velocities and of driven rotations."""
+    """The fastest rotation that a scene states [rad/s]: of initial angular velocities and of driven rotations."""
     speeds = [float(np.linalg.norm(body.angular_velocity)) for body in scene.bodies]
     for drive in scene.drives:
         if not drive.coordinate.endswith("rotation"):
@@ -129,7 +131,7 @@ def fastest_turning(scene: Scene) -> float:
 
 
 def estimate(terms: InertiaTerms, J0: np.ndarray, omega: np.ndarray, speed: float) -> dict[str, float]:
-    """Estimated size of each term at a turning of `speed` [rad/s], see the module; `omega` (m,) [rad/s]."""
+    """Estimated size of each term at a rotation of `speed` [rad/s], see the module; `omega` (m,) [rad/s]."""
     w = omega[: len(terms.first)]
     J1 = np.linalg.norm(terms.first, axis=(1, 2), ord=2)
     J2 = np.linalg.norm(terms.second, axis=(2, 3), ord=2)
@@ -142,7 +144,7 @@ def estimate(terms: InertiaTerms, J0: np.ndarray, omega: np.ndarray, speed: floa
 
 
 def fastest_for(terms: InertiaTerms, J0: np.ndarray, omega: np.ndarray, level: str) -> float:
-    """The fastest turning [rad/s] at which every term that `level` leaves out is within its bound; as `estimate`."""
+    """The fastest rotation [rad/s] at which every term that `level` omits is within its bound; as `estimate`."""
     at_one = estimate(terms, J0, omega, 1.0)
     limits = [
         (BOUNDS[name] / at_one[name]) ** (1.0 if name == "gyroscopic" else 0.5)

@@ -1,4 +1,4 @@
-"""Friction in joints -> rows without stiffness, and what bounds their forces (`kernels joint_friction`)."""
+"""Friction in joints -> rows without stiffness, and the bounds of their forces (`kernels joint_friction`)."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ class SlipTable:
 
     laws: dict[str, SlipLaw] = field(default_factory=dict)
     rows: dict[str, list[int]] = field(default_factory=dict)
-    held: dict[str, list[int]] = field(default_factory=dict)  # rows of the joints that press
+    held: dict[str, list[int]] = field(default_factory=dict)  # rows of the joints whose reactions act normally
 
 
 def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTable:
-    """Enter the rows, behind those of the joints and before those of springs; a note where the reactions that press
-    are not determined."""
+    """Enter the rows, after those of the joints and before those of springs; a note where the normal reactions are not
+    determined.
+    """
     table = SlipTable()
     for item in collector.scene.forces:
         if not hasattr(item, "slip"):
@@ -38,9 +39,9 @@ def compile_joint_friction(collector: Collector, joints: JointTable) -> SlipTabl
     if rubbing := [name for name, law in table.laws.items() if str(law.joint.name) in joints.undetermined]:
         collector.notes.append(
             f"friction {', '.join(map(repr, rubbing))}: the constraints do not determine how the joints "
-            f"{', '.join(map(repr, joints.undetermined))} share their load; reactions that are left out as redundant "
-            "do not press, so that this friction depends on the order in which the joints were added; let one of them "
-            "leave free what another one holds, or replace it by a Bushing, whose stiffness shares the load"
+            f"{', '.join(map(repr, joints.undetermined))} share their load; reactions omitted as redundant "
+            "do not contribute, so that this friction depends on the order of adding the joints; let one of them "
+            "leave free what another one constrains, or replace it by a Bushing, whose stiffness shares the load"
         )
     return table
 

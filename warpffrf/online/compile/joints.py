@@ -1,8 +1,8 @@
 """Joints and drives of a scene -> rows of the device model.
 
 Every row of a joint (`warpffrf.model.joints`) that is not redundant (`warpffrf.model.checks.redundancy`) becomes one
-rigid row; a drive adds one, or gives its signal to the row that its joint holds anyway (a distance). Rows that are left
-out have no multiplier: their part of the joint's reaction is zero, and the sum over the joints that share a load stays
+rigid row; a drive adds one, or gives its signal to the row of its joint (a distance). Rows that are left
+out have no multiplier: their part of the joint's reaction is zero, and the sum over the joints that share a load is
 that of equilibrium.
 """
 
@@ -28,13 +28,16 @@ ROW_KINDS = {
 
 @dataclass
 class JointTable:
-    """Where the joints of a scene went: rows and markers by joint name, the rows left out, and notes for the user."""
+    """Device indices of the joints of a scene: rows and markers by joint name, the omitted rows, and notes for the
+    user.
+    """
 
     rows: dict[str, list[int]] = field(default_factory=dict)  # drives included
     held: dict[str, list[int]] = field(default_factory=dict)  # without them
     markers: dict[str, tuple[int, int]] = field(default_factory=dict)
     dropped: list[ConstraintRow] = field(default_factory=list)
-    undetermined: list[str] = field(default_factory=list)  # whose reactions another choice of these would change
+    # joints whose reactions depend on the choice of the omitted rows
+    undetermined: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
 
@@ -60,7 +63,7 @@ def compile_joints(collector: Collector) -> JointTable:
         signal, reference = -1, item.initial
         if item.drive is not None:
             signal = collector.signal(item.drive.position())
-            if item.drive.quantity == "position":  # counts from zero, not from the initial value
+            if item.drive.quantity == "position":  # relative to zero, not to the initial value
                 reference = 0.0
         number = collector.rows.add(
             ROW_KINDS[item.row.kind], a, b, item.row.i, item.row.j, signal=signal, reference=reference

@@ -1,11 +1,11 @@
-r"""Laps of a scene -> device tables of their groups (kernels of `laps`).
+r"""Small-sliding contacts of a scene -> device tables of their groups (kernels of `laps`).
 
-Laps that meet on a flexible body answer each other through it, and make a *group*. With P_b from the forces s of the
-cells of a group to those that the lap compliance C_b of body b knows (`face_loads`),
+Small-sliding contacts that share a flexible body are coupled by its compliance, and form a *group*. With P_b from the
+forces s of the cells of a group to those of the interface compliance C_b of body b (`face_loads`),
 
-    G = sum_b P_b^T C_b P_b + E,      J = [rigid relative motion of each lap | P_b^T modes_b of each body],
+    G = sum_b P_b^T C_b P_b + E,      J = [rigid relative motion of each contact | P_b^T modes_b of each body],
 
-E what layers yield, over the areas of cells. Without friction the normal parts alone are kept.
+E the compliance of layers, divided by the areas of cells. Without friction only the normal parts are kept.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ Array = np.ndarray
 RIGID = int(motion.RIGID)
 MANY = 1500  # cells of a group
 FEWEST = 64  # lines of cells that may differ from those of a table
-DEPENDENT = 1e-10  # of the mean compliance of a force: what is left of it beside the others
+DEPENDENT = 1e-10  # of the mean compliance of a force: its part independent of the others
 THIN = 1e-6  # of that mean: layer that is added then
-STIFF = 1e4  # times the stiffness of cells on their own: no deformation is left
+STIFF = 1e4  # times the stiffness of single cells: no deformation is left
 
 
 def groups_of(laps: list[Lap]) -> list[list[int]]:
-    """Laps by number, gathered where they meet on a flexible body."""
+    """Numbers of the small-sliding contacts, grouped by shared flexible bodies."""
     found: list[tuple[set[int], list[int]]] = []
     for number, lap in enumerate(laps):
         bodies = {port.body.index for port in lap.ports if not port.rigid}
@@ -54,12 +54,12 @@ def groups_of(laps: list[Lap]) -> list[list[int]]:
 
 
 def lap_order(laps: list[Lap]) -> list[int]:
-    """Numbers of the laps in the order in which their cells stand on the device."""
+    """Numbers of the small-sliding contacts in the order of their cells on the device."""
     return [number for numbers in groups_of(laps) for number in numbers]
 
 
 def fill_laps(collector: Collector) -> None:
-    """Tables of all laps. Raises `InputError` for faces that do not face each other."""
+    """Tables of all small-sliding contacts. Raises `InputError` for faces that do not face each other."""
     declared: Any = Laps
     scene = collector.scene
     ones: dict[str, list[Any]] = {}
@@ -133,13 +133,13 @@ def fill_laps(collector: Collector) -> None:
 
 
 def _bodies(laps: list[Lap], *, rigid: bool) -> list[Body]:
-    """Bodies of these laps that move, flexible ones alone or all, each once, in the order of the scene."""
+    """Bodies of these contacts that move, flexible ones alone or all, each once, in the order of the scene."""
     found = {p.body.index: p.body for lap in laps for p in lap.ports if p.body.index >= 0 and (rigid or not p.rigid)}
     return [found[index] for index in sorted(found)]
 
 
 def _frames(lap: Lap) -> dict[str, Array]:
-    """Where relative motion of two bodies is measured, and R_0."""
+    """Origin and axes in which the relative motion of two bodies is measured, and R_0."""
     if lap.b is None:
         return {"first_point": np.zeros(3), "second_point": np.zeros(3), "turn": np.eye(3)}
     point = lap.a.body.to_world(lap.a.surface.points.mean(axis=0))
@@ -152,7 +152,7 @@ def _frames(lap: Lap) -> dict[str, Array]:
 
 
 def _loads(lap: Lap, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
-    """P of a lap on a body (unknowns of its lap compliance, 3 c); None where it does not load it."""
+    """P of a contact on a body (unknowns of its interface compliance, 3 c); None where it does not load it."""
     laps = body.flexible.laps
     if lap.a.body is body:
         return lap_surface.on_own(laps, lap.a.name, cells.cell)
@@ -163,7 +163,7 @@ def _loads(lap: Lap, cells: LapCellsOf, body: Body) -> sp.csr_matrix | None:
 
 
 def _all_loads(laps: list[Lap], cells: list[LapCellsOf], body: Body) -> sp.csr_matrix:
-    """P of all laps of a group on a body."""
+    """P of all contacts of a group on a body."""
     total = lap_surface.count(body.flexible.laps)
     parts = []
     for lap, own in zip(laps, cells, strict=True):
@@ -189,9 +189,9 @@ def _compliance(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) ->
 
 
 def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
-    """Where forces of cells displace nothing that others do not, a layer on the diagonal of G that tells them apart;
-    and a note of it. Raises `InputError` where such forces move the bodies all the same: then nothing gives way between
-    them.
+    """Where forces of cells cause no displacement independent of the others, a layer on the diagonal of G that makes
+    them unique, and a note of it. Raises `InputError` where such forces move the bodies nevertheless: then there is no
+    compliance between them.
     """
     label = ", ".join(lap.label for lap in laps)
     part = np.array(G[kept, kept], order="F")
@@ -206,12 +206,12 @@ def _tell_apart(laps: list[Lap], G: Array, J: Array, kept: slice) -> list[str]:
     soft = np.einsum("ij,ij->j", J[kept], J[kept])
     if np.any(stiffness > STIFF * soft):
         raise InputError(
-            f"{label}: cells have nothing left to yield by: the global modes of their bodies take up all that some of "
-            "their forces deform; reduce with fewer modes, with more elements across the thickness, or with fewer cells"
+            f"{label}: no local compliance is left for the cells: the global modes contain all deformation by some of "
+            "their forces; reduce with fewer modes, with more elements across the thickness, or with fewer cells"
         )
     return [
-        f"{label}: {missing} of {len(part)} forces of cells displace nothing that the others do not, as with more "
-        f"cells than nodes; a layer that yields {THIN:g} of what a cell does on the average tells them apart, "
+        f"{label}: {missing} of {len(part)} forces of cells cause no independent displacement, as with more "
+        f"cells than nodes; a layer with {THIN:g} of the mean compliance of a cell makes them unique, "
         "LapCells(size=) gathers cells"
     ]
 
@@ -236,14 +236,14 @@ def _motion(laps: list[Lap], cells: list[LapCellsOf], bodies: list[Body]) -> Arr
 
 
 def _notes(laps: list[Lap], cells: list[LapCellsOf], lines: int) -> list[str]:
-    """What the report of a run is to say of a group."""
+    """Notes on a group for the report of a run."""
     notes = []
     for lap, own in zip(laps, cells, strict=True):
         notes.extend(lap_notes(lap, own))
     count = sum(len(own.cell) for own in cells)
     if count > MANY:
         notes.append(
-            f"{', '.join(lap.label for lap in laps)}: {count} cells with {lines} unknown forces, each of which "
-            "answers all others; LapCells(size=, growth=) makes cells large where little changes"
+            f"{', '.join(lap.label for lap in laps)}: {count} cells with {lines} unknown forces, all "
+            "coupled; use LapCells(size=, growth=) for larger cells where little changes"
         )
     return notes

@@ -11,11 +11,11 @@ from warpffrf.online.compile.points import PointRule
 from warpffrf.online.compile.sampling_rules import layer_rule
 from warpffrf_kernels.layers import layer_laws as device
 
-LAYER_ITERATIONS = 2  # times as many Newton iterations: pressures of asperities span decades, a decade an iteration
+LAYER_ITERATIONS = 2  # factor of the Newton iterations: pressures of asperities span decades, one decade per iteration
 
 
 def fill_layers(collector: Collector) -> None:
-    """Curves of the layers whose yield is no constant, and the points where they count."""
+    """Curves of the layers with variable compliance, and the points where they are evaluated."""
     kinds, starts, counts = [], [], []
     numbers: list[list[float]] = []
     tables = [np.zeros((0, 3))]
@@ -51,7 +51,7 @@ def fill_layers(collector: Collector) -> None:
 
 
 def _middles(rows: int) -> PointRule:
-    """The middles of the cells of a strip of a patch, as corners of it; their areas are those of the cells."""
+    """The centres of the cells of a strip of a patch, as points of it; their areas are those of the cells."""
     k = np.arange(rows)
     below = np.minimum(k, rows - 2)
     return PointRule(np.zeros(rows), below, (k - below).astype(float), np.zeros(rows))

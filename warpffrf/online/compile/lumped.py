@@ -1,4 +1,4 @@
-"""Lumped contacts of a scene -> device tables of their laws and places."""
+"""Lumped contacts of a scene -> device tables of their laws and points."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from warpffrf.online.compile.collector import Collector
 
 
 def fill_lumped(collector: Collector) -> None:
-    """Laws and places. Raises `InputError` for surfaces that a law does not hold for."""
+    """Laws and points. Raises `InputError` for surfaces for which a law is not valid."""
     contacts = collector.scene.lumped_contacts
     laws = [contact.approach() for contact in contacts]
     tables = [_with_energy(law.table) for law in laws]
@@ -42,7 +42,7 @@ def fill_lumped(collector: Collector) -> None:
 
 
 def _fill_moments(collector: Collector, start: np.ndarray) -> None:
-    """Of the places that resist rolling or pivoting; start: first place of each contact."""
+    """Tables of the points with rolling or pivoting resistance; start: first point of each contact."""
     places, found = [], []
     for i, contact in enumerate(collector.scene.lumped_contacts):
         if (moments := contact.moments()) is not None:
@@ -54,7 +54,7 @@ def _fill_moments(collector: Collector, start: np.ndarray) -> None:
 
 
 def _with_energy(table: np.ndarray) -> np.ndarray:
-    """Approach, force (n, 2) and the energy up to there, of straight pieces: (n, 3)."""
+    """Approach, force (n, 2) and the energy up to there, of piecewise linear laws: (n, 3)."""
     if not len(table):
         return np.zeros((0, 3))
     pieces = 0.5 * (table[1:, 1] + table[:-1, 1]) * np.diff(table[:, 0])

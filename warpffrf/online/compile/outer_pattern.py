@@ -1,31 +1,31 @@
-r"""Where the outer matrix of a scene is not zero, and the order of its elimination
+r"""Sparsity of the matrix of retained coordinates of a scene, and the order of its elimination
 (`warpffrf_kernels.linear.outer_solve`).
 
-The outer matrix [[S, C^T], [C, -E]] (`warpffrf_kernels.linear.outer`) couples few of its unknowns: S has a block for
+The retained matrix [[S, C^T], [C, -E]] (`warpffrf_kernels.linear.outer`) couples few of its unknowns: S has a block for
 each body (six rigid coordinates and the modes that carry inertia) and one for each two bodies that share a row; C has
-in a row the blocks of its two bodies; E couples rows that end on one flexible body; the hats of a contact pair, which
+in a row the blocks of its two bodies; E couples rows that end on one flexible body; the nodes of a contact pair, which
 are eliminated first, couple its two bodies and the rows on their interfaces. With a good order the factors are
 hardly larger: a chain or a tree of n bodies costs O(n).
 
-Unknowns are gathered in *nodes*, one for each body and one for all rows between the same two bodies; rows between two
-interfaces of one body are with those between it and the ground, as they end on it alone. The order is found
-here once, before the numbers are known, and no pivot is sought outside a node. Why the pivots exist: lay a spanning
-tree over the bodies, from the ground, with a row node as edge (the *tree node* of the body below). Eliminate
+Unknowns are grouped in *nodes*, one for each body and one for all rows between the same two bodies; rows between two
+interfaces of one body are grouped with those between it and the ground, as they end on it alone. The order is computed
+here once, before the numbers are known, and there is no pivoting outside a node. Existence of the pivots: take a
+spanning tree over the bodies, from the ground, with a row node as edge (the *tree node* of the body below). Eliminate
 
     a body            after all bodies below it in the tree,
     its tree node     after the body,
     another row node  after all bodies on the paths from its two up to where they meet, and their tree nodes.
 
 Let B be the bodies and R the rows eliminated so far. S is positive definite on B (inertia), and C restricted to R and B
-has independent lines: the tree rows of a body hold it to the one above, so they are independent on its own columns and
-those below have entries of their own; and the other rows depend on no joint that is not on their paths, so they are
+has independent rows: the tree rows of a body connect it to the one above, so they are independent on its own columns
+and those below have entries of their own; and the other rows depend on no joint that is not on their paths, so they are
 independent of each other and of the tree's as they are in the whole (redundant rows were removed,
-`warpffrf.model.checks.redundancy`). So [[S, C^T], [C, -E]] on B and R is regular at every stage, which is what a block
-factorisation without pivoting needs. Springs make E positive and pressures add to S, both can only help. Geometric
-stiffness can spoil S, a characteristic that falls makes its entry of E negative; where that matters the factorisation
-or its residual fails, and the dense inverse is taken for that step and counted.
+`warpffrf.model.checks.redundancy`). So [[S, C^T], [C, -E]] on B and R is regular at every stage, as a block
+factorisation without pivoting requires. Springs make E positive and pressures add to S; both only help. Geometric
+stiffness can make S indefinite, a characteristic with negative slope makes its entry of E negative; where that matters
+the factorisation or its residual fails, and the dense inverse is used for that step and counted.
 
-Among what may come next, the node with the fewest neighbours (minimum degree) comes first.
+Among the admissible nodes, the one with the fewest neighbours (minimum degree) comes first.
 """
 
 from __future__ import annotations
@@ -49,18 +49,19 @@ GROUND = -1
 class Node:
     """Unknowns that are eliminated together: those of a body, or of all rows between two bodies."""
 
-    unknowns: np.ndarray  # places in the outer vector
-    bodies: tuple[int, ...]  # whose columns it touches, the ground left out
+    unknowns: np.ndarray  # indices in the retained vector
+    bodies: tuple[int, ...]  # whose columns it involves, without the ground
 
 
 @dataclass(frozen=True)
 class OuterPattern:
-    """Order and places of a sparse factorisation of the outer matrix; all arrays of int32.
+    """Order and indices of a sparse factorisation of the retained matrix; all arrays of int32.
 
     Node e, in the order of elimination, has `size[e]` unknowns from place `first[e]` on (places: positions in that
-    order; `order[place]` is the position in the outer vector) and couples to `width[e]` places after it, `panel`, from
-    `panel_start[e]` on. Its numbers lie from `start[e]` on in the factor: the diagonal block (size, size), then the
-    coupling of its lines to the panel (size, width), then that of the panel's lines to it, transposed (size, width).
+    order; `order[place]` is the position in the retained vector) and couples to `width[e]` places after it, `panel`,
+    from `panel_start[e]` on. Its numbers lie from `start[e]` on in the factor: the diagonal block (size, size), then
+    the coupling of its lines to the panel (size, width), then that of the panel's lines to it, transposed (size,
+    width).
     """
 
     outer_count: int
@@ -72,8 +73,9 @@ class OuterPattern:
     panel_start: np.ndarray
     panel: np.ndarray  # places
     target_start: np.ndarray
-    target: np.ndarray  # (width, width) a node: where in the factor its update of the panel's places goes
-    gather_line: np.ndarray  # (factor_size,) line and column of the outer matrix of each number of the factor, -1: fill
+    target: np.ndarray  # (width, width) per node: positions in the factor of its update of the panel's places
+    # (factor_size,) line and column of the retained matrix of each number of the factor, -1: fill
+    gather_line: np.ndarray
     gather_column: np.ndarray
     entry_start: np.ndarray  # (outer_count + 1,) the same by lines: columns of the entries of each line
     entry_column: np.ndarray
@@ -105,7 +107,7 @@ def find_pattern(
 ) -> OuterPattern:
     """Pattern of a scene.
 
-    dense (bodies,): modes of each body among the outer unknowns. rows (rows, 2): bodies of each row, -1 for the ground.
+    dense (bodies,): retained modes of each body. rows (rows, 2): bodies of each row, -1 for the ground.
     flexible (rows, 2): true where the row ends on an interface of a flexible body. pairs (pairs, 2): bodies in contact.
     couples (couples, 2): bodies whose columns have a block in common without a row, -1 for the ground.
     """
@@ -126,7 +128,9 @@ def pattern_of(compiled: CompiledScene) -> OuterPattern:
 
 
 def couplings(compiled: CompiledScene) -> tuple[np.ndarray, ...]:
-    """What the pattern of a compiled scene follows from, see `find_pattern`: dense, rows, flexible, pairs, couples."""
+    """Data that determine the pattern of a compiled scene, see `find_pattern`: dense, rows, flexible, pairs,
+    couples.
+    """
     m = compiled.model
     dense = m.bodies.dense_count.numpy()[: m.bodies.count] if m.dense.count else np.zeros(m.bodies.count, int)
     ends = np.stack([m.rows.a.numpy(), m.rows.b.numpy()], axis=1)[: m.rows.count]
@@ -146,7 +150,7 @@ def couplings(compiled: CompiledScene) -> tuple[np.ndarray, ...]:
 
 
 def _lapped(compiled: CompiledScene) -> np.ndarray:
-    """Pairs of bodies (pairs, 2) that laps couple: all of a group, which answer each other."""
+    """Pairs of bodies (pairs, 2) that small-sliding contacts couple: all of a group."""
     laps, m = compiled.laps, compiled.model
     found = [NO_COUPLES]
     for group in range(laps.count):
@@ -160,7 +164,7 @@ def _lapped(compiled: CompiledScene) -> np.ndarray:
 
 
 def on_device(pattern: OuterPattern, device: str) -> tuple[Any, wp.array]:
-    """The pattern as the kernels take it: the struct, which owns its arrays and must be kept, and an array of it."""
+    """The pattern on the device: the struct, which owns its arrays and must be kept, and an array of it."""
     p = Pattern()
     p.node_count, p.outer_count = len(pattern.size), pattern.outer_count
     p.factor_size, p.widest = pattern.factor_size, pattern.widest
@@ -322,7 +326,7 @@ def _places(
     known = _known(nodes, near, sequence, rank)
     gather_line, gather_column = np.full(start[-1], -1), np.full(start[-1], -1)
     targets = []
-    at = np.full(n, -1)  # of a place in the panel of the node at hand
+    at = np.full(n, -1)  # of a place in the panel of the current node
     for e, panel in enumerate(panels):
         own = np.arange(int(first[e]), int(first[e + 1]))
         blocks = (
@@ -334,7 +338,7 @@ def _places(
             there = np.array([(a, b) in known for a, b in zip(node_of[line], node_of[column], strict=True)], dtype=bool)
             here = begin + np.flatnonzero(there)
             gather_line[here], gather_column[here] = order[line[there]], order[column[there]]
-        # where entry (i, j) of what is left after this node lies: in the earlier of the two nodes
+        # position of entry (i, j) of the Schur complement of this node: in the earlier of the two nodes
         target = np.zeros((width[e], width[e]), dtype=int)
         owners = node_of[panel]
         for f in np.unique(owners):

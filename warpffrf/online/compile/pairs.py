@@ -89,12 +89,12 @@ def fill_pairs(collector: Collector, m: Model) -> None:
     most_coupled = max([len(c) for c in coupled], default=1)
     if most_coupled > k.MOST_COUPLED_COLUMNS:
         raise InputError(
-            f"scene: the gap of a contact pair depends on {most_coupled} outer columns, at most "
+            f"scene: the gap of a contact pair depends on {most_coupled} retained columns, at most "
             f"{k.MOST_COUPLED_COLUMNS}: fewer modes with inertia terms, see the inertia levels of its bodies"
         )
     if stencil[0] * stencil[1] > k.MOST_STENCIL:
         raise InputError(
-            f"scene: a hat of a contact's first grid covers {stencil[0]} x {stencil[1]} nodes of the second, at "
+            f"scene: a node of a contact's first grid overlaps {stencil[0]} x {stencil[1]} nodes of the second, at "
             f"most {k.MOST_STENCIL}: swap the two surfaces, or give the second a coarser traction_spacing"
         )
     collector.fill(
@@ -182,7 +182,7 @@ def _half_window(collector: Collector, pair: Pair, turned: float) -> int:
 
 
 def _soft(contact: Contact) -> bool:
-    """Whether a body of the pair is of a material that is compressed far beyond what metals bear."""
+    """Whether a body of the pair is of a material that is compressed far beyond the range of metals."""
     found = [
         port.body.reduced.provenance.get("contact_materials", {}).get(port.name)
         for port in contact.ports

@@ -31,7 +31,7 @@ class PointRule:
             raise InputError("sampling points of a contact: rows must ascend; sort the points by row")
 
     def stations(self, z_points: int) -> np.ndarray:
-        """Nearest stations (n,) of the line of centres, `z_points` Gauss points between two rows."""
+        """Nearest axial points (n,) of the line of centres, `z_points` Gauss points between two rows."""
         places = 0.5 * (np.polynomial.legendre.leggauss(z_points)[0] + 1.0)
         return self.row * z_points + np.abs(self.zeta[:, None] - places).argmin(axis=1)
 
@@ -51,7 +51,7 @@ def gauss_rule(surface: ContactSurface, theta_points: int, z_points: int) -> Poi
 
 
 def fill_points(collector: Collector, m: Model, surfaces: list[ContactSurface], rules: list[PointRule | None]) -> None:
-    """Tables of the points of each pair's first surface; None for a pair whose gaps are not taken at points."""
+    """Tables of the points of each pair's first surface; None for a pair whose gaps are not evaluated at points."""
     counts, row_starts = [], []
     columns: dict[str, list[np.ndarray]] = {
         name: [np.zeros(0)]

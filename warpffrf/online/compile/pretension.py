@@ -1,4 +1,4 @@
-"""Pretensions of a scene, and preloads of springs that are signals -> rows without stiffness, and when they lock.
+"""Pretensions of a scene, and preloads of springs that are signals -> rows without stiffness, and the times of locking.
 
 The kernels are in `warpffrf_kernels.constraints.pretension`.
 """
@@ -22,7 +22,7 @@ class TensionTable:
 
 
 def compile_pretensions(collector: Collector, joints: JointTable) -> TensionTable:
-    """Enter the rows, behind those of joints and their friction and before those of springs."""
+    """Enter the rows, after those of joints and their friction and before those of springs."""
     table = TensionTable()
     for item in collector.scene.forces:
         if (law := tension_of(item)) is not None:
@@ -34,7 +34,7 @@ def compile_pretensions(collector: Collector, joints: JointTable) -> TensionTabl
 
 
 def fill_pretensions(collector: Collector, table: TensionTable) -> None:
-    """Device arrays; their signals are entered, so call it before those are laid out."""
+    """Device arrays; their signals are entered, so that it must precede their layout."""
     laws = table.laws.values()
     collector.fill(
         collector.elements.pretensions, count=len(laws), row=list(table.rows.values()),

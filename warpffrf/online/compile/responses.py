@@ -1,7 +1,7 @@
-"""What loads on the contact surfaces of a body displace on them -> device tables (`surfaces.responses`).
+"""Displacements of the contact surfaces of a body under loads on them -> device tables (`surfaces.responses`).
 
-A side of a pair reads its surface weakly and loads it by pressure hats (the first side), or does both by nodes (the
-second): the tables contain the Gram matrices that this takes. Each is made once, for whatever sides ask for it.
+A side of a pair measures its surface weakly and loads it by nodal functions of pressure (the first side), or does both
+at nodes (the second): the tables contain the necessary Gram matrices. Each is made once, for all sides that use it.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ NO_TABLE = -1
 
 
 class Key(NamedTuple):
-    """What a table holds: displacements of `target` under loads on `source`, numbers of surfaces; whether hats read and
-    load them, or nodes; and the yield [m/Pa] of a layer between the two of a pair's own."""
+    """Content of a table: displacements of `target` under loads on `source`, numbers of surfaces; whether they are
+    measured and loaded weakly or at nodes; and the compliance [m/Pa] of a layer between the two of a pair's own.
+    """
 
     kind: str
     target: int
@@ -42,7 +43,7 @@ class Key(NamedTuple):
 
 
 def loads_on_sides(collector: Collector) -> list[list[int]]:
-    """Of every side of every pair the sides whose loads displace it by local modes, its own first."""
+    """For every side of every pair, the sides whose loads displace it by local modes, its own first."""
     surfaces, sides = collector.surfaces, collector.sides
     found: list[list[int]] = []
     for side, target in enumerate(sides):
@@ -58,7 +59,7 @@ def loads_on_sides(collector: Collector) -> list[list[int]]:
 
 
 def fill_responses(collector: Collector, m: Model) -> None:
-    """The loads on every side and the tables of what they displace."""
+    """The loads on every side and the tables of their displacements."""
     loads = loads_on_sides(collector)
     rubbing = [contact.friction.acts for contact in collector.scene.contacts]
     layers = [contact.law.compliance for contact in collector.scene.contacts]
@@ -104,7 +105,7 @@ def fill_responses(collector: Collector, m: Model) -> None:
 
 
 def _condensed_between(collector: Collector, m: Model) -> bool:
-    """Whether several pairs load a body of which modes are condensed."""
+    """Whether several pairs load a body with condensed modes."""
     loads = Counter(collector.surfaces[s].body.index for s in collector.sides)
     kept = m.bodies.dense_count.numpy()
     return any(
@@ -114,8 +115,9 @@ def _condensed_between(collector: Collector, m: Model) -> bool:
 
 
 def _cross(collector: Collector, target: int, source: int) -> CrossCompliance | None:
-    """What loads on one surface of a body do to another one; None where they are not of one body, and where local modes
-    have inertia, whose traces end on their own surface."""
+    """Displacement of one surface of a body by loads on another one; None where they are on different bodies, and where
+    local modes have inertia, whose traces end on their own surface.
+    """
     (body, name, _), (other, other_name, _) = collector.surfaces[target], collector.surfaces[source]
     if body is not other or isinstance(body, Ground) or body.reduced is None or collector.local.count(body.index):
         return None
@@ -123,7 +125,7 @@ def _cross(collector: Collector, target: int, source: int) -> CrossCompliance | 
 
 
 def _operator(collector: Collector, kind: str, target: int, source: int) -> np.ndarray | None:
-    """Block-circulant compliance between hats and cells of two surfaces, None where there is none."""
+    """Block-circulant compliance between nodes and cells of two surfaces, None where there is none."""
     if target != source:
         cross = _cross(collector, target, source)
         if cross is None:
@@ -141,7 +143,7 @@ def _operator(collector: Collector, kind: str, target: int, source: int) -> np.n
 
 
 def _table(collector: Collector, key: Key, window: Window, far: bool) -> tuple[np.ndarray, dict[str, int]]:
-    """Flat table of a key and the numbers by which kernels find their way; `far`: of loads anywhere on the body."""
+    """Flat table of a key and the numbers by which kernels index it; `far`: of loads anywhere on the body."""
     operator = _operator(collector, key.kind, key.target, key.source)
     target, source = (collector.surfaces[s].surface for s in (key.target, key.source))
     if operator is None or not isinstance(target, ContactSurface) or not isinstance(source, ContactSurface):
@@ -171,7 +173,7 @@ def _table(collector: Collector, key: Key, window: Window, far: bool) -> tuple[n
 
 
 def _apart(collector: Collector) -> list[str]:
-    """A note for each body that is loaded on several surfaces of which local modes of one do not move the other."""
+    """A note for each body that is loaded on several surfaces which are not coupled by local modes."""
     notes = []
     for body in collector.scene.bodies:
         mine = [i for i, s in enumerate(collector.surfaces)
@@ -180,7 +182,7 @@ def _apart(collector: Collector) -> list[str]:
             names = ", ".join(sorted(collector.surfaces[i].name for i in mine))
             why = "its local modes have inertia" if collector.local.count(body.index) else "reduce it again"
             notes.append(
-                f"body {body.name!r}: its contact surfaces {names} feel each other through its {body.mode_count} "
+                f"body {body.name!r}: its contact surfaces {names} are coupled through its {body.mode_count} "
                 f"global modes only ({why})"
             )
     return notes

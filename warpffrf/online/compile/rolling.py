@@ -1,5 +1,5 @@
-r"""Friction on cells that travel with the patch -> device tables (kernels of `rolling`): what tractions on cells do by
-the half-spaces, and the tangential part of far fields.
+r"""Friction on cells that move with the patch -> device tables (kernels of `rolling`): half-space displacements by
+tractions on cells, and the tangential part of far fields.
 
 Of both bodies, x along e_theta and z along t_z of the first surface, per unit traction of a cell on the first body, for
 e = u_A - u_B (`warpffrf.model.half_space`),
@@ -8,13 +8,13 @@ e = u_A - u_B (`warpffrf.model.half_space`),
     e_1 by tau_2: sum nu J_xz/(2 pi G),                     e by p: -kappa (J_x, J_z),
     kappa = (1 - 2 nu)/(4 pi G) of A less that of B,
 
-and tractions open the gap by the transpose of the last. Everything times the area of the cell that sees it, and the
-mean with what cells see with places changed, which is symmetric where rows are unequal. Tables reach RINGS strips, and
-rows where these travel, beyond the cells: what passes the patch brings its history along (`rolling.history`).
+and tractions open the gap by the transpose of the last. Everything is multiplied by the area of the receiving cell, and
+averaged with the transposed influence, which makes it symmetric where rows are unequal. Tables extend RINGS strips, and
+rows where these move, beyond the cells: cells that pass the patch carry their history along (`rolling.history`).
 
 At a free end a force along the edge has its mirror image, which leaves that face without shear, and a force across it
-an image of the same sign, as if the face let go of it; what they do to the other direction belongs to two different
-problems and is left out. There is no quarter space for tractions.
+an image of the same sign, as if that face were not loaded by it; their effect in the other direction belongs to two
+different problems and is omitted. There is no quarter space for tractions.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from warpffrf_kernels.core.model import Model
 from warpffrf_kernels.rolling.shear import COUPLED_KINDS, KINDS, RINGS
 
 Array = np.ndarray
-UNLIKE = 1e-9  # of the larger coupling of both half-spaces: bodies that differ by less are alike to round-off
+UNLIKE = 1e-9  # of the larger coupling of both half-spaces: smaller differences are round-off
 
 
 def fill_rolling(collector: Any, m: Model) -> None:
@@ -80,17 +80,18 @@ def fill_rolling(collector: Any, m: Model) -> None:
 
 
 def _apart(contacts: list[Contact], rolling: Mapping[int, PatchPlan]) -> list[str]:
-    """Notes on bodies that carry several patches with friction, which do not feel each other's tractions by local
-    modes."""
+    """Notes on bodies with several patches with friction, whose tractions do not influence each other by local
+    modes.
+    """
     on_body: dict[str, list[str]] = {}
     for i in rolling:
         for port in contacts[i].ports:
             if not port.rigid:
                 on_body.setdefault(port.body.name, []).append(repr(contacts[i].name))
     return [
-        f"body {body!r}: its contacts {', '.join(names)} rub on cells that travel with their patches, and what the "
-        "tractions of one do to the others by its local modes is left out; global modes carry it as far as they can "
-        "(more modes=)"
+        f"body {body!r}: its contacts {', '.join(names)} have friction on contact-fixed grids, and the "
+        "influence of the tractions of one on the others by its local modes is neglected; global modes include a part "
+        "of it (more modes=)"
         for body, names in on_body.items()
         if len(names) > 1
     ]
@@ -103,14 +104,15 @@ def coupling_of(body: OnMeridian) -> float:
 
 
 def is_coupled(bodies: list[OnMeridian]) -> bool:
-    """Whether the half-spaces of a pair differ, so that pressures move them against each other."""
+    """Whether the half-spaces of a pair differ, so that pressures displace them tangentially against each other."""
     parts = [coupling_of(body) * body.way for body in bodies]
     return abs(sum(parts)) > UNLIKE * max(abs(part) for part in parts)
 
 
 def shear_levels(plan: PatchPlan, bodies: list[OnMeridian], side: float, coupled: bool) -> Array:
-    """Tables (levels, kinds, columns + RINGS, rows under load, rows that see, filled up) over W^power, as
-    `PatchPlan.table`; `side` of the first surface."""
+    """Tables (levels, kinds, columns + RINGS, loaded rows, receiving rows, padded) over W^power, as
+    `PatchPlan.table`; `side` of the first surface.
+    """
     levels = [0.0] if plan.follows else plan.first + plan.step * np.arange(len(plan.table))
     found = [
         shear_table(plan.columns, float(np.exp(x)), plan.z, plan.length, bodies, side, follows=plan.follows,
@@ -124,10 +126,10 @@ def shear_table(
     columns: int, width: float, z: Array, length: Array, bodies: list[OnMeridian], side: float, *, follows: bool,
     coupled: bool,
 ) -> Array:  # fmt: skip
-    """Weak displacements (kinds, columns + RINGS, rows under load, rows that see, filled up) [m^3/Pa] of the module.
+    """Weak displacements (kinds, columns + RINGS, loaded rows, receiving rows, padded) [m^3/Pa] of the module.
 
     width W [m]; z, length (rows,) [m] on the first surface; `follows`: rows are equal, and there are RINGS more on
-    either side of those that see.
+    either side of the receiving ones.
     """
     strip = 2.0 * width / columns
     rings = RINGS if follows else 0
@@ -143,7 +145,7 @@ def shear_table(
     view = found[..., : len(seen)]
 
     def weak(integral: Any, offset: Array) -> Array:
-        """Mean of what either sees of the other, times the areas of both."""
+        """Mean of the influences in both directions, times the areas of both."""
         one = integral(x, offset, strip, its) * own
         other = integral(x, offset, strip, own) * its
         return 0.5 * strip * (one + other)

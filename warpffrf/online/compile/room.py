@@ -1,7 +1,7 @@
-"""Room for hats and cells in play, to begin with.
+"""Initial capacity for active nodes and cells.
 
-Matrices grow with its square, so pairs that never load a whole window need not pay for one; `Engine` doubles it where
-it is short.
+Matrices grow with its square, so that pairs that never load a whole window need not pay for one; `Engine` doubles it
+where it is too small.
 """
 
 from __future__ import annotations
@@ -11,11 +11,11 @@ from math import ceil
 
 from warpffrf.model.contact import Contact
 
-LEAST_SLOTS, USUAL_PATCH = 64, 4  # hats; windows a patch
+LEAST_SLOTS, USUAL_PATCH = 64, 4  # active nodes; windows per patch
 
 
 def slots_of(contact: Contact, hats: int) -> int:
-    """Hats in play of a pair of which `hats` can be, at most."""
+    """Largest number of active nodes of a pair with `hats` nodes."""
     if contact.capacity is not None:
         return min(hats, contact.capacity)
     return min(hats, max(LEAST_SLOTS, hats // USUAL_PATCH))
@@ -23,10 +23,10 @@ def slots_of(contact: Contact, hats: int) -> int:
 
 @dataclass(frozen=True)
 class CellRoom:
-    """Cells with friction of a pair that there is room for: it grows as that of the hats in play does.
+    """Capacity for cells with friction of a pair: it grows with that for active nodes.
 
-    slots, limit: hats in play of the scene, to begin with and at all; first: cells of a pair to begin with, the most of
-    all pairs; most: that it can ever need.
+    slots, limit: active nodes of the scene, initial and largest capacity; first: initial cells of a pair, the largest
+    of all pairs; most: the largest number that it can ever need.
     """
 
     slots: int = 1
@@ -35,7 +35,7 @@ class CellRoom:
     most: int = 0
 
     def cells(self, slots: int) -> int:
-        """Room where there are `slots` hats in play."""
+        """Capacity for cells where there are `slots` active nodes."""
         if slots >= self.limit:
             return self.most
         return min(self.most, ceil(self.first * slots / self.slots))

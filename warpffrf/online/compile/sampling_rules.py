@@ -1,9 +1,9 @@
-"""Which points a pair is evaluated at: all Gauss points of its first grid, or those that were chosen offline.
+"""Points at which a pair is evaluated: all Gauss points of its first grid, or those that were chosen offline.
 
-Points chosen among the Gauss points along the axis stand on the *stations* of the line of centres, where a pair of
-cylinders is measured anyway; such a pair stays in that family of geometry and looks at fewer points around
-(`warpffrf_kernels.kinematics.line_of_centres_sampled`). Other choices take the general one,
-`warpffrf_kernels.kinematics.at_points`."""
+Points chosen among the axial Gauss points of the line of centres, where a pair of cylinders is evaluated anyway, keep
+this kinematics with fewer circumferential points (`warpffrf_kernels.kinematics.line_of_centres_sampled`). Other choices
+use the general one, `warpffrf_kernels.kinematics.at_points`.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ ON_STATION = 1e-9  # of the distance of two rows: round-off of the Gauss points 
 
 
 def is_hyper(contact: Contact) -> bool:
-    """Whether `contact` looks at chosen points only."""
+    """Whether `contact` is evaluated at chosen points only."""
     return contact.evaluation == "hyper"
 
 
 def on_stations(contact: Contact, theta_points: int, z_points: int) -> bool:
-    """False where the chosen points of `contact` cannot be looked at on the line of centres, because they stand
-    elsewhere, or because there is no room for them."""
+    """False where the chosen points of `contact` cannot be evaluated on the line of centres, because their positions
+    differ, or because the capacity is too small.
+    """
     if not is_hyper(contact):
         return True
     surface = contact.a.surface
@@ -35,14 +36,14 @@ def on_stations(contact: Contact, theta_points: int, z_points: int) -> bool:
 
 
 def rule_of(contact: Contact, at_points: bool, theta_points: int, z_points: int) -> PointRule | None:
-    """The points of `contact`; None for a pair on the line of centres that looks at all of them."""
+    """The points of `contact`; None for a pair on the line of centres that uses all of them."""
     if is_hyper(contact):
         return chosen_rule(contact.a.surface.sampling)
     return gauss_rule(contact.a.surface, theta_points, z_points) if at_points else None
 
 
 def layer_rule(contact: Contact, theta_points: int, z_points: int) -> PointRule:
-    """The points at which the layer of `contact` is evaluated: those at which its gaps are, in either family."""
+    """The points at which the layer of `contact` is evaluated: those of its gaps, with either kinematics."""
     if is_hyper(contact):
         return chosen_rule(contact.a.surface.sampling)
     return gauss_rule(contact.a.surface, theta_points, z_points)

@@ -243,9 +243,10 @@ def compile_scene(
     off_end: bool = False,
 ) -> CompiledScene:
     """Constant device data of `scene`; `patches`: the cells of its patches instead of those that the contacts specify;
-    `shared`: arrays of scenes that differ in numbers only, of which those that are equal lie on the device once;
+    `shared`: arrays of scenes that differ in numbers only; equal ones are stored on the device once;
     `turned`: the largest angular speed of each body [rad/s] so far; `off_end`: patches of crowns run off an end.
-    Raises `InputError` for a scene that cannot be run."""
+    Raises `InputError` for a scene that cannot be run.
+    """
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
     refuse_claims_of(scene)

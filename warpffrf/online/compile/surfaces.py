@@ -1,6 +1,6 @@
 """Surfaces in contact -> device tables: geometry, grids and traces of modes.
 
-A rigid surface has no grid; it gets one of two by two nodes that nothing reaches, so that kernels need not know.
+A rigid surface has no grid; it gets an unused one of two by two nodes, so that kernels need no special case.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from warpffrf.online.compile.compliance_tables import columns_of_turn, modal_mom
 from warpffrf.online.compile.patches.sides import PatchSide
 from warpffrf_kernels.core.model import Model
 
-NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest between which can be interpolated
+NO_NODES = 2  # columns and rows of a rigid surface's empty grid: the fewest that allow interpolation
 
 FIELDS = (
     "body", "modal_start", "modal_count", "origin", "frame", "planar", "side", "radius", "tangent", "crown",
@@ -25,7 +25,7 @@ FIELDS = (
 
 
 def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
-    """Geometry, grids and traces of modes of the surfaces in contact. Returns where the rows of each begin in `z`."""
+    """Geometry, grids and traces of modes of the surfaces in contact. Returns the first row of each in `z`."""
     lists: dict[str, list] = {name: [] for name in FIELDS}
     breaks, coefficients, z = [], [], []
     modes, moments = [], []
@@ -85,7 +85,7 @@ def fill_surfaces(collector: Collector, m: Model) -> np.ndarray:
 
 
 def _frame(surface: ContactSurface | RigidSurface) -> np.ndarray:
-    """Columns e_0, e_1, e_a, of a grid's own."""
+    """Columns e_0, e_1, e_a, of the grid's frame."""
     if isinstance(surface, RigidSurface):
         return np.asarray(surface.shape.frame).T
     e_a, e_0 = np.asarray(surface.shape.e_a), surface.grid.e_0

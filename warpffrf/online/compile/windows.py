@@ -1,13 +1,13 @@
-"""How far the windows and stencils of a pair reach, from the sizes of its two surfaces.
+"""Extent of the windows and stencils of a pair, from the sizes of its two surfaces.
 
-Seen in the section through the patch, across A's columns, both surfaces are circles (or lines) that touch: with s the
+In the section through the patch, across A's columns, both surfaces are circles (or lines) that touch: with s the
 arc length on A, kappa = side/R its curvature, positive where the material is convex,
 
     x(s) = (sin(kappa s)/kappa, -(1 - cos(kappa s))/kappa),      B's circle has its centre at (0, 1/kappa_B),
 
-and the opposite place on B is where the ray from that centre through x(s) meets it. That gives how many columns of B
-face a window of A, and a hat of A. Where the two grids are turned against each other, by as much as at the start, or by
-any angle where one is a sphere, a hat is taken with its extent along the other direction too.
+and the opposite point on B is where the ray from that centre through x(s) meets it. This determines how many columns of
+B face a window of A, and the support of a node of A. Where the two grids are rotated against each other, by as much as
+at the start, or by any angle where one is a sphere, the extent of the support along the other direction is included.
 """
 
 from __future__ import annotations
@@ -22,13 +22,14 @@ from warpffrf.model.rigid_surface import RigidSurface
 from warpffrf_kernels.kinematics.line_of_centres import GUARD
 
 MIN_HALF_WINDOW = 6  # columns: margin and guard columns of a patch of a few columns
-MAX_HALF_WINDOW = 60  # columns: 121 in all; a patch that needs more has a contact grid finer than any use
-STENCIL_SPARE = 2  # a hat's support of length x touches at most ceil(x) + 1 cells, ceil(x) + 2 columns
+MAX_HALF_WINDOW = 60  # columns: 121 in all; a patch that needs more has too fine a contact grid
+STENCIL_SPARE = 2  # a node's support of length x touches at most ceil(x) + 1 cells, ceil(x) + 2 columns
 ROUND_OFF = 1e-9  # cells: a ratio of two grids that is a whole number up to this is one
-REACH_SPARE = 1.02  # arc length over its projection at the edge of the widest window, and places that part
-HUGGING = 0.05  # of A's curvature: a pin with a clearance below this part of its radius may touch along its half
-TURNING = 0.05  # rad: the axes of a pair may turn against each other by this in a run
-RAYS = 801  # places in the section
+REACH_SPARE = 1.02  # arc length over its projection at the edge of the widest window, and points that separate
+# of A's curvature: a pin with a clearance below this part of its radius may touch along half its circumference
+HUGGING = 0.05
+TURNING = 0.05  # rad: rotation of the axes of a pair against each other in a run
+RAYS = 801  # points in the section
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,8 @@ class Extent:
     metric: float  # m per theta, smallest over the rows
     spacing: float  # m, between columns
     width: float  # m, length of the grid along the meridian
-    reach: float  # m, longest support of a hat along the meridian
-    round: bool  # a sphere: it may turn as it likes
+    reach: float  # m, longest support of a node along the meridian
+    round: bool  # a sphere: it may rotate in any way
 
     @classmethod
     def of(cls, surface: ContactSurface | RigidSurface, axial: float = 0.0) -> Extent:
@@ -67,8 +68,9 @@ def between_axes(contact: Contact) -> float:
 def half_window(
     surface: ContactSurface, first: Extent, second: Extent, turned: float, strain: float
 ) -> tuple[int, int]:
-    """Grid columns on each side of the nearest one, and how many would be wanted, for a patch as wide as `strain` of
-    the effective radius; two surfaces that hug each other want all that can face."""
+    """Grid columns on each side of the nearest one, and the number required, for a patch as wide as `strain` of the
+    effective radius; for conformal surfaces all that can face each other.
+    """
     grid = surface.grid
     opposite = second.curvature if turned <= TURNING or second.round else min(second.curvature, 0.0)
     relative = first.curvature + opposite
@@ -79,13 +81,13 @@ def half_window(
     limits = [most]
     if relative > HUGGING * abs(first.curvature) or first.curvature == 0.0:
         limits.append(MAX_HALF_WINDOW)
-    if first.curvature != 0.0:  # no surface is opposite beyond a quarter turn
+    if first.curvature != 0.0:  # no surface is opposite beyond a quarter of a revolution
         limits.append(max(int(0.5 * np.pi / grid.pitch) - 2, int(GUARD) + 1))
     return int(min(max(wanted, MIN_HALF_WINDOW), *limits)), wanted
 
 
 def facing(first: Extent, second: Extent, s: np.ndarray) -> np.ndarray:
-    """Place on B [rad, of a plane m] opposite arc lengths s [m] of A in the section."""
+    """Point on B [rad, of a plane m] opposite arc lengths s [m] of A in the section."""
     kappa = first.curvature
     x = np.sin(kappa * s) / kappa if kappa else s
     y = -2.0 * np.sin(0.5 * kappa * s) ** 2 / kappa if kappa else 0.0 * s
@@ -97,7 +99,8 @@ def facing(first: Extent, second: Extent, s: np.ndarray) -> np.ndarray:
 
 def sine_between(first: Extent, second: Extent, turned: float) -> float:
     """Sine of the largest angle at which the grids may cross: that of the start and a little more; spheres and two
-    planes may turn as they like. 0 where the axes stay parallel."""
+    planes may rotate in any way. 0 where the axes stay parallel.
+    """
     free = first.round or second.round or first.curvature == second.curvature == 0.0
     angle = 0.5 * np.pi if free else min(turned + TURNING, 0.5 * np.pi)
     return 0.0 if angle <= TURNING else float(np.sin(angle))
@@ -106,7 +109,7 @@ def sine_between(first: Extent, second: Extent, turned: float) -> float:
 def second_reach(
     surface: ContactSurface | RigidSurface, first: Extent, second: Extent, turned: float, half: int
 ) -> tuple[int, int, int]:
-    """Columns of B on each side that face a window of `half` columns, and columns and rows of B under a hat of A."""
+    """Columns of B on each side that face a window of `half` columns, and columns and rows of B under a node of A."""
     if surface.grid is None:
         return 1, 1, 1
     grid = surface.grid

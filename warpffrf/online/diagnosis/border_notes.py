@@ -1,13 +1,14 @@
-"""Patches that reach the end of a contact surface, and how much pressure sits there.
+"""Patches that reach the end of a contact surface, and the pressure there.
 
-A contact grid ends where its facets do. Pressure on its outermost row or column is cut there: rightly, where the body
-ends too, and then a peak at the end is as sharp as the grid resolves it; wrongly, where the body goes on and only the
-named facets stop. Neither is an error, so the run goes on, and a note says which end, when, and how much.
+A contact grid ends where its facets do. Pressure on its outermost row or column is cut there. This is correct where the
+body ends too, and then a peak at the end is as sharp as the grid resolves it; it is wrong where the body continues and
+only the named facets end. Neither is an error, so that the run continues, and a note states which end, when, and how
+much.
 
-Judged are saved states: on the rows of the first grid the pressures themselves, on those of the second, and on its
+Saved states are evaluated: on the rows of the first grid the pressures themselves, on those of the second, and on its
 columns where it is an arc or a plane, the loads of its nodes over their areas. The columns of the first grid have a
-note of their own (`run`). Two straight profiles that press on each other over all of their common width do so by
-design, and nothing is said of them.
+separate note (`run`). Two straight profiles that are pressed on each other over all of their common width do so by
+design, and are not noted.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from warpffrf.model import rotation as rot
 from warpffrf.model.contact import Contact
 from warpffrf.online.history.history import ContactHistory
 
-BORDER = 0.05  # of the largest pressure at the time: what may sit on the last row without a word
+BORDER = 0.05  # of the largest pressure at the time: allowed on the last row without a note
 
 
 @dataclass(frozen=True)
@@ -50,7 +51,7 @@ def border_notes(contact: Contact, found: ContactHistory, time: np.ndarray) -> l
             notes.append(
                 f"contact {contact.name!r}: the patch reaches the end of {surface.label}, whose last {along} had "
                 f"{most[at]:.0%} of the largest pressure at {time[at]:.4g} s; the pressure is cut there: where the "
-                "body goes on, give it a larger contact surface; where it ends too, its peak is as sharp as the grid"
+                "body continues, define a larger contact surface; where it ends too, the grid resolves its peak"
             )
     return notes
 
@@ -70,8 +71,9 @@ def _ends(contact: Contact, found: ContactHistory) -> list[End]:
 
 
 def _by_design(contact: Contact, ends: list[End], along: str, peak: np.ndarray) -> np.ndarray:
-    """(T,) bool: straight profiles, or planes, that press on each other from one end of their common width to the
-    other."""
+    """(T,) bool: straight profiles, or planes, that are pressed on each other from one end of their common width to the
+    other.
+    """
     shapes = [port.surface.shape for port in contact.ports]
     profiles = [shape.profile() for shape in shapes]
     straight = all(p.planar or (p.crown == 0.0 and not len(p.coefficients)) for p in profiles)

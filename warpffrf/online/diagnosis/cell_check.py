@@ -1,16 +1,16 @@
-r"""What the cells of patches add to the error of a run: sampled saved steps evaluated again on finer cells.
+r"""Discretisation error of the cells of patches in a run: sampled saved steps evaluated again on finer cells.
 
-At a saved step the poses and global coordinates are known, and with quasi-static local modes the pressures follow from
-them. They are found anew on the cells of the run and on other ones, nearly twice as many strips and rows, or half as
-many of patches that have `MANY` cells; the bodies are held where they are, in one proximal step towards the static
-state so short that nothing moves. Both leave out what the law damps. One patch is looked at after the other, and all
-others have `FEW` cells meanwhile, both times: they load the bodies about as they did, and what they get wrong cancels.
-The error e of cells falls with the square of their number (docs/studies/patch_cells.md), so that the difference d is
-e - e/4 of finer ones, 4 e - e of coarser ones.
+At a saved step the poses and global coordinates are known, and with quasi-static local modes they determine the
+pressures. These are computed again on the cells of the run and on other ones, nearly twice as many strips and rows, or
+half as many for patches that have `MANY` cells; the bodies are constrained to their positions, in one proximal step
+towards the static state so short that nothing moves. Both omit the damping of the law. The patches are evaluated one by
+one, while all others have `FEW` cells, both times: their loads on the bodies are nearly the same, and their errors
+cancel. The error e of cells falls with the square of their number (docs/studies/patch_cells.md), so that the difference
+d is e - e/4 for finer ones, 4 e - e for coarser ones.
 
-Pressures as a field err at the edge of the patch, which runs through cells: that is of first order, and of either sign
-from one number of cells to another. As means over the boxes of the coarser cells
-[`warpffrf.model.half_space`] two fields differ by d, d^2 = e^2 + (e/2)^2 of finer and e^2 + (2 e)^2 of
+Pressures as a field have an error at the edge of the patch, which crosses cells: it is of first order, and of either
+sign from one number of cells to another. As means over the boxes of the coarser cells
+[`warpffrf.model.half_space`] two fields differ by d, d^2 = e^2 + (e/2)^2 for finer and e^2 + (2 e)^2 for
 coarser ones.
 """
 
@@ -30,21 +30,23 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.history.history import ContactHistory, History
 from warpffrf.online.history.record import history_from_rows
 
-SAMPLED = 3  # saved steps that are looked at: that of the largest force, and two on the way there and from there
+SAMPLED = 3  # saved steps that are evaluated: that of the largest force, and two others between
 MARGIN = 1.5  # of half-widths to either side, for which finer cells have near tables
 HELD = 1e-9  # s/m of the length of the scene: 1e9 m/s2, which no contact gives a body, move it by 1e-9 of its length
 MANY = 800  # cells of a patch that are compared with fewer: four times as many take 64 times as long
-ABOUT = 2.0  # of the error asked for: found ones scatter about it as cells lie under the edge of the patch
-STEPS = 3  # a patch is as wide as the pressures of the step before want it: a fourth step changes a force by 1e-6
+# of the required error: estimates scatter about it with the position of cells relative to the edge of the patch
+ABOUT = 2.0
+STEPS = 3  # the width of a patch follows the pressures of the previous step: a fourth step changes a force by 1e-6
 FEW = (5, 9)  # strips and rows at most
-TOUCHING = 0.1  # of the largest force of a pair: below it relative errors say little
+TOUCHING = 0.1  # of the largest force of a pair: below it relative errors are meaningless
 
 
 @dataclass(frozen=True)
 class CellCheck:
-    """Errors that the cells of a contact add, the largest of the saved `rows` looked at: of the `force` over it, of the
-    largest `pressure` over it, of pressures as a `field` in the root of the mean square; by `finer` or by coarser ones.
-    No rows where the others found no state."""
+    """Discretisation errors of a contact, the largest of the evaluated saved `rows`: of the `force` over it, of the
+    largest `pressure` over it, of pressures as a `field` (root mean square); by `finer` or by coarser ones.
+    No rows where no state was found on the others.
+    """
 
     force: float
     pressure: float
@@ -59,13 +61,13 @@ class CellCheck:
             return f"{label} was not compared with another one, whose pressures were not found at the saved steps"
         text = (
             f"{label} adds errors of about {self.force:.2%} to the force, {self.pressure:.2%} to the largest pressure, "
-            f"{self.field:.1%} to pressures in the mean square, by nearly {'twice' if self.finer else 'half'} as many "
-            f"either way at {len(self.rows)} saved steps"
+            f"{self.field:.1%} to pressures (RMS), estimated with nearly {'twice' if self.finer else 'half'} as many "
+            f"in both directions at {len(self.rows)} saved steps"
         )
         if max(self.force, self.pressure) <= ABOUT * contact.cell_error:
             return text
         if contact.cells is None:
-            return f"{text}, more than cell_error={contact.cell_error:g} asks for; use a smaller one, or cells="
+            return f"{text}, more than cell_error={contact.cell_error:g}; use a smaller one, or cells="
         return f"{text}; use more strips or rows in cells= where that matters"
 
 
@@ -78,7 +80,7 @@ def cell_check_notes(engine: Engine, checks: Mapping[int, CellCheck]) -> list[st
 
 
 def check_cells(engine: Engine, history: History, sampled: int = SAMPLED) -> dict[int, CellCheck]:
-    """By number of the contact what finer cells change, at most `sampled` saved steps of `history` each."""
+    """Changes by finer cells by number of the contact, at most `sampled` saved steps of `history` each."""
     scene, plans = engine.scene, engine.compiled.patches
     found = {i: history.contacts[scene.contacts[i].name] for i in plans}
     forces = {i: np.linalg.norm(record.force, axis=1) for i, record in found.items()}
@@ -129,20 +131,21 @@ class _Found:
 
 
 def _apart(own: _Found, other: _Found) -> np.ndarray:
-    """By which the other cells differ in force, largest pressure and field."""
+    """Difference of the other cells in force, largest pressure and field."""
     apart, size = squares(other.field, own.field)
     largest = other.field.p.max() / own.field.p.max()
     return np.array([abs(other.force / own.force - 1.0), abs(largest - 1.0), np.sqrt(apart / size)])
 
 
 def _loaded(force: np.ndarray) -> np.ndarray:
-    """Rows of a history of forces that are no small part of the largest."""
+    """Rows of a history of forces that are a significant part of the largest."""
     return np.flatnonzero(force > TOUCHING * force.max(initial=0.0))
 
 
 def _widths(found: ContactHistory, force: np.ndarray) -> tuple[float, float]:
-    """Half-widths [m] that cells are laid for, by the rows in which the `force` is no small part of the largest; by
-    all, where there are none."""
+    """Half-widths [m] for which cells are made, by the rows in which the `force` is a significant part of the largest;
+    by all, where there are none.
+    """
     if found.cells is None:
         raise TypeError("the contact has no cells")
     loaded = _loaded(force)
@@ -160,14 +163,15 @@ def _sampled(rows: np.ndarray, force: np.ndarray, count: int) -> list[int]:
 def _at_rest(
     engine: Engine, history: History, rows: list[int], number: int, patches: Mapping[int, PatchPlan]
 ) -> dict[int, _Found]:
-    """Force and pressures of the contact with that number, at those saved `rows` where the bodies held still let them
-    be found."""
+    """Force and pressures of the contact with that number, at those saved `rows` where they are found with the bodies
+    constrained.
+    """
     try:
         held = Engine(
             engine.scene, device=str(engine.compiled.device), settings=engine.settings, patches=patches,
             turned=engine.state.turned.numpy()[0],
         )  # fmt: skip
-    except (InputError, MemoryError, RuntimeError):  # no room for them
+    except (InputError, MemoryError, RuntimeError):  # not enough memory for them
         return {}
     held.rates_to_zero()
     name = engine.scene.contacts[number].name

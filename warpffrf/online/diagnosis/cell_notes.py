@@ -1,24 +1,24 @@
-r"""What is said of pairs whose pressures stand on cells that travel with the patch: where they are not fine enough, and
-where the half-space under them is not what the bodies are.
+r"""Notes on pairs on contact-fixed grids: where cells are not fine enough, and where the half-space under them does not
+represent the bodies.
 
-Undeformed normal. What it costs where gaps are taken along undeformed normals, or nearly so.
+Undeformed normal. Error of gaps that are measured along undeformed normals, or nearly so.
 
-A soft surface also moves along itself, by u_t outwards from under the load, and where the partner is inclined by x/R*
-that opens the gap by u_t x/R*. To first order in x/R* that is in the compliance of soft bodies
-(`warpffrf.offline.contact.local_mass`). What is left, of second order, makes the line load at a given approach too high
-by up to
+A soft surface also moves tangentially, by u_t outwards from under the load, and where the partner is inclined by x/R*
+that opens the gap by u_t x/R*. To first order in x/R* this is in the compliance of soft bodies
+(`warpffrf.offline.contact.local_mass`). The remainder, of second order, makes the line load at a given approach too
+high by up to
 
     0.7 (b/R*)^2,
 
-b the half-width, 1/R* the relative curvature. Where the first order is not there, as with dynamic local modes, or not
-all of it, as on a surface that serves partners of different curvature, the load is too high by
+b the half-width, 1/R* the relative curvature. Where the first order is missing, as with dynamic local modes, or
+incomplete, as on a surface with partners of different curvature, the load is too high by
 
-    error = b^2/(R* H) (0.45 + b/(2 H)) ((nu - 0.3)/0.2)^2,      nothing to speak of below nu = 0.3,
+    error = b^2/(R* H) (0.45 + b/(2 H)) ((nu - 0.3)/0.2)^2,      negligible below nu = 0.3,
 
-since what is pressed out from under the load passes through the depth H of the material sideways, u_t ~ delta b/H; nu
-is Poisson's ratio; of two soft bodies the mean weighted by (1 - nu^2)/E. Fitted to finite elements with the normal of
-the partner (tests/verification, `plane_strain_cover`, bonded inside, R/H 1.4 to 10, b/H 0.1 to 1.3). Surfaces that are
-touched in points are not judged.
+since the material displaced from under the load passes sideways through the depth H of the material, u_t ~ delta b/H;
+nu is Poisson's ratio; for two soft bodies the mean weighted by (1 - nu^2)/E. Fitted to finite elements with the normal
+of the partner (tests/verification, `plane_strain_cover`, bonded inside, R/H 1.4 to 10, b/H 0.1 to 1.3). Point contacts
+are not evaluated.
 """
 
 from __future__ import annotations
@@ -37,15 +37,16 @@ from warpffrf.online.diagnosis.border_notes import BORDER
 from warpffrf.online.diagnosis.off_end import shares_at_ends
 from warpffrf.online.history.history import ContactHistory, History
 
-FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 forces err by 0.1 %, peaks by 0.9 %
-# longest facet edges between two patches: nearer, forces err by 1 %; on a sphere, where patches feel each other by the
-# mesh alone, what one does to the other errs by 2 % and more
+FEWEST = 6  # strips, or rows of a point contact, under pressure: with 8 the error of forces is 0.1 %, of peaks 0.9 %
+# longest facet edges between two patches: nearer, the error of forces is 1 %; on a sphere, where patches influence each
+# other by the mesh alone, the error of this influence is 2 % and more
 APART, APART_ON_SPHERES = 1.5, 6.0
-ROLLED = 0.1  # of W: less is a contact that does not roll
-WIDE = 0.9  # of WHOLE that a patch may span without a word
+ROLLED = 0.1  # of W: with less the contact does not roll
+WIDE = 0.9  # of WHOLE: span of a patch without a note
 ROUND_OFF = 1e-6  # of W
-SHORT = 0.5  # of the half-width: last rows of patches that run off an end, without a word
-CLEAR = 2.0  # half-lengths of the patch of a point contact from an end: nearer, what the end adds varies over the patch
+SHORT = 0.5  # of the half-width: last rows of patches that run off an end, without a note
+# half-lengths of the patch of a point contact from an end: nearer, the contribution of the end varies over the patch
+CLEAR = 2.0
 
 
 def cell_notes(contact: Contact, found: ContactHistory, history: History) -> list[str]:
@@ -65,8 +66,8 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     travelled = np.abs(cells.column - cells.column[0]).max() * contact.a.surface.grid.pitch
     if contact.law.chi > 0.0 and travelled * arc_per_theta(contact) > ROLLED * float(np.max(cells.half_width)):
         notes.append(
-            f"contact {contact.name!r}: the patch rolled over the first body, and its layer is damped by how fast its "
-            "depth changes in each cell of the patch, not at each place of the material; damping in a rolling contact "
+            f"contact {contact.name!r}: the patch rolled over the first body, and its layer is damped by the rate of "
+            "depth in each cell of the patch, not at each material point; damping in a rolling contact "
             "wants grid='body_fixed'"
         )
     middle = float(np.mean(np.asarray(contact.a.surface.grid.z)[[0, -1]]))
@@ -75,7 +76,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
     if spans > WIDE * WHOLE:
         notes.append(
             f"contact {contact.name!r}: the patch spans {spans:.2g} rad of a surface, and the half-space under it is "
-            f'flat; beyond {WHOLE:g} rad pressures err by more than 2 %: use grid="body_fixed", with a finer mesh'
+            f'flat; beyond {WHOLE:g} rad the error of pressures exceeds 2 %: use grid="body_fixed", with a finer mesh'
         )
     notes += _too_large(contact, found)
     notes += _unsymmetric(contact)
@@ -87,7 +88,7 @@ def cell_notes(contact: Contact, found: ContactHistory, history: History) -> lis
 
 
 def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
-    """A patch that is larger than its cells may become, whose outermost ones bear what lies beyond."""
+    """A patch that is larger than its cells may become; its outermost cells carry the load beyond."""
     cells, p = found.cells, found.pressure
     if cells is None:
         return []
@@ -99,13 +100,13 @@ def _too_large(contact: Contact, found: ContactHistory) -> list[str]:
         return []
     return [
         f"contact {contact.name!r}: at {np.count_nonzero(cut)} saved steps the patch is larger than its cells may be, "
-        f"half-widths of {widest(contact):.3g} m, beyond which the half-space under them is not what the bodies are: "
+        f"half-widths of {widest(contact):.3g} m, beyond which the half-space does not represent the bodies: "
         'pressures at its edges, and peak pressures, are too high; use grid="body_fixed", with a finer mesh'
     ]
 
 
 def _unsymmetric(contact: Contact) -> list[str]:
-    """Surfaces on whose mesh the half-space that was taken out of the far field is not symmetric."""
+    """Surfaces with a mesh on which the half-space subtracted from the far field is not symmetric."""
     sides = [(port.label, getattr(port.surface.far, "asymmetry", 0.0)) for port in contact.ports if not port.rigid]
     return [
         f"contact {contact.name!r}: the half-space on the mesh of {label} is not symmetric ({asymmetry:.0%}): forces "
@@ -117,7 +118,7 @@ def _unsymmetric(contact: Contact) -> list[str]:
 
 
 def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
-    """A point contact so close to an end that what the end adds is not the same all over the patch."""
+    """A point contact so close to an end that the contribution of the end varies over the patch."""
     cells, under = found.cells, np.any(found.pressure > 0.0, axis=1)
     ends = end_places(contact)
     if cells is None or not ends or not under.any():
@@ -131,13 +132,13 @@ def _near_end(contact: Contact, found: ContactHistory) -> list[str]:
     closest = float(np.min(away[near]))
     return [
         f"contact {contact.name!r}: the patch comes within {closest:.2g} m of a free end, {CLEAR:g} of its "
-        "half-lengths or less; what the end adds to its displacement is taken in the middle of the patch only: use "
+        "half-lengths or less; the contribution of the end to its displacement is evaluated in its middle only: use "
         'grid="body_fixed" where the pressure at the end matters'
     ]
 
 
 def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
-    """A crowned line contact that runs off an end, where the last row is long, or the partner goes on beyond."""
+    """A crowned line contact that runs off an end, where the last row is long, or the partner extends beyond."""
     cells = found.cells
     if cells is None or not is_crowned(contact):
         return []
@@ -149,7 +150,7 @@ def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
     half_width = strips * float(cells.half_width[t]) / found.pressure.shape[1]
     if np.ptp(widths(contact)[:, end]) > length:
         return [
-            f"contact {contact.name!r}: the patch reaches an end, where one surface ends and the other goes on: "
+            f"contact {contact.name!r}: the patch reaches an end, where one surface ends and the other continues: "
             f"pressure has no bound at a sharp edge, and that of the last row, which had {shares[t, end]:.0%} of the "
             f"largest, is a mean over its {length:.2g} m; force and line loads do not depend on that length"
         ]
@@ -164,7 +165,7 @@ def _over_end(contact: Contact, found: ContactHistory) -> list[str]:
 
 
 def _travelled(contact: Contact, found: ContactHistory, history: History) -> list[str]:
-    """A line contact whose partner has moved along the axis: its ends are where they were at the start."""
+    """A line contact whose partner has moved along the axis: its ends are modelled at their initial positions."""
     a, b = contact.a, contact.b
     if found.cells is None or b.rigid or getattr(b.surface.far, "ends", ()) == ():
         return []
@@ -176,9 +177,9 @@ def _travelled(contact: Contact, found: ContactHistory, history: History) -> lis
     if way <= float(found.cells.length.min()):
         return []
     return [
-        f"contact {contact.name!r}: body {b.body.name!r} moved {way:.2g} m along the axis, and its free ends are where "
-        "they were at the start for the displacement of the cells: pressures near them are off; let the body with the "
-        'ends that matter come first in the contact, or use grid="body_fixed"'
+        f"contact {contact.name!r}: body {b.body.name!r} moved {way:.2g} m along the axis, and its free ends are "
+        "modelled at their initial positions for the cells: pressures near them are inaccurate; let the body with the "
+        'relevant ends be the first of the contact, or use grid="body_fixed"'
     ]
 
 
@@ -189,7 +190,8 @@ def _turns(rotation: np.ndarray) -> np.ndarray:
 
 def _cut(contact: Contact, found: ContactHistory) -> list[str]:
     """A note for each surface on whose end across the patch has been cut: cells beyond the outermost columns carry
-    nothing."""
+    no load.
+    """
     cells = found.cells
     if cells is None or not len(cells.column):
         return []
@@ -210,14 +212,14 @@ def _cut(contact: Contact, found: ContactHistory) -> list[str]:
         if np.any(pressed & beside):
             notes.append(
                 f"contact {contact.name!r}: the patch reaches the end of {port.label} across, a spacing of its grid "
-                f"({metres:.2g} m) inside the edge of the named facets; the pressure is cut there: where the body goes "
-                "on, give it a larger contact surface"
+                f"({metres:.2g} m) inside the edge of the named facets; the pressure is cut there: where the body "
+                "continues, define a larger contact surface"
             )
     return notes
 
 
 def near_patches(scene: Scene, history: History) -> list[str]:
-    """Notes on patches of one surface that come so near to each other that the mesh errs between them."""
+    """Notes on patches of one surface so near to each other that the mesh is inaccurate between them."""
     sides = [
         (contact, port, side)
         for contact in scene.contacts
@@ -243,13 +245,13 @@ def near_patches(scene: Scene, history: History) -> list[str]:
                 notes.append(
                     f"contacts {contact.name!r} and {other.name!r}: their patches come within {metres:.2g} m of each "
                     f"other on {port.label}, {metres / edge:.2g} facet edges; nearer than {least:g} the mesh under "
-                    "them errs in what one does to the other: use a finer one there"
+                    "them is too coarse for their mutual influence: use a finer one there"
                 )
     return notes
 
 
 def _column(history: History, contact: Contact, side: int) -> np.ndarray:
-    """Column (T,) of the grid on a side at which the patch lies."""
+    """Column (T,) of the grid on a side at the position of the patch."""
     cells = history.contacts[contact.name].cells
     if cells is None:
         raise TypeError(f"contact {contact.name!r} has no cells")
@@ -262,7 +264,7 @@ def arc_per_theta(contact: Contact) -> float:
     return float(surface.shape.radius_at(float(np.mean(np.asarray(surface.grid.z)[[0, -1]]))))
 
 
-MOST = 0.005  # of the line load: a larger error is worth a word
+MOST = 0.005  # of the line load: a larger error is noted
 HARMLESS, SPAN = 0.3, 0.2  # Poisson's ratios from which on u_t counts, and up to that of an incompressible body
 SECOND_ORDER = 0.7  # of (b/R*)^2: 0.4 on a rigid roller of the same radius, 0.7 on a plane
 
@@ -275,10 +277,11 @@ def line_load_error(half_width: float, radius: float, wall: float, poisson_ratio
 
 def normal_notes(contact: Contact, half_width: float, taken: Mapping[tuple[int, str], float]) -> list[str]:
     """A note where the error is noticeable in the largest patch of `contact`, of that `half_width` [m]; `taken`: the
-    slope that each surface has taken into its compliance, by (index of the body, surface)."""
+    slope that each surface has included in its compliance, by (index of the body, surface).
+    """
     relative = sum(curvature(port.surface) for port in contact.ports)
     if not relative > 0.0 or any(port.surface.shape.profile().crown for port in contact.ports):
-        return []  # conformal, or touched in a point
+        return []  # conformal, or a point contact
     error = weight = 0.0
     for port in contact.ports:
         if (share := compliance(port)) == 0.0:

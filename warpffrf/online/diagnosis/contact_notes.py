@@ -84,9 +84,9 @@ def _skewed(contact: Contact, found: ContactHistory, history: History) -> list[s
     if angles.max() <= MOST_SKEW:
         return _tilted(contact, found, history)
     return [
-        f"contact {contact.name!r}: the axes of the two surfaces turned against each other by up to "
-        f"{angles.max():.3g} rad, more than the {MOST_SKEW:g} that gaps along the line of centres are good for, and "
-        f"pressures are wrong by the order of {0.5 * angles.max() ** 2:.1%}; {AT_POINTS}"
+        f"contact {contact.name!r}: the axes of the two surfaces were skewed by up to "
+        f"{angles.max():.3g} rad, more than the {MOST_SKEW:g} allowed by parallel-axes kinematics, and "
+        f"pressures have an error of the order of {0.5 * angles.max() ** 2:.1%}; {AT_POINTS}"
     ]
 
 
@@ -97,16 +97,17 @@ def _tilted(contact: Contact, found: ContactHistory, history: History) -> list[s
     if lean.left <= MOMENT_LEFT * lean.moment:
         return []
     return [
-        f"contact {contact.name!r}: the axes of the two surfaces lean towards each other by up to {lean.tilt:.2g} rad; "
-        f"gaps along the line of centres leave about {lean.left:.2g} N m of the moment out that this gives, of "
+        f"contact {contact.name!r}: the axes of the two surfaces are inclined by up to {lean.tilt:.2g} rad; "
+        f"parallel-axes kinematics omits about {lean.left:.2g} N m of the moment due to this, of "
         f"{lean.moment:.2g} N m in all; {AT_POINTS} where that matters"
     ]
 
 
 @dataclass(frozen=True)
 class Leaning:
-    """Where axes that lean towards each other by `tilt` [rad] leave most out: R_B tilt F, the moment `left` [N m] out
-    of a pair on lines of centres, beside its `moment` [N m] and its `force` [N]."""
+    """Maximum error for axes that are inclined towards each other by `tilt` [rad]: R_B tilt F, the moment `left` [N m]
+    missing for a pair with parallel-axes kinematics, with its `moment` [N m] and its `force` [N].
+    """
 
     tilt: float
     left: float
@@ -170,7 +171,7 @@ def _cut(contact: Contact, found: ContactHistory) -> list[str]:
     if pressed <= (1.0 + CUT) * force:
         return []
     return [
-        f"contact {contact.name!r}: pressures of the first surface reach over the end of the second, their integral is "
+        f"contact {contact.name!r}: pressures of the first surface extend beyond the end of the second: they sum to "
         f"{pressed / max(force, 1e-300):.2f} of the normal force; name the narrower surface first, or give the first "
         "finer rows there"
     ]
@@ -186,8 +187,8 @@ def overlap_notes(scene: Scene) -> list[str]:
             continue
         if -gap > SHALLOW * float(contact.a.surface.shape.radius):
             notes.append(
-                f"contact {contact.name!r}: the run starts with an overlap of {-gap:.3g} m, pressed together at once; "
-                "scene.close_gap(contact, along=...) or start='equilibrium' would not"
+                f"contact {contact.name!r}: the run starts with an overlap of {-gap:.3g} m, which acts as an impulse; "
+                "scene.close_gap(contact, along=...) or start='equilibrium' avoids this"
             )
     return notes
 
@@ -208,13 +209,13 @@ def energy_notes(energy: dict[str, np.ndarray], nothing: float) -> list[str]:
     if gained > max(GAINED * hand, nothing):
         notes.append(
             f"the run gained {gained:.3g} J, {gained / max(hand, 1e-300):.1%} of the largest energy of the ledger, "
-            "that nothing supplied (ledger lines numerical and contact grid): use a smaller step, step_error=, or "
+            "without a source (ledger lines numerical and contact grid): use a smaller step, step_error=, or "
             "initial velocities that agree with the drives"
         )
     if taken > max(TAKEN * hand, nothing):
         notes.append(
-            f"the integrator took {taken:.3g} J, {taken / max(hand, 1e-300):.1%} of the largest energy of the ledger "
-            "(ledger line numerical), from motions that the step does not resolve: use a smaller step, step_error=, or "
+            f"the integrator dissipated {taken:.3g} J, {taken / max(hand, 1e-300):.1%} of the largest energy of the "
+            "ledger (line numerical), from motions that the step does not resolve: use a smaller step, step_error=, or "
             "less numerical damping (rho_inf=)"
         )
     return notes
@@ -227,8 +228,9 @@ NOTED = 0.01  # a larger difference of the force is noted with a cure
 
 @dataclass(frozen=True)
 class SamplingCheck:
-    """Largest differences over the steps looked at: `gap` over the depth of the patch, `force` over the force,
-    `pressure` over the pressure in the L2 norm; at the saved rows `rows`."""
+    """Largest differences over the evaluated steps: `gap` over the depth of the patch, `force` over the force,
+    `pressure` over the pressure in the L2 norm; at the saved rows `rows`.
+    """
 
     gap: float
     force: float
@@ -240,8 +242,8 @@ class SamplingCheck:
         if not self.rows:
             return f"contact {name!r}: evaluation 'hyper' was not checked, no saved step with contact"
         text = (
-            f"contact {name!r}: evaluation 'hyper', {few} of {all_points} points a strip; against all points on "
-            f"{len(self.rows)} saved steps at most {self.gap:.2%} of the depth in a gap, {self.force:.2%} of the "
+            f"contact {name!r}: evaluation 'hyper', {few} of {all_points} points per strip; compared with all points "
+            f"on {len(self.rows)} saved steps at most {self.gap:.2%} of the depth in a gap, {self.force:.2%} of the "
             f"force, {self.pressure:.2%} of the pressure (L2)"
         )
         if self.force > NOTED:
@@ -336,8 +338,9 @@ def _compare(contact: Contact, history: History, t: int, few: _Rule, every: _Rul
 def _weak(
     contact: Contact, history: History, t: int, rule: _Rule, columns: np.ndarray, pressure: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, float]:
-    """Weak gaps (hats,) [m^3] of the columns under `pressure` (hats,) without A's displacement, stencils (hats, nodes
-    of B's window) [m^2], and the depth of the patch [m]."""
+    """Weak gaps (nodes,) [m^3] of the columns under `pressure` (nodes,) without A's displacement, stencils (nodes,
+    nodes of B's window) [m^2], and the depth of the patch [m].
+    """
     A, B = contact.a.surface, contact.b.surface
     grid = A.grid
     x = np.concatenate([columns[:1] - 1, columns])[:, None] + rule.fraction  # strips below and above each column
@@ -350,7 +353,8 @@ def _weak(
     weights = _hat_weights(rule, columns, grid.rows)
     if B.grid is None:
         return weights @ gap.ravel(), np.zeros((len(weights), 0)), depth
-    weights = weights * ((z_b >= B.grid.z[0]) & (z_b <= B.grid.z[-1])).ravel()  # what lies beside B faces nothing
+    # points outside B have no opposite point
+    weights = weights * ((z_b >= B.grid.z[0]) & (z_b <= B.grid.z[-1])).ravel()
     second = _second_columns(history.contacts[contact.name], t, B)
     S = weights @ _opposite(B, theta_b, z_b, second)
     modal = B.mode_normal.reshape(B.grid.columns, B.grid.rows, -1)[second % B.grid.columns] @ q_b
@@ -359,7 +363,7 @@ def _weak(
 
 
 def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
-    """w_p psi_i(x_p) (hats of the columns, points of their strips) [m^2]."""
+    """w_p psi_i(x_p) (nodes of the columns, points of their strips) [m^2]."""
     n = len(rule.fraction)
     weights = np.zeros((len(columns), rows, len(columns) + 1, n))
     for j in range(len(columns)):
@@ -372,7 +376,9 @@ def _hat_weights(rule: _Rule, columns: np.ndarray, rows: int) -> np.ndarray:
 def _weak_yield(
     curve: Curve, rule: _Rule, columns: np.ndarray, rows: int, pressure: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Weak yield (hats,) [m^3] of a layer under `pressure` (hats,), and its tangent E (hats, hats) [m^3/Pa]."""
+    """Weak compression (nodes,) [m^3] of a layer under `pressure` (nodes,), and its tangent E (nodes, nodes)
+    [m^3/Pa].
+    """
     weights = _hat_weights(rule, columns, rows)
     psi = weights / np.tile(rule.weight, len(columns) + 1)
     y, slope = curve.yielding(pressure @ psi)
@@ -380,7 +386,7 @@ def _weak_yield(
 
 
 def _pose(body: Body, history: History, t: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Place of the user origin, axes (3, 3) and global coordinates of a body, or the ground, at the saved row t."""
+    """Position of the user origin, axes (3, 3) and global coordinates of a body, or the ground, at the saved row t."""
     if body.index < 0:
         return np.zeros(3), np.eye(3), np.zeros(0)
     motion = history.bodies[body.name]
@@ -402,7 +408,7 @@ def _second_columns(record: ContactHistory, t: int, B: ContactSurface) -> np.nda
 
 
 def _opposite(B: ContactSurface, theta: np.ndarray, z: np.ndarray, columns: np.ndarray) -> np.ndarray:
-    """Values (points, nodes) of B's hats of the window's `columns` at chart places theta, z."""
+    """Values (points, nodes) of the shape functions of the window's `columns` of B at chart points theta, z."""
     grid = B.grid
     x = ((theta - _grid_angle(B) - grid.theta_start) / grid.pitch).ravel()
     middle = 0.5 * float(columns[0] + columns[-1])

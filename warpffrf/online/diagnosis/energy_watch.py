@@ -1,9 +1,9 @@
-"""The end of a run that makes energy: who has made it, and a cure that was tried.
+"""The end of a run that creates energy: its cause, and a cure that was tried.
 
-`warpffrf_kernels.step.energy_watch` stops a run in which energy has come from nowhere. Here states are kept to go back
-to, and the last steps are repeated with smaller ones, to tell whether these are a cure.
+`warpffrf_kernels.step.energy_watch` stops a run in which energy is created numerically. Here states are kept to return
+to, and the last steps are repeated with smaller ones, to find whether these are a cure.
 
-The device waits for some steps before it believes the numerical line; a run that ends in the meantime is judged here.
+The device confirms the numerical line over some steps; a run that ends in the meantime is judged here.
 """
 
 from __future__ import annotations
@@ -16,36 +16,39 @@ from warpffrf_kernels.core import control as k
 
 KEPT_EVERY = 500  # steps between two states that are kept: copying one takes some milliseconds
 NOISE = 1e-11  # of force times distance: round-off of their product, a hundred thousand times
-FINER = (4, 16)  # steps that are tried are shorter by
+FINER = (4, 16)  # steps that are tried are shorter by this factor
 INTEGRATOR = "the integrator"
 TIGHTER = 0.01  # of the energy tolerance: 1,000 undamped bounces in steps of a ninetieth then make 0.5 %
-AT_END = 0.1  # of the largest energy: what a run may end with that was not there for as long as the device waits for
+AT_END = 0.1  # of the largest energy: increase that a run may end with within the steps of the device's confirmation
 # of the largest energy, over the square of the steps since then: a drive that sets out smoothly, as t^3, has a line of
 # 1/(3 n^2) of it after n steps
 SETS_OUT = 0.5
-HELPS = 0.25  # of what was made: a step with which less is made is a cure
+HELPS = 0.25  # of the created energy: a step that creates less is a cure
 
 
 def round_off_energy(engine: Engine) -> float:
-    """What an energy [J] is no more than round-off below, of scenes in which nothing moves."""
+    """Round-off bound of an energy [J], for scenes in which nothing moves."""
     state, scene = engine.state, engine.scene
     weights = [body.mass * np.linalg.norm(scene.gravity) for body in scene.bodies]
     forces = [weights, *(getattr(state, name).numpy() for name in ("load", "lam", "pair_force", "lumped_force"))]
     largest = max(float(np.abs(f).max(initial=0.0)) for f in forces)
-    length = float(engine.compiled.model.length)  # where all stands at the origin
+    length = float(engine.compiled.model.length)  # where everything is at the origin
     return NOISE * largest * max(float(np.abs(state.r.numpy()).max(initial=0.0)), length)
 
 
 class EnergyWatch:
-    """Beside a run of steps of `step` [s]: `look` after each chunk, `gained_at_end` after the last, `end` where energy
-    was made. set_down: the run begins with the scene as it was described, without an equilibrium."""
+    """Watch of a run of steps of `step` [s]: `look` after each chunk, `gained_at_end` after the last, `end` where
+    energy was created. set_down: the run begins with the scene as described, without an equilibrium.
+    """
 
     def __init__(self, engine: Engine, step: float, *, set_down: bool = False) -> None:
         self.engine, self.step, self.set_down = engine, step, set_down
-        self.last = self.kept = engine.state.to_numpy()  # the last one may be next to the end: begin at that before
+        self.last = self.kept = engine.state.to_numpy()  # the last one may be just before the end: begin at that before
 
     def look(self) -> bool:
-        """Whether the run has to end; goes on where what was made is round-off, of scenes in which nothing moves."""
+        """Whether the run has to end; it continues where the created energy is round-off, in scenes in which nothing
+        moves.
+        """
         if not self.engine.word("status")[0] & int(k.GAIN):
             if self.engine.word("step")[0] - self.last["ctl"]["step"][0] >= KEPT_EVERY:
                 self.kept, self.last = self.last, self.engine.state.to_numpy()
@@ -58,7 +61,7 @@ class EnergyWatch:
         return False
 
     def gained_at_end(self) -> bool:
-        """Whether a run that has come to its end has made energy that the device was still waiting for."""
+        """Whether a run that has reached its end has created energy that the device had not yet confirmed."""
         engine = self.engine
         spell = int(engine.word("spell")[0])
         if not spell or not engine.compiled.model.limits.most_made:
@@ -73,7 +76,7 @@ class EnergyWatch:
         return float(self.engine.word("made")[0])
 
     def end(self) -> str:
-        """Who has made energy, how much, and what smaller steps do over the last steps."""
+        """Cause and amount of the created energy, and the effect of smaller steps over the last steps."""
         engine = self.engine
         last, rows, drained = engine.state.to_numpy(), engine.chunks[0], engine.drained.copy()
         made, most, t = self._made(), float(engine.word("most")[0]), float(engine.word("time")[0])
@@ -92,19 +95,22 @@ class EnergyWatch:
             engine.put_back(last)
             engine.chunks[0], engine.drained = rows, drained
         return (
-            f"{owner} makes energy: by t = {t:.6g} s the run had gained {made:.3g} J, {made / most:.1%} of the largest "
-            f"energy of the ledger, that nothing supplied; {cure}"
+            f"{owner} creates energy: by t = {t:.6g} s the run had gained {made:.3g} J, {made / most:.1%} of the "
+            f"largest energy of the ledger, without a source; {cure}"
         )
 
     def _without_smaller_steps(self, owner: str) -> str:
-        """What may help where smaller steps do not. Impacts of lumped contacts make a little each, which steps as small
-        as these make too: they are halved for what a step gains only beyond the energy tolerance."""
+        """Cure where smaller steps do not help. Impacts of lumped contacts create a little each, also with steps as
+        small as these: they are halved for the gain of a step only beyond the energy tolerance.
+        """
         if owner == INTEGRATOR and self.engine.scene.lumped_contacts:
             tighter = self.engine.settings.energy_tolerance * TIGHTER
-            return f"allow less of it in a step of an impact as well, energy_tolerance={tighter:.2g}"
+            return f"limit it in steps of impacts, energy_tolerance={tighter:.2g}"
         cure = "give the contact surfaces a finer grid (half_width=, expected_half_width=) or the machine some damping"
         if self.set_down and any(contact.friction.acts for contact in self.engine.scene.contacts):
-            cure = f"begin at rest where what rubs is set down, start=equilibrium(scene, friction=True), or {cure}"
+            cure = (
+                f"begin at rest with closed contacts with friction, start=equilibrium(scene, friction=True), or {cure}"
+            )
         return cure
 
     def _cure(self, made: float, most: float, began: float, end: float, otherwise: str) -> str:
@@ -117,11 +123,11 @@ class EnergyWatch:
         return f"steps down to {self.step / FINER[-1]:.3g} s ({tried}) do not help: {otherwise}"
 
     def _made_with(self, step: float, steps: int) -> float:
-        """What is made in so many steps from the state kept [J]."""
+        """Energy created in so many steps from the kept state [J]."""
         engine = self.engine
         engine.chunks[0] = []
         restore(engine, self.kept, step)
-        engine.clock(noise=np.inf)  # never mind what is made
+        engine.clock(noise=np.inf)  # ignore created energy
         begin = done = int(engine.word("step")[0])
         while done < begin + steps and not engine.word("status")[0]:
             engine.control(target=min(done + engine.settings.ring_rows - 1, begin + steps))

@@ -65,8 +65,9 @@ def _array(owner: Arrays, name: str, world: int) -> np.ndarray:
 
 
 def largest_force(engine: Engine, world: int) -> float:
-    """The largest of weight, inertia force, multiplier of a length, contact force, force of a lap, and point force, as
-    those of a bolt cancel each other on a body [N]."""
+    """The largest of weight, inertia force, multiplier of a length, contact force, force of a small-sliding contact,
+    and point force, as those of a bolt cancel each other on a body [N].
+    """
     m, scratch, state = engine.compiled.model, engine.scratch, engine.state
     B, R, P = m.bodies.count, m.rows.count, m.pairs.count
     rate = np.linalg.norm(_array(scratch, "v1_rate", world)[:B], axis=1)
@@ -122,7 +123,7 @@ def _rows(engine: Engine, world: int) -> list[Residual]:
             found.append(Residual(np.inf, f"{owner} is not finite"))
         elif rigid[row]:
             unit = "m" if kinds[row] in (int(k.TRANSLATION), int(k.DISTANCE)) else "rad"
-            found.append(Residual(abs(defect[row]), f"{owner} misses by {abs(defect[row]):.3g} {unit}"))
+            found.append(Residual(abs(defect[row]), f"{owner} is violated by {abs(defect[row]):.3g} {unit}"))
         else:
             off = abs(defect[row]) / max(abs(softness[row]), NO_FORCE)
             found.append(Residual(off / scale, f"{owner} is {off:.3g} (N or N m) off its law"))
@@ -196,8 +197,8 @@ def _fullest(engine: Engine, world: int) -> str:
     hats = (_array(engine.state, "active", world)[: len(contacts)] != 0.0).reshape(len(contacts), -1).sum(axis=1)
     widest = [i for i, (low, high) in enumerate(window) if low <= -H or high >= H] or list(range(len(contacts)))
     worst = max(widest, key=lambda i: hats[i])
-    others = f"; windows wide open too: {len(widest) - 1}" if 1 < len(widest) < len(contacts) else ""
-    return f"at contact {contacts[worst].name!r}, which has {int(hats[worst])} active hats{others}"
+    others = f"; further windows at full width: {len(widest) - 1}" if 1 < len(widest) < len(contacts) else ""
+    return f"at contact {contacts[worst].name!r}, which has {int(hats[worst])} active nodes{others}"
 
 
 def _undetermined(engine: Engine, world: int) -> str:

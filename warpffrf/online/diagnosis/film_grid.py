@@ -1,28 +1,28 @@
-r"""What the grid of a film leaves of its load, flow and friction: the same film on twice the rows, and on twice the
-columns.
+r"""Grid errors of the load, flow and friction of a film: the same film on twice the rows, and on twice the columns.
 
-In the last state of a run the gap, its rate of filling and the sliding are held as they are at the film's own points,
-and a Newton's method on the host balances the oil with hats of the grid and of two finer ones, whose places between
-nodes that are held are held too. Hats err by the square of their spacing, so that of what doubling changes 4/3 is the
-error; what the borders of voids add goes with the spacing, and is caught within a factor of two.
+In the last state of a run the gap, its rate of filling and the sliding are fixed at the film's own points. Newton's
+method on the host balances the oil with nodes of the grid and of two finer ones, whose nodes between prescribed nodes
+are prescribed, too. The error of nodes falls with the square of their spacing, so that 4/3 of the change by doubling is
+the error; the borders of cavities add an error proportional to the spacing, which is estimated within a factor of two.
 
-What is held is the gap: of a film that yields to its own pressure, and of one that carries a given load, this is more
-than what its place and its pressures err by. Walls count as smooth.
+The gap is fixed. For a film that deforms under its own pressure, or carries a given load, the estimate therefore
+exceeds the error of its position and pressures. Walls count as smooth.
 
-Film hats. A film of all hats in a state that is held, on the host: what few profiles along are compared with.
+Film nodes. A film of all nodes in a fixed state, on the host: the reference for a few axial profiles.
 
-Given are the places and velocities of both bodies, the global modes of the first, and the rates of the step,
-delta_t(r h) at points and delta_t D at hats (docstring of `films.sampling`). Unknown are the pressures p of the hats
-that are full and the voids D of the others,
+Given are the positions and velocities of both bodies, the global modes of the first, and the rates of the step,
+delta_t(r h) at points and delta_t D at nodes (docstring of `films.sampling`). Unknown are the pressures p of the nodes
+that are full and the cavity fractions D of the others,
 
     R_i = sum_k [psi_i,x f_x + psi_i,z f_z + psi_i delta_t(r h)] - m_i (delta_t D_i + a_0 (D_i - D_i,0)) - (T D)_i = 0,
 
-f = r (k grad p - h U), h with what p opens, G p. Newton's method with one change of the set an iteration, voids
-eliminated first: T between void hats is sparse. So much of the rates is held that the film is as slow as it was: D_0
-are the voids that the step ended with.
+f = r (k grad p - h U), h including the opening G p by p. Newton's method makes one change of the set per iteration and
+eliminates cavity fractions first: T between cavitated nodes is sparse. The rates are fixed so far that the film is as
+slow as in the run: D_0 are the cavity fractions at the end of the step.
 
-*At the same force*: the second body is moved along `ways` until the force is a given one, which takes as many more
-unknowns d and the equations F = F_0, with dh = -n.way dd. Of F the pressures alone are derived, the shear is c/R of it.
+*At the same force*: the second body is displaced along `ways` until the force is a given one, which adds as many
+unknowns d and the equations F = F_0, with dh = -n.way dd. Of F only the pressures are differentiated; shear is c/R of
+it.
 """
 
 from __future__ import annotations
@@ -43,16 +43,17 @@ from warpffrf.online.history.films import narrowest
 from warpffrf_kernels.films.sampling import FILLING, GAP, NORMAL
 
 Array = np.ndarray
-NOTED = 0.01  # of the load: more is worth a finer grid
+NOTED = 0.01  # of the load: above it a finer grid is recommended
 OF_CHANGE = 4.0 / 3.0  # see the module
-STAYS = 1e-3  # of the rate at which voids pass nodes: what they keep of where they were, which finer grids do not know
-HELD = 0.999  # of a node between two that are held
+# of the rate at which cavity fractions pass nodes: memory of their position, which finer grids do not have
+STAYS = 1e-3
+HELD = 0.999  # of a node between two prescribed ones
 
 
 @dataclass(frozen=True)
 class FilmGridError:
-    """Errors of the last state by the grid, as fractions: of the `load` (as a vector), of the oil that flows through,
-    `flow`, and of the `torque` by shear; NaN where no finer film was found. rows, columns: parts of that of the load.
+    """Grid errors of the last state, as fractions: of the `load` (as a vector), of the oil that flows through, `flow`,
+    and of the `torque` by shear; NaN where no finer film was found. rows, columns: parts of that of the load.
     """
 
     load: float
@@ -63,28 +64,28 @@ class FilmGridError:
 
     @property
     def finer(self) -> str:
-        """Along which coordinate the grid is coarse."""
+        """Coordinate along which the grid is coarse."""
         return "along" if self.rows > self.columns else "around"
 
     def note(self, film: Film) -> str:
-        """The line for the report, "" where nothing was found or all is small."""
+        """The line for the report, "" where nothing was found or all errors are small."""
         if not max(self.load, self.flow, self.torque) > NOTED:
             return ""
         return (
-            f"{film.label}: its grid of {film.grid.columns} columns and {film.grid.rows} rows errs by about "
+            f"{film.label}: its grid of {film.grid.columns} columns and {film.grid.rows} rows has an error of about "
             f"{self.load:.2g} of the load ({self.rows:.2g} by rows, {self.columns:.2g} by columns), {self.flow:.2g} of "
             f"the flow and {self.torque:.2g} of the torque, at a given gap; reduce with a finer mesh {self.finer}"
         )
 
 
 def film_grid_errors(engine: Engine) -> dict[str, FilmGridError]:
-    """By name, of films of hats, at the state of the last attempt of world 0."""
+    """Errors by name, of films of nodes, at the state of the last attempt of world 0."""
     films = enumerate(engine.scene.films)
     return {str(film.name): _error_of(engine, i, film) for i, film in films if film.evaluation == "semi"}
 
 
 class _Finer:
-    """A film on `by` = (columns, rows) times as many, 1 or 2 each."""
+    """A film with `by` = (columns, rows) times as many, 1 or 2 each."""
 
     feeds = ()
 
@@ -119,12 +120,14 @@ class _Finer:
         return found.reshape(-1, k)
 
     def held(self) -> tuple[Array, Array]:
-        """As of a film."""
+        """Prescribed nodes, as of a film."""
         return self._held, self._given
 
 
 def _through(count: int, times: int) -> Array:
-    """(times, count, count): values at Gauss points of each part of a cell, of the polynomial through those of all."""
+    """(times, count, count): values at Gauss points of each part of a cell, of the polynomial through those of the
+    cell.
+    """
     at = 0.5 * (np.polynomial.legendre.leggauss(count)[0] + 1.0)
     whole = np.vander(at, count)
     return np.stack([np.vander((part + at) / times, count) @ np.linalg.inv(whole) for part in range(times)])
@@ -164,7 +167,8 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
     void = state.film_void.numpy()[0, 0, functions]
     travels, may_void = film.cavitation == "jfo", film.cavitation in ("jfo", "reynolds")
     T = transport(basis, carried)
-    passes = float(np.abs(carried).max()) / np.sqrt(basis.area.mean())  # 1/s: voids, from node to node
+    # 1/s: transport of cavity fractions from node to node
+    passes = float(np.abs(carried).max()) / np.sqrt(basis.area.mean())
     a0 = float(scratch.film_rates.numpy()[0, 0])
     keeps = (min(a0, STAYS * passes) if passes > 0.0 else a0) * basis.area
     began, rate = np.zeros((2, basis.functions))
@@ -200,7 +204,7 @@ def _figures(engine: Engine, i: int, film: Film, by: tuple[int, int]) -> Array |
         try:
             change = np.zeros(len(p))
             change[free] = splu(J.tocsc()[free][:, free]).solve(-rest[free])
-        except RuntimeError:  # how SciPy tells that it is singular
+        except RuntimeError:  # SciPy's error for a singular matrix
             return None
         dp, dD = np.where(full, change, 0.0), np.where(full, 0.0, change)
         leaves = full & ~basis.held & may_void & (p + dp <= 0.0)
@@ -224,16 +228,17 @@ def film_grid_notes(engine: Engine, found: dict[str, FilmGridError]) -> list[str
 
 
 MOST_ITERATIONS = 30
-SETTLED = 1e-4  # of the largest pressure: a last change that is a hundredth of the least error that is told
-CLOSEST = 0.2  # of the smallest gap: what an iteration leaves of it
-NO_VOID = 1e-13  # of the median gap: round-off of a void
+SETTLED = 1e-4  # of the largest pressure: a last change that is a hundredth of the least error that is reported
+CLOSEST = 0.2  # of the smallest gap: the least fraction that an iteration leaves
+NO_VOID = 1e-13  # of the median gap: round-off of a cavity fraction
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Both bodies: axes in the world, place of A's centre of mass from B's [m]; velocities of these [m/s], angular
-    velocities [rad/s], A's in its axes and B's in the world; A's turning about its own axis that U has beside half of
-    the sliding; global coordinates of A."""
+    """Both bodies: axes in the world, position of A's centre of mass from B's [m]; velocities of these [m/s], angular
+    velocities [rad/s], A's in its axes and B's in the world; A's rotation about its own axis that U has in addition to
+    half of the sliding; global coordinates of A.
+    """
 
     turn_a: Array
     turn_b: Array
@@ -246,7 +251,7 @@ class Pose:
     q: Array
 
     def sliding(self, place: Array) -> Array:
-        """(n, 3) m/s u_B - u_A at places (n, 3) of A from its centre of mass, in A's axes."""
+        """(n, 3) m/s u_B - u_A at points (n, 3) of A from its centre of mass, in A's axes."""
         at_b = self.v_b + np.cross(self.omega_b, self.from_b + place @ self.turn_a.T)
         return (at_b - self.v_a) @ self.turn_a - np.cross(self.omega_a, place)
 
@@ -266,8 +271,9 @@ class Rates:
 
 @dataclass
 class HatState:
-    """pressure [Pa], void [m], full of all hats; whether it was found, the smallest gap [m] of their nodes, the force
-    on A (3,) [N] in the world, oil in through feeds and out at the ends [m3/s]."""
+    """pressure [Pa], void [m], full of all nodes; whether it was found, the smallest gap [m] of the nodes, the force on
+    A (3,) [N] in the world, oil in through feeds and out at the ends [m3/s].
+    """
 
     pressure: Array
     void: Array
@@ -280,12 +286,14 @@ class HatState:
 
     @property
     def largest_pressure(self) -> float:
-        """Pa, at a hat."""
+        """Pa, at a node."""
         return float(self.pressure.max())
 
 
 def transport(basis: Basis, carried: Array) -> Any:
-    """T (functions, functions) [m2/s] of voids that leave with U (functions, 2) [m/s] upwind through the faces."""
+    """T (functions, functions) [m2/s] of cavity fractions transported with U (functions, 2) [m/s] upwind through the
+    faces.
+    """
     n = basis.functions
     T = sp.csr_matrix((n, n))
     for way, name in enumerate(("around", "along")):
@@ -305,14 +313,14 @@ def transport(basis: Basis, carried: Array) -> Any:
 
 
 class HatFilm:
-    """All hats of a film at all points, whatever its own evaluation is."""
+    """All nodes of a film at all points, whatever its own evaluation is."""
 
     def __init__(self, film: Film) -> None:
         surface, body = film.a.surface, film.a.body
         self.film, self.basis = film, basis_of(film, "semi")
         basis = self.basis
         columns = np.arange(film.grid.columns)
-        self.opening = surface.compliance(columns) @ hat_gram(surface, 1)[0]  # (hats, hats) m/Pa
+        self.opening = surface.compliance(columns) @ hat_gram(surface, 1)[0]  # (nodes, nodes) m/Pa
         self.shape = np.asarray(surface.mode_normal).reshape(basis.functions, -1)
         points = len(basis.weight)
         at = (np.repeat(np.arange(points), basis.function.shape[1]), basis.function.ravel())
@@ -329,8 +337,9 @@ class HatFilm:
         self.travels = film.cavitation == "jfo"
 
     def seen(self, pose: Pose, place: Array) -> tuple[Array, Array]:
-        """Gap (n,) [m] of the true shapes but for the form of A at places (n, 3) of A, and its gradient (n, 3) in the
-        world."""
+        """Gap (n,) [m] of the true shapes without the form of A at points (n, 3) of A, and its gradient (n, 3) in the
+        world.
+        """
         shape = self.film.b.surface.shape
         theta, z, distance = shape.chart((pose.from_b + place @ pose.turn_a.T) @ pose.turn_b + _center(self.film.b))
         return distance + self.film.second_form(theta, z), np.asarray(shape.normal(theta, z)) @ pose.turn_b.T
@@ -347,8 +356,9 @@ class HatFilm:
     def solve(
         self, pose: Pose, rates: Rates, start: HatState, ways: Array | None = None, force: Array | None = None
     ) -> HatState:
-        """The film in a state that is held, from `start`; with `ways` (3, n), directions in the world, of the second
-        body where it is moved so that the force along them is that of `force` (3,) [N]."""
+        """The film in a fixed state, from `start`; with `ways` (3, n), world directions along which the second body is
+        displaced until the force along them is that of `force` (3,) [N].
+        """
         ways = np.zeros((3, 0)) if ways is None or force is None else ways
         held = _Held(self, pose, rates, start, ways)
         free = np.flatnonzero(~self.basis.held)
@@ -384,8 +394,9 @@ class HatFilm:
 
 @dataclass(frozen=True)
 class _Flow:
-    """Of pressures and voids: gap [m], slopes [Pa/m], viscosity [Pa s], r, what is added to these by a pressure, flows
-    over r [m2/s] and k at points; R of hats [m3/s]; the force on A (3,) [N], world."""
+    """For pressures and cavity fractions: gap [m], slopes [Pa/m], viscosity [Pa s], r, their derivatives by pressure,
+    flows over r [m2/s] and k at points; R of nodes [m3/s]; the force on A (3,) [N], world.
+    """
 
     h: Array
     p_x: Array
@@ -401,7 +412,7 @@ class _Flow:
 
 
 class _Held:
-    """What does not change while a film is solved for."""
+    """Constants of the solution of a film."""
 
     def __init__(self, of: HatFilm, pose: Pose, rates: Rates, start: HatState, ways: Array) -> None:
         basis = of.basis
@@ -423,7 +434,9 @@ class _Held:
         self.towards = -self.normal @ ways
 
     def flow(self, p: Array, D: Array, shift: Array) -> _Flow:
-        """Flows of pressures and voids, with the second body moved by `shift` (n,) [m] along the ways."""
+        """Flows of pressures and cavity fractions, with the second body displaced by `shift` (n,) [m] along the
+        ways.
+        """
         of, w, oil = self.of, self.of.basis.weight, self.of.film.oil
         h = self.opened + self.towards @ shift + of.value @ (of.opening @ p)
         p_x, p_z, here = of.x @ p, of.z @ p, of.value @ p
@@ -445,7 +458,9 @@ class _Held:
     def change(
         self, now: _Flow, p: Array, wet: Array, dry: Array, force: Array | None
     ) -> tuple[Array, Array, Array] | None:
-        """Newton's increments of pressures, voids and the way of the second body; None of a singular system."""
+        """Newton's increments of pressures, cavity fractions and the displacement of the second body; None of a
+        singular system.
+        """
         of, w, n = self.of, self.of.basis.weight, len(p)
         by_gap = of.x.T @ sp.diags(w * now.r * (3.0 * now.k / now.h * now.p_x - self.u_x))
         by_gap = (by_gap + of.z.T @ sp.diags(w * now.r * (3.0 * now.k / now.h * now.p_z - self.u_z))).tocsr()
@@ -467,7 +482,7 @@ class _Held:
             M = -(self.T + sp.diags(self.keeps)).tocsr()
             try:
                 below = splu(M[dry][:, dry].tocsc()).solve(below)
-            except RuntimeError:  # how SciPy tells that it is singular
+            except RuntimeError:  # SciPy's error for a singular matrix
                 return None
             whole = whole - M[wet][:, dry] @ below
         try:
@@ -493,7 +508,7 @@ def _center(port: Any) -> Array:
 
 
 def _tangents(film: Film, theta: Array, z: Array) -> tuple[Array, Array]:
-    """Unit vectors (n, 3) of A along theta, whatever the side, and along z."""
+    """Unit vectors (n, 3) of A along theta, for either side, and along z."""
     shape = film.a.surface.shape
     side = 1.0 if shape.profile().planar else shape.side
     around = side * np.broadcast_to(np.asarray(shape.around(theta)), (len(theta), 3))

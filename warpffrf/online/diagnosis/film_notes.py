@@ -1,23 +1,26 @@
-r"""What the results of oil films are worth: whether their columns are fine enough for the thinnest film of a run.
+r"""Accuracy of the results of oil films: whether their columns are fine enough for the thinnest film of a run.
 
-Where a film of revolution is thinnest, h = c (1 - eps cos phi) is a parabola of the half-width sqrt(2 h_min/c) [rad]; a
-pressure of hats that are a RULE-th of it wide errs by ERROR at its peak, and by the square of the pitch (rigid
-bearings, hats beside fine volumes: docs/studies/oil_film.md). An elastic surface flattens the place, so the figure is
-on the safe side there.
+Where a film of revolution is thinnest, h = c (1 - eps cos phi) is a parabola of the half-width sqrt(2 h_min/c) [rad].
+The pressure on nodes spaced by a RULE-th of this width has the error ERROR at its peak, proportional to the square of
+the pitch (rigid bearings, nodes compared with fine volumes: docs/studies/oil_film.md). An elastic surface flattens the
+film there, so the estimate is conservative.
 
-Film check. The online check of films of evaluation "hyper": a few profiles along beside all hats, on states of the run.
+Film check. The online check of films of evaluation "hyper": a few axial profiles compared with all nodes, on states of
+the run.
 
-A run leaves up to `SEEN` states on the way, an equilibrium its own: places, velocities, global coordinates, pressures
-and voids, and the rates of filling and voids of the step. On `SAMPLED` of them, those of the largest force and the
-largest pressure, the last one and others spread between, the film of all hats is solved for with all of that held
-(`film_hats`): first with the bodies where they are, then with the second one moved until the force is what it was,
-across the axis of the first surface, or to and from a plane. There a load would move it, and the *smallest gap* and the
-*largest pressure* are compared there; at the same place the *force* differs, and more of it than a load would see.
+A run keeps up to `SEEN` states on the way, an equilibrium its own: positions, velocities, global coordinates, pressures
+and cavity fractions, and the rates of film and cavity fractions of the step. On `SAMPLED` of them (those of the largest
+force and the largest pressure, the last one and others spread between) the film of all nodes is solved with all of
+these fixed (`film_hats`): first with the bodies at their positions, then with the second one displaced until the force
+is restored, across the axis of the first surface, or normal to a plane. A load would displace it in this direction, and
+the *smallest gap* and the *largest pressure* are compared there. At the same position the *force* is compared; it
+differs more than under a given load.
 
-Hats err too. Of a pressure 1 - zeta^2 along those of rows d apart lose sum d^3/L^3 of the force, 1/n^2 with n cells;
-differences of that size say nothing about the profiles, and are worth no cure.
+The solution at all nodes has an error, too. For a pressure 1 - zeta^2 along the axis, rows at a distance d lose
+sum d^3/L^3 of the force, 1/n^2 with n cells. Differences of that size say nothing about the profiles, and require no
+cure.
 
-What oil does over many steps, filling a film again or leaving it, is not in it: the voids are those of the run.
+Refilling and cavitation over many steps are not included: the cavity fractions are those of the run.
 """
 
 from __future__ import annotations
@@ -44,14 +47,15 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.films.sampling import FILLING, FORCE, GAP
 
 RULE, ERROR = 6.0, 0.01
-DAMPS = 0.55  # spectral radius at infinity, of 0.5 with round-off: what alternates is gone in a few steps
-SQUEEZED = 0.01  # of the clearance: no film is left where a run ends at that
+DAMPS = 0.55  # spectral radius at infinity, of 0.5 with round-off: alternation has decayed within a few steps
+SQUEEZED = 0.01  # of the clearance: a run that ends at this thickness has no film left
 
 
 def film_notes(scene: Scene, history: History) -> list[str]:
-    """One line a film whose columns are too coarse for the eccentricity that it reached, one of rough walls that came
-    closer than flow factors are known, one of walls that overlap where the pressure is given, and one of a film that
-    went beyond the grid of a second surface that yields."""
+    """One line for each film whose columns are too coarse for the eccentricity reached, for rough walls that came
+    closer than flow factors are known, for walls that overlap where the pressure is given, and for a film that went
+    beyond the grid of a compliant second surface.
+    """
     notes = []
     for film in scene.films:
         found, clearance = history.films.get(str(film.name)), film.clearance()
@@ -68,11 +72,11 @@ def film_notes(scene: Scene, history: History) -> list[str]:
         error = ERROR * (film.grid.pitch / fine) ** 2 if fine > 0.0 else np.inf
         if error > ERROR:
             columns = int(np.ceil(2.0 * np.pi / fine)) if fine > 0.0 else None
-            more = f", {columns} columns on a turn would do for 1 %" if columns else ""
+            more = f", {columns} columns per revolution are sufficient for 1 %" if columns else ""
             notes.append(
                 f"{film.label}: its smallest film, {thinnest:.3g} m, is {thinnest / clearance:.2g} of the clearance, "
-                f"coarse columns of {np.degrees(film.grid.pitch):.3g} degrees for that: the peak pressure may err by "
-                f"{min(error, 1.0):.1%}, where the surface does not yield{more}; reduce with a finer mesh around"
+                f"too thin for columns of {np.degrees(film.grid.pitch):.3g} degrees: the peak pressure may have an "
+                f"error of {min(error, 1.0):.1%}, for a rigid surface{more}; reduce with a finer mesh around"
             )
     return notes
 
@@ -89,7 +93,7 @@ def _thinner_than_known(film: Film, thinnest: float) -> list[str]:
 
 
 def _overlapping(film: Film, gap: np.ndarray) -> list[str]:
-    """Of nodes whose pressure is given: where none pushes the walls apart, nothing keeps them from overlapping."""
+    """Walls at nodes of given pressure: no pressure pushes the walls apart, and nothing keeps them from overlapping."""
     held = film.held()[0]
     least = float(gap[:, held].min())
     if least > 0.0:
@@ -97,15 +101,16 @@ def _overlapping(film: Film, gap: np.ndarray) -> list[str]:
     j, k = np.argwhere(held)[np.argmin(gap[:, held].min(axis=0))]
     return [
         f"{film.label}: its walls overlap by up to {-least:.3g} m at theta = {film.theta[j]:.4g}, z = "
-        f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the film beside it is "
-        "squeezed by a shape that is not there; give the first surface a form that falls off to its ends "
-        "(films.BarrelForm), or asperities that carry there (law=)"
+        f"{film.grid.z[k]:.4g} m, where the pressure is given and nothing keeps them apart: the adjacent film is "
+        "squeezed by a nonphysical shape; give the first surface a form with relieved ends "
+        "(films.BarrelForm), or asperities (asperities=)"
     ]
 
 
 def _beyond_second(film: Film, history: History) -> list[str]:
-    """Of ends of the film that lay more than a cell beyond the grid of the second surface, which does not yield there
-    (`warpffrf_kernels.films.seats`)."""
+    """Ends of the film more than a cell beyond the grid of the second surface, which is rigid there
+    (`warpffrf_kernels.films.seats`).
+    """
     surface, grid = film.b.surface, film.b.surface.grid
     first, second = (history.bodies[port.body.name] for port in film.ports)
     theta, z = (v.ravel() for v in np.meshgrid(film.theta, film.grid.z[[0, -1]], indexing="ij"))
@@ -126,33 +131,35 @@ def _beyond_second(film: Film, history: History) -> list[str]:
         return []
     return [
         f"{film.label}: it reaches up to {out:.3g} m beyond the grid of {film.b.label} and a cell, where that surface "
-        "does not yield; reduce its body with a longer contact surface"
+        "is rigid; reduce its body with a longer contact surface"
     ]
 
 
 def alternation_notes(scene: Scene, integrator: Integrator) -> list[str]:
-    """Of a run whose steps were halved: what the integrator makes of overdamped motions, as those of thin films are,
-    in steps that are long against them."""
+    """For a run whose steps were halved: how the integrator treats overdamped motions, as those of thin films, in steps
+    that are long compared with their time constant.
+    """
     if not scene.films or np.abs(roots_at_infinity(integrator.coefficients)).max() <= DAMPS:
         return []
     return [
-        "thin films damp motions within less than a step, which the integrator leaves alternating from step to step: "
-        "steps are halved less with integrator=GeneralizedAlpha(0.5), or shorter ones"
+        "thin films damp motions within less than a step, which then alternate from step to step: "
+        "fewer steps are halved with integrator=GeneralizedAlpha(0.5), or shorter steps"
     ]
 
 
 def squeezed_out(engine: Engine, still: Sequence[Film] = ()) -> str:
-    """Of a run or an equilibrium that failed, a clause that names the film that was squeezed out, "" where none was.
-    still: films in which nothing slides, and never will."""
+    """For a run or an equilibrium that failed, a clause that names the film that was squeezed out, "" where none was.
+    still: films in which nothing slides at any time.
+    """
     films = engine.compiled.films
     for i, film in enumerate(engine.scene.films):
         first, end = films.point_start.numpy()[i : i + 2]
         gap = engine.scratch.film_line.numpy()[:, first:end, int(GAP)]
         least, thick = float(np.nanmin(gap, initial=np.inf)), float(films.thickness.numpy()[i])
         if least < SQUEEZED * thick:
-            why, cure = "it does not carry what is on it", "it more speed, a thicker oil or less load"
+            why, cure = "it does not carry its load", "it more speed, a thicker oil or less load"
             if film in still:
-                why, cure = "nothing slides and it carries nothing at rest", "one of its bodies a velocity"
+                why, cure = "nothing slides and it carries no load at rest", "one of its bodies a velocity"
             return (
                 f"{film.label} is squeezed to {least:.2g} m, {least / thick:.1g} of its clearance, where {why}; give "
                 f"{cure}, or asperities=laws.ExponentialAsperities(...)"
@@ -160,21 +167,22 @@ def squeezed_out(engine: Engine, still: Sequence[Film] = ()) -> str:
     return ""
 
 
-SEEN, SAMPLED = 32, 8  # states of a run: kept, and looked at
-NOTED = {"force": 0.005, "gap": 0.01, "pressure": 0.03}  # larger differences are worth a cure
-LIGHT = 0.01  # of the largest force of a film in the run: beside less, errors say little
-RISES = 3  # power along with which rates of filling are carried from points to points, at most
+SEEN, SAMPLED = 32, 8  # states of a run: kept, and compared
+NOTED = {"force": 0.005, "gap": 0.01, "pressure": 0.03}  # larger differences require a cure
+LIGHT = 0.01  # of the largest force of a film in the run: below, relative errors say little
+RISES = 3  # largest axial power with which rates of the film fraction are interpolated between points
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class FilmCheck:
-    """What all hats change of a film in states at `time` (n,) [s], as fractions (n,): `forces` at the same places, as
-    vectors; `gaps` and `pressures`, the smallest and the largest, with sign, under the same force, `held_gaps` and
-    `held_pressures` at the same places. Of all hats: flows in through feeds and out at the ends (n,) [m3/s], at the
-    same places. missed: states of which no film of all hats was found, as where profiles close the gap at an end.
-    own: what rows of hats leave of the force."""
+    """Change of a film when it is solved at all nodes, in states at `time` (n,) [s], as fractions (n,): `forces` at the
+    same positions, as vectors; `gaps` and `pressures`, the smallest and the largest, with sign, under the same force,
+    `held_gaps` and `held_pressures` at the same positions. Of all nodes: flows in through feeds and out at the ends
+    (n,) [m3/s], at the same positions. missed: states without a solution at all nodes, as where profiles close the gap
+    at an end. own: loss of force by the rows of nodes.
+    """
 
     time: Array
     forces: Array
@@ -204,31 +212,31 @@ class FilmCheck:
 
     @property
     def worst(self) -> float:
-        """Time [s] of the largest of these three beside what is noted."""
+        """Time [s] of the largest of these three relative to what is noted."""
         sizes = [getattr(self, f"{name}s") / most for name, most in NOTED.items()]
         return float(self.time[int(np.argmax(np.max(np.abs(sizes), axis=0)))])
 
     @property
     def too_large(self) -> bool:
-        """Whether one of them is worth a cure."""
+        """Whether one of them requires a cure."""
         return self.missed > 0 or any(getattr(self, name) > most + self.own for name, most in NOTED.items())
 
     def note(self, film: Film) -> str:
         """The line for the report."""
         label, states = f"{film.label}: evaluation 'hyper', axial_degrees {film.axial_degrees}", len(self.time)
-        lost = f"no film of all hats was found in {self.missed} of {states + self.missed} states of the run"
+        lost = f"no film of all nodes was found in {self.missed} of {states + self.missed} states of the run"
         if not states:
             return (
                 f"{label}: {lost}; {cure_of(film)}" if self.missed else f"{label} was not checked, no state with a load"
             )
         text = (
-            f"{label}; against all hats in {states} states of the run at most {self.gap:.2%} of the smallest gap and "
-            f"{self.pressure:.2%} of the largest pressure under the same force; where the bodies are, "
+            f"{label}; compared with all nodes in {states} states of the run at most {self.gap:.2%} of the smallest "
+            f"gap and {self.pressure:.2%} of the largest pressure under the same force; at the same positions, "
             f"{self.force:.2%} of the force, {_most(self.held_gaps):.2%} of the gap and "
             f"{_most(self.held_pressures):.2%} of the pressure; worst at "
-            f"t = {self.worst:.6g} s; with all hats {1e9 * np.mean(self.feed_flow):.4g} mm3/s come in through feeds "
-            f"and {1e9 * np.mean(self.end_flow):.4g} leave at the ends, on average; hats of {film.grid.rows} rows "
-            f"err by about {self.own:.2%} of the force themselves"
+            f"t = {self.worst:.6g} s; with all nodes {1e9 * np.mean(self.feed_flow):.4g} mm3/s come in through feeds "
+            f"and {1e9 * np.mean(self.end_flow):.4g} leave at the ends, on average; the error of {film.grid.rows} rows "
+            f"of nodes is about {self.own:.2%} of the force"
         )
         if self.missed:
             text += f"; {lost}"
@@ -236,7 +244,7 @@ class FilmCheck:
 
 
 def _of_rows(film: Film) -> float:
-    """What hats leave of the force of a parabola along."""
+    """Loss of the force of an axial parabola by the rows of nodes."""
     z = film.grid.z
     return float(np.sum((np.diff(z) / (z[-1] - z[0])) ** 3))
 
@@ -246,7 +254,7 @@ def _most(sizes: Array) -> float:
 
 
 def cure_of(film: Film) -> str:
-    """What makes the differences smaller."""
+    """Cure that makes the differences smaller."""
     even = tuple(range(0, max(film.axial_degrees) + 3, 2))
     more = even if not any(m % 2 for m in film.axial_degrees) else tuple(range(max(film.axial_degrees) + 2))
     tilts = "" if any(m % 2 for m in film.axial_degrees) else ", odd ones too where the shaft tilts"
@@ -255,8 +263,9 @@ def cure_of(film: Film) -> str:
 
 @dataclass(frozen=True)
 class _Seen:
-    """What a run leaves of a film: time [s], places; of functions pressure, void and side, what
-    their rates follow from; force on A [N]."""
+    """State of a film kept by a run: time [s], positions; pressure, cavity fraction and side of functions, from which
+    their rates follow; force on A [N].
+    """
 
     time: float
     pose: Pose
@@ -283,23 +292,23 @@ class FilmWatch:
         self.seen: dict[int, list[_Seen]] = {i: [] for i in self.films}
 
     def until(self, target: int, done: int) -> int:
-        """The step to go to from `done`: `target`, or one to look at before it."""
+        """The step to go to from `done`: `target`, or an earlier one at which the state is kept."""
         ahead = self.steps[self.steps > done]
         return min(target, int(ahead[0])) if len(ahead) else target
 
     def look(self, engine: Engine, done: int) -> None:
-        """Keep the state where one is to be looked at."""
+        """Keep the state where one is due."""
         if done in self.steps and not np.any(engine.word("status")):
             self.keep(engine)
 
     def keep(self, engine: Engine) -> None:
-        """The state of now, that of the last attempt."""
+        """Keep the present state, that of the last attempt."""
         for i in self.films:
             self.seen[i].append(_seen(engine, i))
 
 
 def check_films(engine: Engine, watch: FilmWatch, sampled: int = SAMPLED) -> dict[str, FilmCheck]:
-    """By name of the film, of evaluation "hyper"."""
+    """Checks by name of the film, of evaluation "hyper"."""
     found = {}
     for i, seen in watch.seen.items():
         film = engine.scene.films[i]
@@ -317,16 +326,16 @@ def film_check_notes(engine: Engine, checks: dict[str, FilmCheck]) -> list[str]:
             found.append(checks[str(film.name)].note(film))
         elif film.evaluation == "hyper":
             found.append(
-                f"{film.label}: evaluation 'hyper' was not held beside all hats, as {_beyond(film)}; what the profiles "
-                "cost shows beside evaluation='semi'"
+                f"{film.label}: evaluation 'hyper'was not compared with all nodes, as {_beyond(film)}; compare "
+                "with evaluation='semi'"
             )
     return found
 
 
 def _beyond(film: Film) -> str:
-    """Why a film of all hats is not compared, "" where it is."""
+    """Why a film is not compared with all nodes, "" where it is."""
     if not film.b.rigid:
-        return "its second surface yields"
+        return "its second surface is compliant"
     return "its walls are rough" if film.deviation > 0.0 else ""
 
 
@@ -347,7 +356,7 @@ def _seen(engine: Engine, i: int) -> _Seen:
 
 
 def _pose(engine: Engine, i: int) -> Pose:
-    """Where both bodies of film i are and how they move, in static steps as the scene begins."""
+    """Positions and velocities of both bodies of film i, in static steps as the scene begins."""
     state, films, film = engine.state, engine.compiled.films, engine.scene.films[i]
     static = int(engine.word("mode")[0]) == int(k.STATIC)
     places, v, omega, turns = [], [], [], []
@@ -370,7 +379,7 @@ def _pose(engine: Engine, i: int) -> Pose:
 
 
 def _chosen(film: Film, seen: Sequence[_Seen], sampled: int) -> list[int]:
-    """Which states to look at: the extreme ones and others spread between."""
+    """States to compare: the extreme ones and others spread between."""
     if len(seen) <= sampled:
         return list(range(len(seen)))
     to_hats = basis_of(film).to_hats
@@ -402,12 +411,12 @@ def _compared(film: Film, states: Sequence[_Seen]) -> FilmCheck:
 
 
 def _column_of(own: Basis, all_hats: Basis) -> Array:
-    """(hats,) the function that has the void of each hat."""
+    """(nodes,) the function that has the cavity fraction of each node."""
     return np.asarray(own.hat_function)[: all_hats.functions]
 
 
 def _start(own: Basis, all_hats: Basis, seen: _Seen) -> HatState:
-    """What the profiles are at hats."""
+    """Values of the profiles at nodes."""
     column = _column_of(own, all_hats)
     full = seen.full[column]
     return HatState(np.where(full, own.to_hats @ seen.pressure, 0.0), np.where(full, 0.0, seen.void[column]), full)
@@ -421,8 +430,9 @@ def _void_rates(own: Basis, all_hats: Basis, seen: _Seen) -> Array:
 
 
 def _filling(film: Film, own: Basis, all_hats: Basis, seen: _Seen) -> Array:
-    """delta_t(r h) [m/s] at the points of all hats: a polynomial along in each strip between columns, a spline around
-    through their middles."""
+    """delta_t(r h) [m/s] at the points of all nodes: an axial polynomial in each strip between columns, a
+    circumferential spline through their middles.
+    """
     grid = film.grid
     strips = grid.columns if grid.periodic else grid.columns - 1
     middle, half = 0.5 * float(grid.z[0] + grid.z[-1]), 0.5 * float(grid.z[-1] - grid.z[0])
@@ -439,7 +449,8 @@ def _filling(film: Film, own: Basis, all_hats: Basis, seen: _Seen) -> Array:
 
 
 def _ways(film: Film, pose: Pose) -> Array:
-    """(3, n) directions in the world in which a load moves the second body: across the axis of the first surface, or to
-    and from a plane."""
+    """(3, n) directions in the world in which a load moves the second body: across the axis of the first surface, or
+    normal to a plane.
+    """
     frame = np.asarray(film.a.surface.shape.frame)
     return pose.turn_a @ (frame[:1] if film.a.surface.shape.profile().planar else frame[:2]).T

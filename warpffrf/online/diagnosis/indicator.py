@@ -1,8 +1,8 @@
-r"""Which inertia terms a run would have needed: the indicator.
+r"""Indicator of the inertia terms that a run would have needed.
 
-After a run the three terms that couple turning and deforming (`warpffrf.model.reduced.inertia`) are evaluated on the
-motion that was found, kept or not. With f_i the force of a term on mode i, dL its part of the angular momentum, body
-axes
+After a run the three terms that couple rotation and deformation (`warpffrf.model.reduced.inertia`) are evaluated on
+the computed motion, whether the run kept them or not. With f_i the force of a term on mode i, dL its part of the
+angular momentum, body axes
 
     centrifugal         f_i = w.J1_i w/2                          dL = sum_i q_i J1_i w
     deformed inertia    f_i = sum_j (w.J2_ij w) q_j               dL = sum_ij q_i q_j J2_ij w
@@ -10,47 +10,46 @@ axes
 
     size = max( max_t |f_i/omega_i| / max_t |omega_i q_i| ,  max_t |dL| / max(max_t |J0 w|, l max_t |qdot|) ).
 
-The first is what the term's force would deform, quasi-statically, beside what the body did deform, both as the root of
-strain energy; the second what the deformation changes of the angular momentum, beside that of the turning, or of the
-vibration of a body that does not turn, l = root(tr J0/2): of a body at rest both are noise, and what noise changes is
-of second order in it. A body that does not deform at all while a term would deform it has an infinite size: all of its
-deformation is left out.
+The first is the quasi-static deformation by the term's force compared with the deformation of the body, both as the
+root of strain energy. The second is the change of the angular momentum by the deformation, compared with that of the
+rotation, or of the vibration of a body that does not rotate, l = root(tr J0/2): for a body at rest both are noise, and
+the change by noise is of second order in it. A body that does not deform at all while a term would deform it has an
+infinite size: its whole deformation is omitted.
 
-The centrifugal load does not depend on the deformation, so that beside none at all any load is large: where it would
+The centrifugal load does not depend on the deformation, so that any load is large compared with none: where it would
 deform the body by less than NOTICEABLE of its size (|f_i/omega_i^2| over root(tr J0/2), as in `inertia_plan`) it
 counts as none. The other two are proportional to the deformation, and their sizes do not depend on it.
 
-These are estimates of first order: what a neglected term would have done is judged on a motion without it, and only in
-the modes that the body has. What of the static response to turning these do not hold is known from the reduction, a
-displacement of at most |w|^2 left_out of the size (`offline.inertia.centrifugal`); a line says so where that is
-NOTICEABLE and more than FLAG of the deformation found. Geometric stiffening by turning is of the order of the deformed
-inertia, w^2/omega^2, and of the opposite sign: where the one counts the other must not be left out, and a line says so.
-Over one mode and a constant turning about an axis they are
+These are estimates of first order: the effect of a neglected term is estimated on a motion without it, and only in
+the modes of the body. The part of the static response to rotation outside these modes is known from the reduction, a
+displacement of at most |w|^2 left_out of the size (`offline.inertia.centrifugal`); the report states it where it is
+above NOTICEABLE and above FLAG of the deformation. Geometric stiffening by rotation is of the order of the deformed
+inertia, w^2/omega^2, and of the opposite sign: where the one counts the other must not be omitted, and the report says
+so. For one mode and a constant rotation about an axis they are
 
     w^2 |J1|/(2 omega^2 |q|),   w^2 J2/omega^2,   2 w G/omega (in the modes that G couples): of order 2, 2, and 1 in w.
 
-Deflections. How far bodies deflected in a run, and what of that their equations leave out.
+Deflections. How far bodies deflected in a run, and the part of it that their equations neglect.
 
-Of bodies that loads stiffen a line says, as far as they have it:
+For bodies that loads stiffen, the report states, where they apply:
 
-* the membrane energy V4 over the energy V2 = |z|^2/2 of the modes, z_i = omega_i q_i, the largest of the run: of zero
-  the body bends without stretching, at a third a plate deflects by its thickness, about. Modes that have none are
-  named, with their part of V2; where V4 exceeds `STRETCHED` times V2, too, an equilibrium may be on another branch
-  than the one that a load leads to which grows slowly;
-* the largest angle by which an interface turns from the mean axes. Theta is the second term of a series in such angles,
-  the next is a sixth of their cube beside them: above `TURNED` that is 1.5 %, and several bodies in a row are better;
+* the membrane energy V4 over the energy V2 = |z|^2/2 of the modes, z_i = omega_i q_i, the largest of the run: at zero
+  the body bends without stretching, at a third a plate deflects by about its thickness. Modes without membrane energy
+  are named, with their part of V2; where V4 also exceeds `STRETCHED` times V2, an equilibrium may be on another branch
+  than the one that a slowly growing load leads to;
+* the largest angle by which an interface rotates from the mean axes. Theta is the second term of a series in such
+  angles, the next is a sixth of their cube: above `TURNED` that is 1.5 %, and several bodies in a row are better;
 * the kinetic energy of second-order motion, which is neglected: the largest of the run over the largest of |qd|^2/2
-  (`warpffrf.model.reduced.inertia`). Of a body that turns, its part in the moment of inertia is neglected,
-  too.
+  (`warpffrf.model.reduced.inertia`). For a body that rotates, its part in the moment of inertia is neglected, too.
 
-Of others a line comes where it is needed: where interfaces turn far, where a body deflects by `THICK` of its smallest
-extent, that of the box with its mass and inertia (a clamped plate is then softer than it should be by a tenth and more,
-a beam that may shorten by nothing), and where pictures, contact surfaces or laps lack what interfaces do of second
-order. And of all bodies where the skin is strained above `STRAINED` (`warpffrf.model.reduced.stress_field`): the
-material of a body is St. Venant-Kirchhoff's, linear in the strains of Green, of which those of a metal or of rubber
-differ by about the strain itself.
+For other bodies a line is added only where interfaces rotate far, where a body deflects by `THICK` of its smallest
+extent, that of the box with its mass and inertia (a clamped plate is then too soft by a tenth and more, a beam free to
+shorten not at all), and where pictures, contact surfaces or small-sliding contacts lack second-order motion of
+interfaces. And for all bodies where the skin is strained above `STRAINED` (`warpffrf.model.reduced.stress_field`): the
+material of a body is St. Venant-Kirchhoff's, linear in Green's strains, from which that of a metal or of rubber
+differs by about the strain itself.
 
-Skins are looked at in few of the saved steps: where the modes have most energy, and where each of the `LEADING` modes
+Skins are evaluated in few of the saved steps: where the modes have most energy, and where each of the `LEADING` modes
 with most of it has its largest part. Deflections, strains and angles are by the global modes.
 """
 
@@ -78,17 +77,18 @@ from warpffrf.model.scene import Scene
 from warpffrf.online.compile.inertia_plan import NOTICEABLE, least_level
 from warpffrf.online.history.history import BodyHistory
 
-FLAG = 0.01  # a term above 1 % of what is kept is worth its cost: forces and displacements are wanted to that
-SMALLEST = 1e-3  # %: what is smaller is no news
-MOST_STEPS = 256  # saved steps looked at, spread over the run: the sums cost (modes)^2 each
+FLAG = 0.01  # a term above 1 % of what is kept is worth its cost: the usual accuracy of forces and displacements
+SMALLEST = 1e-3  # %: smaller sizes are not reported
+MOST_STEPS = 256  # saved steps evaluated, spread over the run: the sums cost (modes)^2 each
 
 Array = np.ndarray
 
 
 @dataclass(frozen=True)
 class TermSize:
-    """Size of a `term` (of TERM_NAMES) on a `body`, a fraction of what the run found: `on_modes` of the deformation,
-    `on_momentum` of the angular momentum; whether the run `kept` the term."""
+    """Size of a `term` (of TERM_NAMES) on a `body`, a fraction of the run's result: `on_modes` of the deformation,
+    `on_momentum` of the angular momentum; whether the run `kept` the term.
+    """
 
     body: str
     term: str
@@ -133,8 +133,9 @@ def term_sizes(scene: Scene, bodies: Mapping[str, BodyHistory], levels: Mapping[
 
 
 def _to_body(p: Array, x: Array) -> Array:
-    """World vectors (T, 3) in the axes of a body turned by the unit quaternions p = (u, s) (T, 4), A^T x = x - 2 s (u x
-    x) + 2 u x (u x x)."""
+    """World vectors (T, 3) in the axes of a body rotated by the unit quaternions p = (u, s) (T, 4), A^T x = x - 2 s (u
+    x x) + 2 u x (u x x).
+    """
     u, s = p[:, :3], p[:, 3:]
     c = np.cross(u, x)
     return x - 2.0 * s * c + 2.0 * np.cross(u, c)
@@ -175,8 +176,9 @@ def recommended(sizes: Sequence[TermSize]) -> str:
 
 
 def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str], stiffened: Collection[str] = ()) -> list[str]:
-    """What the report says: per body the neglected terms with their sizes, the level to use, and whether geometric
-    stiffening is missing; `stiffened`: bodies that have it."""
+    """Lines of the report: per body the neglected terms with their sizes, the level to use, and whether geometric
+    stiffening is missing; `stiffened`: bodies that have it.
+    """
     lines = []
     for body in dict.fromkeys(s.body for s in sizes):
         own = [s for s in sizes if s.body == body]
@@ -187,16 +189,16 @@ def indicator_lines(sizes: Sequence[TermSize], levels: Mapping[str, str], stiffe
         if any(not s.kept and s.size > FLAG for s in own):
             line += f"; use inertia={better!r}"
         elif better != level:
-            line += f"; {better!r} would do"
+            line += f"; {better!r} is sufficient"
         softened = next((s.on_modes for s in own if s.term == "deformed inertia"), 0.0)
         if softened > FLAG and body not in stiffened:
-            line += "; turning stiffens as much as that softens: stiffening=True in reduce and add_body"
+            line += "; rotation stiffens as much as that softens: stiffening=True in reduce and add_body"
         lines.append(line)
     return lines
 
 
 def unheld_lines(scene: Scene, bodies: Mapping[str, BodyHistory]) -> list[str]:
-    """What the report says of bodies whose modes do not hold what turning does to them, and the cure."""
+    """Lines of the report on bodies whose modes do not represent the static response to rotation, and the cure."""
     lines = []
     for body in scene.bodies:
         known = {} if body.reduced is None else body.reduced.report.get("inertia", {})
@@ -209,14 +211,14 @@ def unheld_lines(scene: Scene, bodies: Mapping[str, BodyHistory]) -> list[str]:
         if missing > max(NOTICEABLE, FLAG * found):
             cure = "a larger inertia_modes" if known.get("centrifugal") else "centrifugal=True"
             lines.append(
-                f"body {body.name!r}: turning at {speed:.3g} rad/s deforms it by up to {missing:.1e} of its size in "
-                f"shapes that its modes with inertia terms do not hold; reduce it with {cure}"
+                f"body {body.name!r}: rotation at {speed:.3g} rad/s deforms it by up to {missing:.1e} of its size in "
+                f"shapes outside its modes with inertia terms; reduce it with {cure}"
             )
     return lines
 
 
 def percent(size: float) -> str:
-    """A size in words: two digits, "all" where there is nothing beside it."""
+    """A size as text: two digits, "all" where there is no reference."""
     if np.isinf(size):
         return "all"
     value = 100.0 * size
@@ -227,19 +229,21 @@ def percent(size: float) -> str:
 
 TURNED = 0.3  # rad, see the module docstring
 THICK = 0.5  # of the smallest extent
-STRETCHED = 1.0  # V4/V2, about where a plate deflects by 1.7 of its thickness: most of its stiffness is of stretching
-STILL = 1e-3  # rad: interfaces that turn by less do not turn
-STRAINED = 0.01  # what follows of forces and stresses is wanted to 1 %
+# V4/V2, about where a plate deflects by 1.7 of its thickness: most of its stiffness is that of stretching
+STRETCHED = 1.0
+STILL = 1e-3  # rad: smaller rotations of interfaces count as none
+STRAINED = 0.01  # the usual accuracy of forces and stresses is 1 %
 LEADING = 4  # modes
 
 
 @dataclass(frozen=True)
 class Deflection:
-    """How far one `body` deflected: `membrane` largest V4/V2, `bare` largest part of V2 in modes without membrane
+    """Largest deflection of one `body`: `membrane` largest V4/V2, `bare` largest part of V2 in modes without membrane
     energy, `turned` [rad] largest angle of an interface, its name `interface`, `inertia` kinetic energy of second-order
-    motion over that of the modes, each None or zero where there is none of it; `extents` largest deflection of the skin
+    motion over that of the modes, each None or zero where it does not apply; `extents` largest deflection of the skin
     over the smallest extent, `strain` largest of the skin, `place` (3,) [m, user frame] of it, `second` largest
-    second-order motion of the skin, or of interfaces where the body has none of the skin, over the deflection."""
+    second-order motion of the skin, or of interfaces where the body has none of the skin, over the deflection.
+    """
 
     body: str
     membrane: float | None
@@ -254,7 +258,7 @@ class Deflection:
 
 
 def deflections(scene: Scene, bodies: Mapping[str, BodyHistory]) -> list[Deflection]:
-    """Of all flexible bodies of `scene` that deflected at all."""
+    """Deflections of all flexible bodies of `scene` that deflected."""
     found = []
     for body in scene.bodies:
         q = bodies[body.name].modal
@@ -300,7 +304,7 @@ def _deflection(body: Body, q: Array, qd: Array) -> Deflection:
 
 
 def _stretching(forms: Array) -> int:
-    """How many modes, the lowest, have membrane energy."""
+    """Number of modes, the lowest, that have membrane energy."""
     return int(np.flatnonzero(np.any(forms != 0.0, axis=(0, 2))).max(initial=-1)) + 1
 
 
@@ -317,7 +321,7 @@ def _smallest_extent(body: Body) -> float:
 
 
 def deflection_lines(scene: Scene, found: list[Deflection], *, at_rest: bool = False) -> list[str]:
-    """What the report says of them, and the cures; `at_rest`: of an equilibrium."""
+    """Lines of the report on them, and the cures; `at_rest`: of an equilibrium."""
     touched = {port.body.name for item in (*scene.contacts, *scene.films, *scene.laps) for port in item.ports}
     return [line for one in found for line in _lines(scene.body(one.body), one, one.body in touched, at_rest)]
 
@@ -328,7 +332,7 @@ def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[st
     if one.membrane is not None:
         facts.append(f"membrane energy up to {percent(one.membrane)} of the energy of its modes")
     if one.turned is not None and (far or body.stiffening and one.turned > STILL):
-        facts.append(f"interface {one.interface!r} turns by up to {one.turned:.2g} rad from the mean axes")
+        facts.append(f"interface {one.interface!r} rotates by up to {one.turned:.2g} rad from the mean axes")
     if one.inertia is not None:
         facts.append(
             f"inertia of second-order motion, which is neglected, up to {percent(one.inertia)} of the kinetic energy "
@@ -350,24 +354,24 @@ def _lines(body: Body, one: Deflection, touched: bool, at_rest: bool) -> list[st
             lines.append(f"{line}; reduce it with membrane_modes={count}, to see")
     if not body.stiffening and one.extents > THICK:
         lines.append(
-            f"{name}: it deflects by up to {one.extents:.2g} of its smallest extent, and what that stretches is left "
-            f"out; if it is held against shortening, or bends both ways, use {_cure(body)}"
+            f"{name}: it deflects by up to {one.extents:.2g} of its smallest extent, and the resulting stretching is "
+            f"neglected; if its shortening is constrained, or it bends in two directions, use {_cure(body)}"
         )
     if one.second > FLAG and motion_of(body) is None:
         lines.append(
-            f"{name}: its interfaces move by up to {percent(one.second)} of the deflection in a way of second order "
-            "that pictures of it lack; use stiffening='membrane' in reduce"
+            f"{name}: its interfaces move by up to {percent(one.second)} of the deflection by second-order motion "
+            "that its pictures omit; use stiffening='membrane' in reduce"
         )
     if one.second > FLAG and touched:
         lines.append(
-            f"{name}: its contact surfaces and laps move by its modes alone, without the second-order motion, which is "
-            f"up to {percent(one.second)} of the deflection; split it into several bodies"
+            f"{name}: its contact surfaces and joint faces move by its modes only, without the second-order motion, "
+            f"which is up to {percent(one.second)} of the deflection; split it into several bodies"
         )
     if one.strain > STRAINED:
         place = ", ".join(f"{x:.4g}" for x in one.place)
         lines.append(
             f"{name}: strains up to {percent(one.strain)} at ({place}) m of its skin; above {percent(STRAINED)} its "
-            "material, linear in them, and stresses are wrong by about as much; load it less, make it stiffer, or take "
+            "material, linear in them, and stresses are wrong by about as much; load it less, make it stiffer, or use "
             "a program with materials for large strains"
         )
     return lines

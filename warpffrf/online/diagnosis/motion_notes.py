@@ -68,8 +68,8 @@ def fall_notes(scene: Scene, history: History) -> list[str]:
     if not fell:
         return []
     return [
-        f"fell freely through the whole run: {', '.join(fell)}; no joint, spring or contact that touched leads to the "
-        "ground; where that is not meant, add the joint that is missing, or close the gap"
+        f"fell freely through the whole run: {', '.join(fell)}; no joint, spring or closed contact connects it to the "
+        "ground; if this is not intended, add the missing joint, or close the gap"
     ]
 
 
@@ -87,8 +87,8 @@ def steep_notes(scene: Scene, steep: np.ndarray) -> list[str]:
             )
         notes.append(
             f"contact {contact.name!r}: in {found[int(COUNT)]} steps the coefficient of friction fell faster with the "
-            "slip speed than what holds the surfaces resists, so that more than one slip was possible; the one next to "
-            f"the state before was taken; {cure}"
+            "slip speed than the resistance of the surfaces rises, so that the slip was not unique; the one nearest to "
+            f"the previous state was used; {cure}"
         )
     return notes
 
@@ -144,15 +144,16 @@ def hidden_inertia(engine: Engine, world: int = 0) -> str:
         return ""
     light, heavy = int(np.argmax(gives[row])), int(np.argmin(np.where(gives[row] > 0.0, gives[row], np.inf)))
     return (
-        f"body {bodies[light].name!r} is too light beside body {bodies[heavy].name!r}: where a joint holds the two it "
-        f"gives way {apart[row]:.1g} times as easily, of which double precision keeps 16 digits; give it more mass or "
-        "inertia (it stays negligible with a millionth of its neighbour's), or join its neighbours without it"
+        f"body {bodies[light].name!r} is too light for a joint with body {bodies[heavy].name!r}: there it "
+        f"has {apart[row]:.1g} times the compliance, of which double precision keeps 16 digits; give it more mass or "
+        "inertia (it stays negligible with a millionth of its neighbour's), or connect its neighbours directly"
     )
 
 
 def _independent(C: np.ndarray, shapes: np.ndarray, length: float) -> bool:
-    """Whether no row depends on the others: C (rows, 6 bodies), turns counted in `length` [m], and `shapes` (rows,
-    modes), counted by the largest."""
+    """Whether the rows are independent: C (rows, 6 bodies), rotations scaled by `length` [m], and `shapes` (rows,
+    modes), scaled by the largest.
+    """
     scaled = C.reshape(len(C), -1, 6) / np.repeat([1.0, length], 3)
     scaled = np.hstack([scaled.reshape(len(C), -1), shapes / max(float(np.abs(shapes).max(initial=0.0)), 1e-300)])
     sizes = np.linalg.norm(scaled, axis=1)
@@ -191,16 +192,16 @@ def untouched_notes(scene: Scene, history: History) -> list[str]:
         surface = contact.a.surface
         if np.any(history.contacts[contact.name].pressure > 0.0):
             notes.append(
-                f"contact {contact.name!r}: the surfaces touch without a load, nothing presses them together; a spring "
-                "with a preload, a force or gravity would"
+                f"contact {contact.name!r}: the surfaces touch without a load; to load them, add a spring "
+                "with a preload, a force or gravity"
             )
             continue
         apart.append(contact)
         radius, approach = float(surface.shape.radius), float(history.contacts[contact.name].approach[0])
         if approach > SHALLOW * radius:
             notes.append(
-                f"contact {contact.name!r}: an overlap of {approach:.3g} m without any pressure: the modes take it up, "
-                f"or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
+                f"contact {contact.name!r}: an overlap of {approach:.3g} m without any pressure: the modes accommodate "
+                f"it, or it is too shallow for columns {surface.grid.pitch * radius:.2g} m apart; use a finer mesh "
                 f"(half_width=), {CELLS}"
             )
     notes += out_of_reach(scene, {c.name: facing_gap(c) for c in apart})
@@ -211,14 +212,14 @@ def untouched_notes(scene: Scene, history: History) -> list[str]:
         if len(found.approach) and not np.any(found.force != 0.0)
     }
     open_ones = [
-        f"{name!r} ({gap:.2g} m apart at the least)" if np.isfinite(gap) else repr(name)
+        f"{name!r} ({gap:.2g} m apart at least)" if np.isfinite(gap) else repr(name)
         for name, gap in gaps.items()
         if not gap < 0.0 and not any(note.startswith(f"contact {name!r}:") for note in notes)
     ]
     if open_ones:
         what = "contact" if len(open_ones) == 1 else "contacts"
         cure = f"check the gaps{pulled_apart(scene)}"
-        notes.append(f"{what} without any touch in the run: {', '.join(open_ones)}; if that is not meant, {cure}")
+        notes.append(f"{what} not closed in the run: {', '.join(open_ones)}; if this is not intended, {cure}")
     return notes
 
 

@@ -1,10 +1,11 @@
-"""Patches of crowned line contacts that run off an end, found while a run is under way.
+"""Patches of crowned line contacts that run off an end, found during a run.
 
-Where a crown touches is known beforehand, how far its patch reaches under load is not: rows are fine about the crown
-only, and a peak at an end is lost in a row that is as long as several half-widths. A run in which a patch reaches an
-end begins anew with rows that are fine at the ends of all crowns, too [`PatchPlan.of`, `off_end`], and more of them
-where cells= does not say how many. Checkpoints say so [`Engine.checkpoint`], and what goes on from them has the same
-cells. A run that goes on from one with other cells keeps these, and `cell_notes` says what they do not measure.
+The point where a crown touches is known beforehand, the extent of its patch under load is not: rows are fine about the
+crown only, and a peak at an end is lost in a row that is as long as several half-widths. A run in which a patch reaches
+an end is restarted with rows that are also fine at the ends of all crowns [`PatchPlan.of`, `off_end`], and with more of
+them where cells= does not prescribe the number. Checkpoints record this [`Engine.checkpoint`], and runs continued from
+them have the same cells. A run continued from one with other cells keeps these, and `cell_notes` reports what they do
+not resolve.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ class OffEnd(Exception):
 
 
 class EndWatch:
-    """Looks at the saved rows of `engine`; `keeps`: a run that keeps its cells, whatever comes."""
+    """Evaluates the saved rows of `engine`; `keeps`: a run that keeps its cells in any case."""
 
     def __init__(self, engine: Engine, *, keeps: bool = False) -> None:
         self.engine, self.looked = engine, len(engine.chunks[0])
@@ -32,8 +33,9 @@ class EndWatch:
         self.plans = {i: plan for i, plan in plans.items() if plan.crowned and not plan.off_end}
 
     def look(self) -> None:
-        """Raises `OffEnd` where rows that were saved since the last time have more than `BORDER` of the largest
-        pressure at an end."""
+        """Raises `OffEnd` where rows that were saved since the last call have more than `BORDER` of the largest
+        pressure at an end.
+        """
         fresh, self.looked = self.engine.chunks[0][self.looked :], len(self.engine.chunks[0])
         for i, plan in self.plans.items():
             rows = len(plan.z)
@@ -45,6 +47,6 @@ class EndWatch:
 
 
 def shares_at_ends(pressure: np.ndarray) -> np.ndarray:
-    """Of pressures (T, strips, rows) the largest of the first and of the last row, over the largest of all (T, 2)."""
+    """Shares of the largest pressure in the first and in the last row, of pressures (T, strips, rows), (T, 2)."""
     by_row = pressure.max(axis=1)
     return by_row[:, [0, -1]] / np.maximum(by_row.max(axis=1), np.finfo(float).tiny)[:, None]

@@ -1,1 +1,1 @@
-"""Bodies in free flight on the host, by integrators that check the kernels."""
+"""Bodies in free flight on the host, by integrators that verify the kernels."""

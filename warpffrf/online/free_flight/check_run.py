@@ -1,11 +1,11 @@
 """Runs of free bodies on the host, with `RungeKutta4` or `EnergyMomentum`: independent checks of the step graph.
 
-The integrators differ in one function, `advance(body, state, t, h)`; bodies are independent of each other. What comes
-out is the same `History` that `run` makes, with the same ledger; the line `numerical` closes it, so that it shows what
-the method lost or gained. The checkpoint holds positions, velocities and the ledger; another run of either kind, host
-or device, leaves these too, so a check can start from an equilibrium or from a stage that the kernels computed. A run
-under way gives out the same with its counts (`_Counts`): time is counted in steps from where it began, so that one that
-goes on from there meets the same times, bit for bit.
+The integrators differ in one function, `advance(body, state, t, h)`; bodies are independent of each other. The result
+is the same `History` that `run` makes, with the same ledger; the line `numerical` closes it, so that it shows the loss
+or gain of the method. The checkpoint contains positions, velocities and the ledger; those of another run of either
+kind, host or device, contain these too, so that a check can start from an equilibrium or from a stage that the kernels
+computed. A run in progress stores the same with its counts (`_Counts`): time is counted in steps from its beginning, so
+that a continued run has the same times, bit for bit.
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ from warpffrf.online.warp_start import start_warp
 from warpffrf_kernels.core.control import Clock
 
 KIND = "check"
-COUNTS = "check_counts"  # in the checkpoint of a run under way
+COUNTS = "check_counts"  # in the checkpoint of a run in progress
 ADVANCE = {EnergyMomentum: free_bodies.advance_energy_momentum, RungeKutta4: free_bodies.advance}
 WITH_LOADS = {EnergyMomentum: False, RungeKutta4: True}
 
 
 class _Ledger:
-    """The lines of the energy ledger of all bodies; `numerical` is what closes the balance."""
+    """The lines of the energy ledger of all bodies; `numerical` closes the balance."""
 
     def __init__(self, bodies: list[FreeBody], states: list[Motion], before: np.ndarray | None) -> None:
         self.lines = dict.fromkeys(ENERGY_LINES, 0.0)
@@ -74,7 +74,7 @@ class _Ledger:
 
 
 class _Rows:
-    """Saved steps being collected, as `history_of` takes them; `chunks`: of an earlier run, which goes on."""
+    """Saved steps being collected, for `history_of`; `chunks`: of an earlier run that is continued."""
 
     def __init__(self, bodies: list[FreeBody], chunks: Sequence[Rows] = ()) -> None:
         self.bodies = bodies
@@ -90,7 +90,7 @@ class _Rows:
         self._fresh.append((t, step, iterations, energy, np.concatenate(motion)))
 
     def chunks(self) -> list[Rows]:
-        """All rows so far; what was added since the last call is a chunk of its own."""
+        """All rows so far; the rows added since the last call form a new chunk."""
         if self._fresh or not self._chunks:
             columns = [list(column) for column in zip(*self._fresh, strict=True)] or [[]] * 5
             T, width = len(self._fresh), sum(19 + 3 * len(body.stiffness) for body in self.bodies)
@@ -108,8 +108,9 @@ class _Rows:
 
 @dataclass
 class _Counts:
-    """Where a run stands: the time [s] it began at, steps done, and iterations: of all, of the worst, since the last
-    saved row."""
+    """Progress of a run: the time [s] it began at, steps done, and iterations: of all, of the worst, since the last
+    saved row.
+    """
 
     begin: float
     done: int = 0
@@ -139,10 +140,11 @@ def run_check(
     """Simulate the free bodies of `scene` for `duration` [s] in steps of `step` [s] on the host.
 
     start: "initial", the History of an earlier run or equilibrium of the same scene, which is continued, or an
-    Unfinished run, which goes on to its end. keeper: takes what is saved while the run is under way. A step that
-    fails is a status of the History ("not_converged", "not_finite"), as is an interruption; what was computed is kept.
-    Raises `InputError` for wrong numbers, for scenes with more than free bodies (`check_free`), and for a step beyond
-    the stability limit of an explicit method."""
+    Unfinished run, which is continued to its end. keeper: stores intermediate results while the run is in progress. A
+    step that fails is a status of the History ("not_converged", "not_finite"), as is an interruption; computed results
+    are kept. Raises `InputError` for wrong numbers, for scenes with more than free bodies (`check_free`), and for a
+    step beyond the stability limit of an explicit method.
+    """
     kind = type(integrator)
     if kind not in ADVANCE:
         raise InputError(f"simulate: a check runs with RungeKutta4() or EnergyMomentum(), got {integrator!r}")
@@ -188,7 +190,7 @@ def run_check(
                 moved = [ADVANCE[kind](b, s, t, step) for b, s in zip(bodies, states, strict=True)]
                 energy = ledger.book(bodies, [m[0] for m in moved], sum(m[1] for m in moved), sum(m[2] for m in moved))
                 if not np.all(np.isfinite(energy)):
-                    status, message = "not_finite", "a NaN or infinite number arose; reduce step"
+                    status, message = "not_finite", "a NaN or infinite number occurred; reduce step"
                     break
                 states, accepted, count.done = [m[0] for m in moved], energy, n
                 most = max(m[3] for m in moved)

@@ -1,6 +1,7 @@
-r"""A body in free flight on the host: its equations of motion in NumPy, for integrators that check the kernels.
+r"""A body in free flight on the host: its equations of motion in NumPy, for integrators that verify the kernels.
 
-With u = (w, qdot) the kinetic energy of turning and deforming (`warpffrf.model.reduced.inertia`) is one quadratic form,
+With u = (w, qdot) the kinetic energy of rotation and deformation (`warpffrf.model.reduced.inertia`) is one quadratic
+form,
 
     T = u.M(q) u/2,     M = [[J, H], [H^T, 1]],     J = J0 + sum q_i J1_i + sum q_i q_j J2_ij,     H_j = sum_i q_i G_ij,
 
@@ -21,9 +22,9 @@ k, which carry no inertia terms, are oscillators.
 
 Runge-Kutta. The classical Runge-Kutta method of order 4 (Kutta 1901) for free bodies, on the host.
 
-The equations of motion (`warpffrf.online.free_flight.free_bodies`) are integrated as they stand, with pdot = p o (w,
-0)/2 of the unit quaternion, which is brought back to length one after each step; its drift is of fifth order, so the
-order stays. The work of the loads and the loss in dampers are integrated along with the motion, to the same order.
+The equations of motion (`warpffrf.online.free_flight.free_bodies`) are integrated directly, with pdot = p o (w,
+0)/2 of the unit quaternion, which is normalised after each step; its drift is of fifth order, so that the
+order is retained. The work of the loads and the loss in dampers are integrated with the motion, to the same order.
 
 Explicit methods have a stability limit: with z = lambda h, lambda = -zeta omega +- i omega sqrt(1 - zeta^2) of a mode,
 the step multiplies it by R(z) = 1 + z + z^2/2 + z^3/6 + z^4/24, and |R| <= 1 ends at omega h = 2 sqrt(2) without
@@ -52,12 +53,13 @@ that
     D_i = w_0.P_i(qbar) w_1/2 + sum_j (w_0.G_ij qdot_1j + w_1.G_ij qdot_0j)/2,
 
 exactly. With this D the rotation part drops out and T_1 - T_0 = -(k q_1^2 - k q_0^2)/2 - h c qdbar^2: with no damping
-the energy is kept at any step (a discrete gradient, Gonzalez 1996; of a rigid body, Simo and Wong 1991). The scheme is
-symmetric in time, hence of even order: two.
+the energy is conserved at any step (a discrete gradient, Gonzalez 1996; of a rigid body, Simo and Wong 1991). The
+scheme is symmetric in time, hence of even order: two.
 
 The unknowns are w_1 and the rates of the first k modes; the remaining modes are oscillators under the midpoint rule, in
-closed form. Newton's method with the exact Jacobian stops when a correction is below CORRECTION of the energy at hand:
-its convergence is quadratic, what is left is the square of that, below round-off. Energy and momentum are kept to it.
+closed form. Newton's method with the exact Jacobian stops when a correction is below CORRECTION of the energy:
+its convergence is quadratic, so that the remaining error is the square of that, below round-off. Energy and momentum
+are conserved to it.
 """
 
 from __future__ import annotations
@@ -157,7 +159,7 @@ class FreeBody:
         return (q[:k] @ self.gyroscopic.reshape(k, 3 * k)).reshape(k, 3)
 
     def kinetic_energy(self, state: Motion) -> float:
-        """Of translation, turning and deforming [J]."""
+        """Kinetic energy of translation, rotation and deformation [J]."""
         v, w, q, qd = state.v, state.w, state.q, state.qd
         J, H = self.inertia(q, self.slopes(q)), self.coupling(q)
         turning = 0.5 * w @ J @ w + w @ (qd[: self.carrying] @ H)
@@ -244,8 +246,9 @@ def _applied_load(body: Body, load: PointLoad, stiffening: GeometricStiffness | 
 
 
 def check_free(scene: Scene, integrator: str, *, loads: bool) -> None:
-    """Raises `InputError` naming the first thing of `scene` that is no free body under gravity; point forces and
-    torques pass where `loads`."""
+    """Raises `InputError` naming the first item of `scene` that is not a free body under gravity; point forces and
+    torques are allowed where `loads`.
+    """
     if not scene.bodies:
         raise InputError("scene: there are no bodies; add one with scene.add_body or scene.add_rigid_body")
     for body in scene.bodies:
@@ -291,13 +294,13 @@ def product(a: Array, b: Array) -> Array:
     return np.array([*(a[3] * y + b[3] * x + np.cross(x, y)), a[3] * b[3] - x @ y])
 
 
-GROWTH = 1e-9  # of |R|: rounding of a mode on the edge of stability
+GROWTH = 1e-9  # of |R|: rounding of a mode on the limit of stability
 IMAGINARY_LIMIT = 2.0 * np.sqrt(2.0)  # of omega h, undamped
-SAFE = 0.7  # of the limit, in the step that a message proposes: damped modes may end a little earlier
+SAFE = 0.7  # of the limit, in the step that a message proposes: the limit of damped modes may be slightly lower
 
 
 def advance(body: FreeBody, state: Motion, t: float, h: float) -> tuple[Motion, float, float, int]:
-    """One step of `h` [s] from time `t`: the new state, work of the loads, energy taken by damping [J], stages."""
+    """One step of `h` [s] from time `t`: the new state, work of the loads, energy lost by damping [J], stages."""
     slopes = [_slope(body, state, t)]
     for part in (0.5, 0.5, 1.0):
         moved = Motion(*(x + part * h * s for x, s in zip(state, slopes[-1], strict=False)))
@@ -346,11 +349,11 @@ MOST_ITERATIONS = 25  # quadratic convergence needs 3 to 6; more means that the 
 
 
 class NotConverged(ArithmeticError):
-    """Newton's method found no solution of the step; `str()` says of which body."""
+    """Newton's method found no solution of the step; `str()` names the body."""
 
 
 def advance_energy_momentum(body: FreeBody, state: Motion, t: float, h: float) -> tuple[Motion, float, float, int]:
-    """One step of `h` [s] from time `t`: the new state, work of loads (none), energy taken by damping [J], iterations.
+    """One step of `h` [s] from time `t`: the new state, work of loads (none), energy lost by damping [J], iterations.
 
     Raises `NotConverged`.
     """
@@ -368,7 +371,7 @@ def advance_energy_momentum(body: FreeBody, state: Motion, t: float, h: float) -
 
 
 def turned(p: Array, x: Array) -> Array:
-    """Quaternion of A(p) cay(x), x (3,) [rad]: cay turns by 2 atan(|x|/2) about x."""
+    """Quaternion of A(p) cay(x), x (3,) [rad]: cay rotates by 2 atan(|x|/2) about x."""
     half = np.array([*(0.5 * x), 1.0])
     found = product(p, half)
     return found / np.linalg.norm(found)

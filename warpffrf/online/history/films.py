@@ -41,7 +41,7 @@ def film_histories(compiled: Any, rows: SavedRows, bodies: dict[str, BodyHistory
 
 
 def _history(film: Film, saved: Array, fields: dict[str, Array], bodies: dict[str, BodyHistory]) -> FilmHistory:
-    """Of the numbers (T, `keeping.NUMBERS`) of a film and its `fields` (T, nodes)."""
+    """History of a film from its numbers (T, `keeping.NUMBERS`) and its `fields` (T, nodes)."""
     T, force = len(saved), saved[:, FORCE].copy()
     numbers = {name: saved[:, n].copy() for name, n in NUMBERS.items()}
     shape = T, film.grid.columns, film.grid.rows

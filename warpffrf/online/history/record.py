@@ -208,7 +208,8 @@ def friction_histories(table: SlipTable, rows: SavedRows) -> dict[str, ForceHist
 
 
 LEFT_OUT = 1e-6  # of the scene's length, or rad: a redundant row is satisfied to round-off; beyond, it was required
-NEAR_HALF_TURN = 0.75  # of half a turn: a bushing that comes so far is no bushing; leaves room for what is not saved
+# of half a revolution: a bushing that rotates so far is no bushing; leaves a margin for unsaved states
+NEAR_HALF_TURN = 0.75
 
 
 def _matrices(q: np.ndarray) -> np.ndarray:

@@ -1,21 +1,22 @@
 """Accelerations and multipliers of a state: equations of motion, and the joints' equations twice differentiated.
 
 With generalised velocities V (translation in world axes, rotation in body axes, modes), the rows c of joints and
-drives, their gradient C and their signals s(t), a state obeys
+drives, their gradient C and their signals s(t), a state satisfies
 
     R(a, lam) = M a + C^T lam - F(x, V, t) = 0,        C V = s',        C a + gamma = s'',
 
-    gamma = d/de C(x(e)) V  at e = 0,    x(e): every body on with its velocity, r + e v, A exp(e omega^), q + e qd.
+    gamma = d/de C(x(e)) V  at e = 0,    x(e): every body moved with its velocity, r + e v, A exp(e omega^), q + e qd.
 
-R is evaluated on the device, with all that a step knows; springs and dampers enter by their laws. gamma is a central
-difference of the device's own gradients, `(8 (g(d) - g(-d)) - (g(2d) - g(-2d)))/(12 d)` with `g(e) = C(x(e)) V`: with
-d turning nothing by more than `TURN` its error is (TURN^4)/30 of gamma, and round-off is divided by TURN only once. A
-step of size h in positions divides by its square instead, which for h = 1e-7 s makes 1e-16 m to 1e-2 m/s2.
+R is evaluated on the device, with everything that a step includes; springs and dampers enter by their laws. gamma is a
+central difference of the device's own gradients, `(8 (g(d) - g(-d)) - (g(2d) - g(-2d)))/(12 d)` with `g(e) = C(x(e))
+V`. With d such that nothing rotates by more than `TURN`, its error is (TURN^4)/30 of gamma, and round-off is divided by
+TURN only once. A step of size h in positions divides by its square instead, which for h = 1e-7 s makes 1e-16 m to 1e-2
+m/s2.
 
 The equations are linear in a and lam. They are solved with the mass matrix of the undeformed bodies, and corrected by R
-until nothing changes; inertia terms of the deformed body are small against it, so this contracts. Joints with friction
-that stick are rows like the others; the friction of those that slip follows from the multipliers (`joint_friction`).
-Pretensions that hold their length are rows like the others, too; the others pull with their force.
+until convergence; inertia terms of the deformed body are small compared with it, so this contracts. Joints with
+friction that stick are rows like the others; the friction of those that slip follows from the multipliers
+(`joint_friction`). Pretensions at fixed length are rows like the others, too; the others apply their force.
 """
 
 from __future__ import annotations
@@ -32,23 +33,23 @@ from warpffrf.online.start.settle import Friction
 from warpffrf_kernels.core import control as k
 
 TURN = 2e-3  # rad, or of the shortest length: see the module; truncation and round-off are then both near 1e-13
-CORRECTIONS = 12  # an inertia that deformation changes by a tenth is corrected to 1e-12
-RUBBING_CORRECTIONS = 60  # friction of half of what it changes in reactions is corrected to 1e-13 in about as many
+CORRECTIONS = 12  # an inertia that deformation changes by a tenth converges to 1e-12
+RUBBING_CORRECTIONS = 60  # friction that is half of its effect on reactions converges to 1e-13 in about as many
 SETTLED = 1e-13  # of the largest acceleration and multiplier
 INDEPENDENT = 1e-11  # smallest over largest eigenvalue of the scaled C M^-1 C^T: below, the pose is singular
-TOLERABLE = 1e-9  # of the same: what round-off of large spring forces may leave
-SLOWEST = 1e-6  # 1/s: what moves slower has no curvature
+TOLERABLE = 1e-9  # of the same: error by round-off of large spring forces
+SLOWEST = 1e-6  # 1/s: slower motions have no curvature
 NEVER = 1e100  # s: a step so long that the increments of positions make no acceleration
 STENCIL = ((1.0, 8.0), (-1.0, -8.0), (2.0, -1.0), (-2.0, 1.0))  # of the central difference, over 12 d
 
 
 def refine(engine: Engine, given: Mapping[str, np.ndarray]) -> bool:
-    """Give every world of `engine`, which has just made its START step, velocities that keep the rows, and the
-    accelerations and multipliers that go with them, to round-off, and open the ledger with the energies of that state.
+    """Give every world of `engine`, after its START step, velocities that satisfy the rows, and the corresponding
+    accelerations and multipliers, to round-off, and open the ledger with the energies of that state.
 
     `given`: the velocities v, omega, qd (worlds, ...) before the start; the new ones differ from them least, in kinetic
-    energy. Contact keeps the pressures that START has found. False where the pose is singular or the corrections do not
-    settle: the values of START then stay.
+    energy. Contact keeps the pressures of START. False where the pose is singular or the corrections do not converge;
+    the values of START are then kept.
     """
     refined = [_World(engine, w).refine(given) for w in range(engine.worlds)]
     engine.graph.open_books()
@@ -71,7 +72,7 @@ class _World:
         self.mass = m.bodies.mass.numpy()[: self.bodies]
         self.inertia = m.bodies.inertia.numpy()[: self.bodies]
 
-    # --- what the state says
+    # --- the state
 
     def _stacked(self, translation: np.ndarray, rotation: np.ndarray, modal: np.ndarray) -> np.ndarray:
         """Arrays of all worlds as one over the coordinates of this one."""
@@ -94,12 +95,13 @@ class _World:
         array[self.w, : len(part)] = part
         getattr(owner, name).assign(array)
 
-    # --- what the device answers
+    # --- evaluations on the device
 
     def _evaluate(self, shift: np.ndarray) -> None:
         """Residuals and rows at the present state moved by `shift`, with accelerations `-v_rate` and so on: with
-        alpha_f = 1/2 and a step without end, the formulas of `warpffrf_kernels.bodies.motion` give `v_1 = v_0` and
-        `vdot_1 = -vdot_0`."""
+        alpha_f = 1/2 and an infinite step, the formulas of `warpffrf_kernels.bodies.motion` give `v_1 = v_0` and
+        `vdot_1 = -vdot_0`.
+        """
         engine = self.engine
         words, reals = engine.state.ctl.numpy().copy(), engine.state.clk.numpy().copy()
         words["run"] = 0  # of the other worlds
@@ -145,8 +147,9 @@ class _World:
         return np.concatenate([rigid, modal])
 
     def _spring_forces(self) -> np.ndarray:
-        """Multipliers (rows,) that the laws of springs and dampers ask for at the last evaluation, and pretensions; 0
-        of joints."""
+        """Multipliers (rows,) by the laws of springs and dampers at the last evaluation, and pretensions; 0 for
+        joints.
+        """
         scratch, forces = self.engine.scratch, self.engine.compiled.forces
         value = scratch.coordinate.numpy()[self.w]
         rate = self.engine.state.drive_rate.numpy()[self.w, 1]
@@ -188,7 +191,7 @@ class _World:
         self._store(("v", "omega", "qd"), V)
         self._store(names, -a)
         self._put(self.engine.state, "lam", lam)
-        self._evaluate(still)  # what is recorded and booked belongs to this very state
+        self._evaluate(still)  # what is recorded and booked belongs to this state
         self._store(names, a)
         self._store(("v_alg", "omega_alg", "qd_alg"), a)
         self._put(self.engine.state, "lam0", lam)
@@ -198,7 +201,7 @@ class _World:
     def _solved(
         self, V: np.ndarray, a: np.ndarray, lam: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, bool] | None:
-        """Velocities, accelerations, multipliers; None where the rows depend on each other or nothing settles."""
+        """Velocities, accelerations, multipliers; None where the rows are dependent or there is no convergence."""
         gradient = self._gradient()
         C = gradient[self.rigid]
         system = _Constrained(self.mass, self.inertia, self.modes, C)
@@ -235,7 +238,9 @@ class _World:
         a: np.ndarray,
         lam: np.ndarray,
     ) -> tuple[np.ndarray, np.ndarray] | None:
-        """Accelerations and multipliers with C a + gamma = s'' of the rows `held`; None where nothing settles."""
+        """Accelerations and multipliers with C a + gamma = s'' of the rows `held`; None where there is no
+        convergence.
+        """
         C, change, first = system.C, np.inf, a
         for _ in range(RUBBING_CORRECTIONS if friction.laws else CORRECTIONS):
             self._store(("v_rate", "omega_rate", "qd_rate"), -a)
@@ -248,7 +253,7 @@ class _World:
             step, pull = system.solve(self._residual() + self._gradient().T @ gap, C @ a + gamma - rate2)
             a, lam = a - step, lam + gap
             lam[held] -= pull
-            pulled = system.over_mass(C.T @ lam[held])  # in balance with what acts, also where nothing moves
+            pulled = system.over_mass(C.T @ lam[held])  # in balance with the loads, also where nothing moves
             change = max(_share(step, a, pulled, first), _share(pull, lam))
             if change <= SETTLED:
                 return a, lam
@@ -264,7 +269,7 @@ class _World:
         return gamma / (12.0 * d)
 
     def _pace(self, V: np.ndarray) -> float:
-        """A bound [1/s] of how fast axes turn and distances change by their length."""
+        """A bound [1/s] of the rates at which axes rotate and distances change relative to their length."""
         rigid, m = V[: 6 * self.bodies].reshape(-1, 6), self.engine.compiled.model
         kinds, lengths = m.rows.kind.numpy()[: self.rows], self.engine.scratch.coordinate.numpy()[self.w, : self.rows]
         distances = np.abs(lengths[kinds == int(k.DISTANCE)])
@@ -275,7 +280,7 @@ class _World:
         return float(turning + swinging + (moving + swinging) / length)
 
     def _accept(self) -> None:
-        """What the ledger takes from the accepted state, from the last evaluation."""
+        """Values of the accepted state for the ledger, from the last evaluation."""
         state, w = self.engine.state, self.w
         films = ("film_power", "film_energy")
         for name in ("drive_rate", "applied", "applied_at", "load", "load_on_modes", *LUMPED, *films):

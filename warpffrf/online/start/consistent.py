@@ -1,14 +1,14 @@
-"""The start of a run: velocities that agree with joints and drives, then accelerations and multipliers.
+"""The start of a run: velocities that satisfy joints and drives, then accelerations and multipliers.
 
-Two tiny steps on the device come first (`warpffrf_kernels.bodies.motion`: PROJECT makes the velocities consistent in
-the mass metric, START finds accelerations, multipliers, and the pressures of what touches). They are a fraction of the
-user's step, so that contact does next to nothing in them of what it does in a step. Both divide displacements by their
-size, so that round-off of the positions returns as errors of the accelerations; `accelerations` then takes those out,
-with the joints' equations differentiated instead, and opens the ledger with the energies of the state that it leaves.
+Two very small steps on the device come first (`warpffrf_kernels.bodies.motion`: PROJECT makes the velocities consistent
+in the mass metric, START finds accelerations, multipliers, and the pressures of closed contacts). They are a fraction
+of the user's step, so that the effect of contact is negligible compared with that in a step. Both divide displacements
+by their size, so that round-off of the positions appears as errors of the accelerations; `accelerations` then removes
+them, with the joints' equations differentiated instead, and opens the ledger with the energies of the resulting state.
 
-From the last equilibrium of a static run (`start_from_loads`) a run begins at rest, at the time that this has reached.
-Tractions of surfaces with friction would be lost in the tiny steps, in which these do not rub; so where there are any
-and no drive moves there, the accelerations are zero, as they are of an equilibrium whose loads go on without a jump.
+From the last equilibrium of a static run (`start_from_loads`) a run begins at rest, at the time of this equilibrium.
+Tractions of surfaces with friction would be lost in the small steps, in which these do not rub; so where there are any
+and no drive moves there, the accelerations are zero, as in an equilibrium whose loads continue without a jump.
 """
 
 from __future__ import annotations
@@ -20,17 +20,18 @@ from warpffrf.online.engine import Engine
 from warpffrf.online.start.accelerations import refine
 from warpffrf_kernels.core import control as k
 
-# times that the first step is halved where there is friction: it acts only after the elastic slip, from the end of a
-# first step on, and motion at the start would go on for half a step without it
+# number of halvings of the first step where there is friction: it acts only after the elastic slip, from the end of a
+# first step on, and motion at the start would continue for half a step without it
 RUB_IN = 6
 STEP = 1e-3  # s/m: 0.1 ms for a scene of 0.1 m, where no step is given
-VELOCITY_CHANGE = 1e-5  # of the largest velocity and 1 m/s: what is typed with six digits
+VELOCITY_CHANGE = 1e-5  # of the largest velocity and 1 m/s: accuracy of input with six digits
 
 
 def start_consistently(engine: Engine, step: float | None = None) -> None:
     """Bring the state of `engine` to consistent velocities, accelerations and multipliers at the present positions, and
-    open the ledger, for steps of `step` [s], None where none follow. Velocities that had to change are noted in
-    `engine.start_notes`; a step that fails is left in its status."""
+    open the ledger, for steps of `step` [s], None where none follow. Changed velocities are noted in
+    `engine.start_notes`; a step that fails is left in its status.
+    """
     step = STEP * float(engine.compiled.model.length) if step is None else step
     given = {name: getattr(engine.state, name).numpy().copy() for name in ("v", "omega", "qd")}
     for mode in (k.PROJECT, k.START):
@@ -52,7 +53,8 @@ def start_consistently(engine: Engine, step: float | None = None) -> None:
 
 def start_from_loads(engine: Engine, step: float) -> None:
     """Bring `engine`, restored from the end of a static run, to the beginning of steps in time of `step` [s], at rest
-    but for what drives make move. A step that fails is left in its status."""
+    except for the motion of drives. A step that fails is left in its status.
+    """
     engine.clock(start_time=engine.word("time"))
     t = float(engine.word("time")[0])
     moving = any(_speed(drive, t) != 0.0 for drive in engine.scene.drives)

@@ -1,46 +1,46 @@
-r"""Rigid motions of the bodies that neither joints, springs nor closed contacts resist, and holding them in a static
-state.
+r"""Rigid motions of the bodies that neither joints, springs nor closed contacts resist, and their constraint in a
+static state.
 
-With C the gradients of all rows that hold (joints, drives, springs), L those of the weak gaps of the hats under
-pressure, of the gaps of lumped contacts that are closed and of cells of laps under pressure, with the slips of these
-where they rub, by the rigid coordinates z, a motion is free where C z = 0
-and L z = 0: a roller about its axle, whatever it is pressed on, a ball about any line, a body that slides along a
-plane. They are the right singular vectors of (C, L), lines of length one in coordinates weighed by mass, with singular
-values below FREE. Of lumped contacts alone, L has a second order as well (`bent_gaps`): a ball that climbs its groove
-is held.
+Let C be the gradients, by the rigid coordinates z, of all active rows (joints, drives, springs) and L those of the weak
+gaps of active nodes, of the gaps of closed lumped contacts and of cells of small-sliding contacts under pressure, with
+their slips where they rub. A motion is free where C z = 0 and L z = 0: a roller about its axle, whatever it is pressed
+on, a ball about any line, a body that slides along a plane. Free motions are the right singular vectors of (C, L), of
+unit length in mass-weighted coordinates, with singular values below FREE. With lumped contacts only, L has a
+second order as well (`bent_gaps`): a ball that climbs its groove is constrained.
 
-Load steps with friction (`rubs`) go on from a state under pressure, and what presses there resists slip, too, up to its
-bound. With T the gradients of slips of cells under pressure, of closed lumped contacts and of joints that rub, and N
-the motions above, those are free whose slips T N y are, in the mean square, below STICKS: a roller that rolls on a
-patch of half-width a moves it by (a/R)^2/2. Where friction does not hold against the loads it is the load step that
-finds no equilibrium.
+Load steps with friction (`rubs`) start from a state under pressure, and loaded contacts also resist slip, up to the
+friction bound. With T the gradients of slips of loaded cells, of closed lumped contacts and of joints with friction,
+and N the motions above, those are free whose root-mean-square slips T N y are below STICKS: a roller that rolls on a
+patch of half-width a moves it by (a/R)^2/2. Where friction cannot balance the loads, the load step finds no
+equilibrium.
 
-Motions that friction of surfaces resists, T N y above STICKS with N those that joints alone leave and gaps lean on by
-less than LEANS, are held by YIELD in the first round of a load step, and four times less with every further one
-(`warpffrf_kernels.step.proximal`). As long as nothing slips all over, it is the patch that bears the load, and a few
-rounds find how far it gives; without such holding a body would move by metres under the load alone, of which the slips
-of the patch, of micrometres, are told with eight digits less. Two balls that have slipped by s lean on each other by
-s/(R_1 + R_2): that is soon more than FREE, and a stiffness times the square of it holds no body.
+Motions that friction of surfaces resists (T N y above STICKS, with N those that joints leave free and gaps resist by
+less than LEANS) are constrained by YIELD in the first round of a load step, and by a quarter of the previous value in
+each further round (`warpffrf_kernels.step.proximal`). While the contact does not slip everywhere, the patch carries
+the load, and a few rounds find its compliance. Without this constraint a body would move by metres under the load
+alone, and the slips of the patch, of micrometres, would be resolved with eight digits less. Two balls that have slipped
+by s resist each other by s/(R_1 + R_2). This soon exceeds FREE, but a stiffness multiplied by its square constrains no
+body.
 
-Held, a free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
-`motion`), beside which it stays where it is. What acts along it must be next to nothing, PULLED of the largest force:
-a load that drives it finds no equilibrium, and is not held.
+A constrained free motion n gets the inertia n n^T m/(HOLD L)^2, L the length of the scene, in proximal steps (kernels
+`motion`), so that it does not move. The force along it must not exceed PULLED of the largest force: a load that drives
+it finds no equilibrium, and it is not constrained.
 
-**Slopes.** Free to first order is also what a gap leans on by up to FREE; there a force F drives by slope times F. It
-may be what the cells of a patch leave, 1e-7 of F, or real: the loads Q on a roller that is off the middle of a ring by
-y tilt it by Q y/K, and press it further out along its axis by as much of Q. Such motions are followed, as a ball finds
-the bottom of its groove in this way, which is nearer than FREE of its radius. Where they go further (`wanders`), or a
-proximal step fails, those driven by less than FREE of the largest force are held as well, and named with what drives
-them.
+**Slopes.** A motion that is free to first order may change a gap by up to FREE. There a force F drives it by slope
+times F. This may be an error of the cells of a patch, 1e-7 of F, or real: the loads Q on a roller that is off the
+middle of a ring by y tilt it by Q y/K, and push it further out along its axis by the same fraction of Q. Such motions
+are followed, since a ball finds the bottom of its groove in this way, which is nearer than FREE of its radius. Where
+they go further (`wanders`), or a proximal step fails, those driven by less than FREE of the largest force are
+constrained as well, and reported with the force that drives them.
 
-A slope is where no load drives. As a motion n moves against no row and no gap, all its drive is that of loads Q_b on
-bodies b, weights and constant forces. The load on a ring does a little as the roller under it goes out: it sinks by a
-slope, Q_b n_b < FREE |Q_b| with n of length one. What all others do,
+A slope requires that no load drives the motion. As a motion n moves against no row and no gap, its whole drive is that
+of loads Q_b on bodies b, weights and constant forces. The load on a ring does little work as the roller under it goes
+out: the ring sinks by a slope, Q_b n_b < FREE |Q_b| with n of unit length. The work of all others,
 
     sum |Q_b n_b|      over bodies with Q_b n_b > FREE |Q_b|      (`driven_by_loads`),
 
-must be next to nothing, as above, however large forces elsewhere are: a pendulum beside the ring is followed to the
-bottom, and a load on what a slide guides finds no equilibrium.
+must be negligible, as above, however large forces elsewhere are: a pendulum next to the ring is followed to the
+bottom, and a load on a body guided by a slide finds no equilibrium.
 """
 
 from __future__ import annotations
@@ -63,63 +63,65 @@ from warpffrf_kernels.core.model import AT_POINTS
 # of a line of length one: the modes move an axle off the axis of the rim by a hundred-thousandth of its radius
 FREE = 1e-5
 STICKS = 3e-3  # the same of slips: patches of half-widths up to a fifteenth of a radius roll
-TURNED = 1e-5  # of the largest force, at the radius of gyration: what the same offset makes of it
-PULLED = 1e-8  # of the largest force, along a free translation: ten times what Newton's method may leave over
-# of the scene's length, which a slope has moved something by in a step: the next moves it a hundred times as far, and a
-# bottom that a slope below FREE leads to is not as far away
+TURNED = 1e-5  # of the largest force, at the radius of gyration: the effect of the same offset
+PULLED = 1e-8  # of the largest force, along a free translation: ten times what Newton's method may leave unbalanced
+# of the scene's length: displacement per step on a slope. The next step moves a hundred times as far, and a bottom
+# that a slope below FREE leads to is not as far away
 FAR = 1e-2 * FREE
-LEANS = 0.1  # in the mean square of the gaps of two bodies, which resist a hundredth of what friction does there
-YIELD = 1e-2  # s/m: of what friction resists, at first: a mass of 1 kg in a scene of 0.1 m at 1e6 N/m
-HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 a step
-NEARLY = 1e-3  # of the largest force left over: contact has closed, and what is free can be told
+LEANS = 0.1  # root mean square of the gaps of two bodies, which resist a hundredth of what friction does there
+YIELD = 1e-2  # s/m: initial value, against friction: a mass of 1 kg in a scene of 0.1 m at 1e6 N/m
+HOLD = 1e-5  # s/m: 1e-6 s for a scene of 0.1 m, in which a force F moves a mass m by F/m 1e-12 s2 per step
+NEARLY = 1e-3  # of the largest force, unbalanced: contact has closed, and free motions can be identified
 TAKES_PART = 0.1  # of a body's share in a motion, its square between 0 and 1
 MOST_NAMED = 4
-SLIDES = 0.5  # of a body's share: whether it slides or turns
+SLIDES = 0.5  # of a body's share: whether it slides or rotates
 SLIDE = "slide along"
 TURN = "turn about"
 SLIDES_FOLDED = {2: f"{SLIDE} a plane", 3: f"{SLIDE} any line"}
 TURNS_FOLDED = {2: f"{TURN} any line of a plane", 3: f"{TURN} any line"}
-BY_ITSELF = 1e-6  # of a body's share, what is left of it where the body moves without others
-LOOK_AHEAD = 1e-3  # of a radius: a small motion that tells whether a gap closes
-WHOLE = 0.5  # of a motion of length one: whether it is among those that are held
-STANDS = 1e-6  # of a motion's square: what of it slides when it turns about an axle a little off the centre of mass
+BY_ITSELF = 1e-6  # of a body's share, the remainder where the body moves without others
+LOOK_AHEAD = 1e-3  # of a radius: a small motion that shows whether a gap closes
+WHOLE = 0.5  # of a motion of unit length: whether it is among those that are constrained
+STANDS = 1e-6  # of a motion's square: its sliding part in rotation about an axle slightly off the centre of mass
 
 
 class FreeMotions:
-    """Those of the worlds of an engine at the state of its last evaluation; rubs: friction counts as what resists."""
+    """Those of the worlds of an engine at the state of its last evaluation; rubs: friction resists motions."""
 
     holds, yields = HOLD, YIELD  # s/m
-    bears = False  # whether what is free is held against loads, once something that rubs is under pressure
-    weakens = True  # what friction resists, from round to round
-    lean = LEANS  # gaps under pressure do not hold what they lean on by less; 0: by FREE, as free motions
-    first = NEARLY  # of the largest force left over: what is held from then on
-    holds_driven = False  # whether what slopes drive is held
-    wanders = False  # whether something that slopes drive has gone far in the last step
+    bears = False  # whether free motions are constrained against loads, once a contact with friction is under pressure
+    weakens = True  # constraint of what friction resists, from round to round
+    lean = LEANS  # gaps under pressure do not constrain motions that change them by less; 0: by FREE, as free motions
+    first = NEARLY  # of the largest force, unbalanced: constraints apply below it
+    holds_driven = False  # whether motions driven by slopes are constrained
+    wanders = False  # whether a motion driven by slopes has gone far in the last step
 
     def __init__(self, engine: Engine, *, rubs: bool = False) -> None:
         self.engine, self.rubs = engine, rubs
         none = np.zeros((0, 6 * len(engine.scene.bodies)))
         self.found: list[np.ndarray] = [none] * engine.worlds
         self.floating = floating_groups(engine.scene)
-        self._sloping: list[np.ndarray] = [none] * engine.worlds  # the same with those that slopes drive
+        self._sloping: list[np.ndarray] = [none] * engine.worlds  # the same with motions driven by slopes
         self.resisted: list[np.ndarray] = [none] * engine.worlds
         self._drive: tuple[int, np.ndarray, float] | None = None  # world, motion, force of a load that drives one
-        # what drives motions that are held although slopes drive them, over the weights (6 bodies,)
+        # over the weights: drive of motions that are constrained although slopes drive them (6 bodies,)
         self._slope = [np.zeros(6 * len(engine.scene.bodies))] * engine.worlds
 
     @property
     def possible(self) -> bool:
-        """Scenes without contact grids have none that drive what is free, nor do laps in load steps, each of which is
-        near the one before."""
+        """Without contact grids nothing drives free motions, nor do small-sliding contacts in load steps, each of which
+        is near the previous one.
+        """
         compiled = self.engine.compiled
         laps = compiled.laps.count > 0 and not self.rubs
         return (compiled.model.pairs.count > 0 or laps) and len(self.engine.scene.bodies) > 0
 
     @property
     def told(self) -> bool:
-        """Whether there is something to look for: in scenes of lumped contacts alone the proximal step leaves what is
-        free where it is, as nothing acts along it, to round-off, and so in those of bodies that float; it is named all
-        the same."""
+        """Whether there is something to report. In scenes of lumped contacts alone, and of floating bodies, the
+        proximal step leaves free motions where they are, as nothing acts along them, to round-off; they are reported
+        all the same.
+        """
         lumped = len(self.engine.scene.lumped_contacts) > 0 and len(self.engine.scene.bodies) > 0
         return self.possible or lumped or len(self.floating) > 0
 
@@ -164,7 +166,7 @@ class FreeMotions:
         return parted(self.engine, world, weight, unsprung_motions(self.engine, world, weight, lean))[0]
 
     def hold_driven(self) -> bool:
-        """Hold from now on what slopes drive, too; False where that is nothing more than what is held."""
+        """From now on also constrain motions driven by slopes; False where this adds none."""
         more = any(len(a) > len(b) for a, b in zip(self._sloping, self.found, strict=True))
         if self.holds_driven or not more or not self.possible:
             return False
@@ -173,7 +175,7 @@ class FreeMotions:
         return True
 
     def hold(self) -> None:
-        """Hold what `look` found from the next step on."""
+        """Constrain the motions that `look` found, from the next step on."""
         if not self.possible:
             return
         scratch, length = self.engine.scratch, self.engine.compiled.model.length
@@ -189,7 +191,7 @@ class FreeMotions:
         scratch.hold_weak.fill_(1.0)
 
     def hold_here(self) -> None:
-        """Hold what nothing resists at the present state."""
+        """Constrain what nothing resists at the present state."""
         if self.possible:
             self.release()
             self.engine.evaluate_here()
@@ -197,20 +199,22 @@ class FreeMotions:
             self.hold()
 
     def release(self) -> None:
-        """Hold nothing any more."""
+        """Remove all constraints."""
         if self.possible:
             self.engine.scratch.hold_count.zero_()
 
     def resisted_part(self, world: int, step: np.ndarray) -> np.ndarray:
-        """Of small motions of the bodies (bodies, 6), ways [m] and turns [rad], what is left without those that the
-        last look found free."""
+        """Small motions of the bodies (bodies, 6), displacements [m] and rotations [rad], without the part that the
+        last look found free.
+        """
         weight = self._weight()
         motion, free = step.ravel() * weight, self.found[world]
         return ((motion - free.T @ (free @ motion)) / weight).reshape(step.shape)
 
     def unbalanced(self, *, turns: bool = True) -> str:
-        """A clause on bodies that float and what drives them, where that does not balance, after a proximal step; else
-        "". turns: whether torques count."""
+        """A clause on floating bodies whose loads do not balance, after a proximal step; else "". turns: whether
+        torques count.
+        """
         mass, weight = self._mass(), self._weight()
         for world in range(self.engine.worlds if self.floating else 0):
             forces, least = self._forces(world), PULLED * largest_force(self.engine, world)
@@ -223,16 +227,16 @@ class FreeMotions:
                     told += " and " if told else ""
                     told += f"({', '.join(f'{c:.3g}' for c in torque)}) N m about the centre of mass"
                 if told:
-                    return f"{told_of(self.engine, group)} do not balance: {told} are left over"
+                    return f"{told_of(self.engine, group)} do not balance: the resultant is {told}"
         return ""
 
     def afloat(self) -> list[str]:
-        """What is said of groups that float where a state is found, in which their loads balance."""
+        """Text on groups that float in an equilibrium, in which their loads balance."""
         told = [(told_of(self.engine, group), "it is" if len(group) == 1 else "they are") for group in self.floating]
         return [f"equilibrium: {loads} balance: left where {left}" for loads, left in told]
 
     def _beside_afloat(self, world: int) -> np.ndarray:
-        """What is held but for groups that float as a whole."""
+        """Constrained motions other than those of groups that float as a whole."""
         motions = self.found[world]
         for group in self.floating:
             rigid = np.linalg.qr((lines_of(self.engine, world, group) * self._weight()).T)[0].T
@@ -241,7 +245,7 @@ class FreeMotions:
         return motions
 
     def notes(self) -> list[str]:
-        """What was left where it is, one line."""
+        """One line on the motions that were left where they are."""
         clauses: dict[str, dict[str, float]] = {}
         for world in range(self.engine.worlds):
             found = self._beside_afloat(world)
@@ -265,7 +269,9 @@ class FreeMotions:
         return told
 
     def _unpressed(self, names: list[str]) -> str:
-        """Of bodies that slide freely: the contacts of those that touch nothing, and what would press them together."""
+        """For bodies that slide freely: the contacts of those that touch nothing, and what would press them
+        together.
+        """
         touching = self.engine.state.active.numpy().any(axis=(0, 2))
         owners = [(c, t, {port.body.name for port in c.ports}) for c, t in zip(self._contacts, touching, strict=False)]
         idle = {name for name in names if not any(t for _, t, bodies in owners if name in bodies)}
@@ -282,7 +288,7 @@ class FreeMotions:
 
     @property
     def driven(self) -> str:
-        """A clause, where a load drives a free motion at the state of the last look; else ""."""
+        """A clause where a load drives a free motion at the state of the last look; else ""."""
         if self._drive is None:
             return ""
         world, motion, force = self._drive
@@ -298,7 +304,9 @@ class FreeMotions:
         return loose_ring(self.engine.scene.bearings, connecting(self.engine.scene), body) or told
 
     def _missed(self, body: Body, direction: np.ndarray) -> str:
-        """The pairs of a body that do not stop it along `direction`: those that it leaves, and those that it passes."""
+        """The contacts of a body that do not stop it along `direction`: those that it leaves, and those that it
+        passes.
+        """
         told = []
         for contact in self._contacts:
             side = {contact.b.body.name: 1.0, contact.a.body.name: -1.0}.get(body.name)
@@ -320,7 +328,7 @@ class FreeMotions:
         return f"{SLIDE if slides else TURN} ({', '.join(f'{c:g}' for c in direction)})"
 
     def _presses(self, world: int) -> bool:
-        """Whether surfaces that rub are under pressure."""
+        """Whether surfaces with friction are under pressure."""
         rubs = self.engine.compiled.model.pairs.friction.numpy()[: self.engine.compiled.model.pairs.count] > 0.0
         active = self.engine.state.active.numpy()[world, : len(rubs)]
         return bool(np.any(active[rubs]))
@@ -336,7 +344,9 @@ class FreeMotions:
         return np.repeat(np.stack([np.sqrt(mass), turning], axis=1), 3, axis=1).ravel()
 
     def _forces(self, world: int) -> np.ndarray:
-        """What the last proximal step left over: force, torque in body axes (6 bodies,); with that which holds."""
+        """Unbalanced forces of the last proximal step: force, torque in body axes (6 bodies,); including the
+        constraint's.
+        """
         engine, mass = self.engine, self._mass()
         n = len(mass)
         inertia = engine.compiled.model.bodies.inertia.numpy()[:n]
@@ -347,14 +357,15 @@ class FreeMotions:
         return own + held.T @ (held @ self._step(world))
 
     def _step(self, world: int) -> np.ndarray:
-        """What the last proximal step moved and turned the bodies by (6 bodies,)."""
+        """Displacements and rotations of the bodies in the last proximal step (6 bodies,)."""
         scratch, n = self.engine.scratch, len(self.engine.scene.bodies)
         return np.hstack([np.asarray(a.numpy()[world][:n]) for a in (scratch.dx, scratch.psi)]).ravel()
 
 
 def _motions_of(part: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
-    """What a body may do, of its part (n, 6) in the free motions: directions (k, 6) with a clause, where it slides or
-    turns by itself in more than one; each other one with ""."""
+    """Motions of a body, from its part (n, 6) of the free motions: directions (k, 6) with a clause, where it slides or
+    rotates by itself in more than one; each other one with "".
+    """
     projector = part.T @ part
     for at, folds in ((slice(0, 3), SLIDES_FOLDED), (slice(3, 6), TURNS_FOLDED)):
         share, directions = np.linalg.eigh(projector[at, at])
@@ -370,7 +381,7 @@ def _motions_of(part: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def _against(drives: dict[str, float], unit: str) -> str:
-    """Of bodies that slide or turn freely, by name: the most that slopes drive one with, which nothing balances."""
+    """For bodies that slide or rotate freely, by name: the largest unbalanced force with which slopes drive one."""
     worst = max(drives, key=lambda name: drives[name])
     if drives[worst] == 0.0:
         return ""
@@ -378,18 +389,19 @@ def _against(drives: dict[str, float], unit: str) -> str:
 
 
 def free_motions(engine: Engine, world: int, weight: np.ndarray) -> np.ndarray:
-    """Orthonormal lines (n, 6 bodies) in coordinates times `weight`: displacement in world, turn in body axes."""
+    """Orthonormal lines (n, 6 bodies) in coordinates times `weight`: displacement in world, rotation in body axes."""
     return _free_of(engine, world, weight, _rigid_rows(engine, world) | _sprung_rows(engine, world))
 
 
 def unsprung_motions(engine: Engine, world: int, weight: np.ndarray, lean: float) -> np.ndarray:
-    """The same where springs resist nothing, nor gaps between two bodies that lean on them by less than `lean` in the
-    mean square."""
+    """As `free_motions`, but without resistance of springs, nor of gaps between two bodies whose root-mean-square
+    change is less than `lean`.
+    """
     return _free_of(engine, world, weight, _rigid_rows(engine, world), lean)
 
 
 def _rigid_rows(engine: Engine, world: int) -> np.ndarray:
-    """Which rows are joints, drives and pretensions that hold their length (rows,)."""
+    """Which rows are joints, drives and pretensions at fixed length (rows,)."""
     m = engine.compiled.model
     holds = m.rows.rigid.numpy()[: m.rows.count] != 0
     holds[engine.locked_rows(world)] = True
@@ -410,11 +422,12 @@ def _sprung_rows(engine: Engine, world: int) -> np.ndarray:
 
 
 def _free_of(engine: Engine, world: int, weight: np.ndarray, holds: np.ndarray, lean: float = 0.0) -> np.ndarray:
-    """Motions that the rows which hold and the gaps under pressure leave free, as of `free_motions`; each one of bodies
-    that these couple, so that what drives one mechanism is not told of another. lean: see `unsprung_motions`."""
+    """Motions that the active rows and the gaps under pressure leave free, as in `free_motions`; each involves only
+    coupled bodies, so that what drives one mechanism is not reported for another. lean: see `unsprung_motions`.
+    """
     lines, _ = _lines(engine, world, len(weight), holds)
     rows, gaps = (_of_length_one(own / weight) for own in np.split(lines, [np.count_nonzero(holds)]))
-    if lean > 0.0 and len(gaps):  # as the heavier one of two bodies sees them, which moves less for its mass
+    if lean > 0.0 and len(gaps):  # as seen by the heavier of two bodies, which moves less because of its mass
         parts = np.linalg.norm(gaps.reshape(len(gaps), -1, 6), axis=2)
         _, which, count = np.unique(parts > 0.0, axis=0, return_inverse=True, return_counts=True)
         least = np.min(np.where(parts > 0.0, parts, np.inf), axis=1)
@@ -444,8 +457,9 @@ def _groups(lines: np.ndarray) -> list[np.ndarray]:
 def driven_by_loads(
     engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray, left: np.ndarray
 ) -> np.ndarray:
-    """The most that loads drive `motions` with, lines as of `free_motions`, but for those on bodies that move across
-    their load, up to FREE (n,), conjugate to the size of the motions. left: forces on the bodies (6 bodies,)."""
+    """The largest force with which loads drive `motions` (lines as in `free_motions`), except those on bodies that move
+    across their load, up to FREE (n,), conjugate to the size of the motions. left: forces on the bodies (6 bodies,).
+    """
     lines, forces = _lines(engine, world, len(weight), _rigid_rows(engine, world) | _sprung_rows(engine, world))
     loads = ((left - forces @ lines) / weight).reshape(-1, 6)
     drive = np.abs(np.einsum("bi,nbi->nb", loads, motions.reshape(len(motions), *loads.shape)))
@@ -454,8 +468,9 @@ def driven_by_loads(
 
 
 def _lines(engine: Engine, world: int, size: int, holds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Gradients of the rows that hold and of the gaps under pressure, by the rigid coordinates (n, size), and what acts
-    along them, forces [N], torques [N m], pressures [Pa] (n,)."""
+    """Gradients of the active rows and of the gaps under pressure, by the rigid coordinates (n, size), and the loads
+    along them, forces [N], torques [N m], pressures [Pa] (n,).
+    """
     rows = np.asarray(engine.scratch.C.numpy()[world][: len(holds), :size])[holds]
     pulls = np.asarray(engine.state.lam.numpy()[world][: len(holds)])[holds]
     gaps, pressures = _gap_gradients(engine, world, size)
@@ -467,8 +482,9 @@ def _lines(engine: Engine, world: int, size: int, holds: np.ndarray) -> tuple[np
 
 
 def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Of `motions`, orthonormal lines as of `free_motions`, the combinations that something under pressure has to slip
-    for, and the rest."""
+    """Splits `motions`, orthonormal lines as in `free_motions`, into the combinations that cause slip under pressure,
+    and the rest.
+    """
     size = len(weight)
     rows = [_joint_slips(engine, world, size), _lumped_gradients(engine, world, size, slips=True)]
     lines = _of_length_one(np.vstack([*rows, *_cell_slips(engine, world, size)]) / weight)
@@ -480,7 +496,7 @@ def parted(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) 
 
 
 def _unrubbed(scene: Scene, body: Body) -> str:
-    """Of a body in a static state without friction: what rubs on it, and when that counts."""
+    """For a body in a static state without friction: its contacts with friction, and when friction counts."""
     contacts = [c for c in (*scene.contacts, *scene.lumped_contacts) if c.friction.acts and not c.friction.creep_limit]
     names = [str(c.name) for c in contacts if body in [port.body for port in c.ports]]
     if not names or scene.films:
@@ -489,13 +505,13 @@ def _unrubbed(scene: Scene, body: Body) -> str:
 
 
 def _of_length_one(lines: np.ndarray) -> np.ndarray:
-    """Those that are not zero."""
+    """The nonzero lines, normalised."""
     length = np.linalg.norm(lines, axis=1, keepdims=True)
     return lines[length[:, 0] > 0.0] / length[length[:, 0] > 0.0]
 
 
 def _joint_slips(engine: Engine, world: int, size: int) -> np.ndarray:
-    """Of the coordinates of joints that rub and may stick, by the rigid coordinates (rows, size)."""
+    """Gradients of the coordinates of joints with friction that may stick, by the rigid coordinates (rows, size)."""
     table = engine.compiled.slips
     rows = [
         row
@@ -507,7 +523,9 @@ def _joint_slips(engine: Engine, world: int, size: int) -> np.ndarray:
 
 
 def _cell_slips(engine: Engine, world: int, size: int) -> list[np.ndarray]:
-    """Of the cells under pressure of each pair that rubs, by the rigid coordinates (2 cells, size)."""
+    """Gradients of the slips of the loaded cells of each contact with friction, by the rigid coordinates (2 cells,
+    size).
+    """
     m, scratch = engine.compiled.model, engine.scratch
     found = []
     for pair in np.flatnonzero(m.pairs.friction.numpy()[: m.pairs.count] > 0.0):
@@ -521,14 +539,15 @@ def _cell_slips(engine: Engine, world: int, size: int) -> list[np.ndarray]:
 
 
 def _closed_places(engine: Engine, world: int) -> np.ndarray:
-    """Of lumped contacts, those that carry something."""
+    """The lumped contacts that carry load."""
     places = engine.compiled.elements.lumped.places
     return np.flatnonzero(engine.state.lumped_force.numpy()[world, 1, :places] > 0.0)
 
 
 def _lumped_gradients(engine: Engine, world: int, size: int, *, slips: bool = False) -> np.ndarray:
-    """Of the gaps of closed places of lumped contacts, by the rigid coordinates (places, size); slips: of the slips of
-    those that may stick (2 places, size)."""
+    """Gradients of the gaps of closed lumped contacts, by the rigid coordinates (places, size); slips: of the slips of
+    those that may stick (2 places, size).
+    """
     m, state, scratch = engine.compiled.model, engine.state, engine.scratch
     lumped = engine.compiled.elements.lumped
     closed = _closed_places(engine, world)
@@ -556,7 +575,9 @@ def _lumped_gradients(engine: Engine, world: int, size: int, *, slips: bool = Fa
 
 
 def _gap_gradients(engine: Engine, world: int, size: int) -> tuple[np.ndarray, np.ndarray]:
-    """Of the hats under pressure, by the rigid coordinates (hats, size), and their pressures [Pa] (hats,)."""
+    """Gradients of the gaps of active nodes, by the rigid coordinates (nodes, size), and their pressures [Pa]
+    (nodes,).
+    """
     m, scratch = engine.compiled.model, engine.scratch
     active = (engine.state.active.numpy()[world] != 0) & (scratch.area.numpy()[world] > 0.0)
     wrench, pressure = scratch.wrench.numpy()[world], engine.state.pressure.numpy()[world]
@@ -573,8 +594,9 @@ def _gap_gradients(engine: Engine, world: int, size: int) -> tuple[np.ndarray, n
 
 
 def _of_wrenches(engine: Engine, world: int, pair: int, own: np.ndarray, size: int) -> np.ndarray:
-    """Gradients, by the rigid coordinates (n, size), of what the wrenches `own` (n, 6) on the first body of a pair work
-    against: force and torque about its centre of mass, world axes."""
+    """Gradients, by the rigid coordinates (n, size), of the quantities conjugate to the wrenches `own` (n, 6) on the
+    first body of a contact: force and torque about its centre of mass, world axes.
+    """
     m, scratch = engine.compiled.model, engine.scratch
     axes, r = scratch.axes.numpy()[world], scratch.r1.numpy()[world]
     line = np.zeros((len(own), size))

@@ -1,27 +1,28 @@
-r"""Laps on the host: constants of their groups, and the motion that they see.
+r"""Small-sliding contacts on the host: constants of their groups, and their relative motion.
 
-Bent gaps. Stiffness that a lumped contact under load has against motions which neither open nor close its gap.
+Bent gaps. Stiffness of a loaded lumped contact against motions which neither open nor close its gap.
 
-To first order a ball slides freely across the bottom of its groove. To second order it climbs: the normal leans, and
-the force F with it. A motion that gives the two bodies the displacements u_1, u_2 at the place x and the turns phi_1,
-phi_2 moves the place and leans the normal by dx and dn (`warpffrf_kernels.lumped.places`), and the force on the first
-body and its moment about r_1 change by
+To first order a ball slides freely across the bottom of its groove. To second order it climbs: the normal tilts, and
+the force F with it. A motion that gives the two bodies the displacements u_1, u_2 at the point x and the rotations
+phi_1, phi_2 moves the point and tilts the normal by dx and dn (`warpffrf_kernels.lumped.places`), and the force on the
+first body and its moment about r_1 change by
 
     df = F dn,      dm = (dx - dr_1) x F n + (x - r_1) x F dn,
 
 opposite ones on the second. Over the motions, -(df . dr + dm . phi) of both bodies is a matrix, whose symmetric part is
-the stiffness: F/(r - R) of a ball of radius R in a groove of radius r, none of a ball that spins or rolls on a plane.
+the stiffness: F/(r - R) of a ball of radius R in a groove of radius r, zero for a ball that spins or rolls on a plane.
 
-Floating. Groups of bodies that nothing leads to the ground from: what acts on one from outside either balances, and it
-stays where it is, or it has no equilibrium.
+Floating. Groups of bodies without a path to the ground: the external loads on a group either balance, and it stays
+where it is, or it has no equilibrium.
 
-What bodies of a group do to one another has no resultant, so that of all forces is that of loads and weights. A force
-that does not balance never will; a torque may, as the group turns.
+Forces between bodies of a group have no resultant, so that the resultant is that of loads and weights. A force that
+does not balance never will; a torque may, as the group rotates.
 
-Slow films. How long films take to become steady, for equilibria: voids come around with half of the sliding speed.
+Slow films. Time for films to become steady, for equilibria: cavity fractions travel around with half of the sliding
+speed.
 
-A proximal step squeezes films over its own time, which may not grow beyond what joints bear; where walls slide slowly a
-film needs far longer. So its time is stretched against that of the bodies.
+A proximal step squeezes films over its own time, which is limited by the joints; where walls slide slowly a
+film needs far longer. So its time is stretched relative to that of the bodies.
 """
 
 from __future__ import annotations
@@ -43,17 +44,17 @@ Array = np.ndarray
 
 @dataclass(frozen=True)
 class LapGroup:
-    """Constants of a group of laps on the host, s its forces, z the motion that it sees."""
+    """Constants of a group of small-sliding contacts on the host, s its forces, z its relative motion."""
 
     cells: slice
     columns: slice  # of z
-    components: int  # forces of a cell: 3, or the normal one alone
+    components: int  # forces of a cell: 3, or only the normal one
     G: Array  # (s, s) m/N
     J: Array  # (s, z)
     friction: Array  # (cells,)
 
     def closed(self, pressed: Array) -> Array:
-        """Which components (s,) hold what the cells `pressed` (cells,) see: gaps, and slips where they rub."""
+        """Components (s,) that the cells `pressed` (cells,) constrain: gaps, and slips where they rub."""
         closed = np.repeat(pressed[:, None], self.components, axis=1)
         if self.components == 3:
             closed[:, 1:] &= (self.friction > 0.0)[:, None]
@@ -67,7 +68,7 @@ class LapGroup:
 
 
 def lap_groups(engine: Engine) -> list[LapGroup]:
-    """All groups of laps of a scene."""
+    """All groups of small-sliding contacts of a scene."""
     laps = engine.compiled.laps
     table = {name: getattr(laps, name).numpy() for name in (
         "cell_start", "column_start", "components", "compliance", "compliance_start", "motion", "motion_start",
@@ -89,8 +90,9 @@ def lap_groups(engine: Engine) -> list[LapGroup]:
 
 
 def gradients(engine: Engine, coordinates: int, world: int = 0) -> Array:
-    """B (z, coordinates) at the state that was evaluated last, over displacements of the centres of mass,
-    turns in body axes, and modes."""
+    """B (z, coordinates) at the last evaluated state, over displacements of the centres of mass, rotations in body
+    axes, and modes.
+    """
     laps, bodies = engine.compiled.laps, engine.compiled.model.bodies.count
     if not laps.count:
         return np.zeros((0, coordinates))
@@ -111,7 +113,8 @@ def gradients(engine: Engine, coordinates: int, world: int = 0) -> Array:
 
 def held_by_laps(engine: Engine, world: int, size: int) -> tuple[Array, Array]:
     """Gradients, by the rigid coordinates (n, size), of the gaps of cells under pressure, and of their slips where they
-    rub, and the forces [N] along them (n,); at the state that was evaluated last."""
+    rub, and the forces [N] along them (n,); at the last evaluated state.
+    """
     lines, pulls = [np.zeros((0, size))], [np.zeros(0)]
     if engine.compiled.laps.count:
         B = gradients(engine, engine.compiled.model.bodies.count * 6 + engine.compiled.model.modes.count, world)
@@ -124,12 +127,13 @@ def held_by_laps(engine: Engine, world: int, size: int) -> tuple[Array, Array]:
     return np.vstack(lines), np.concatenate(pulls)
 
 
-SOFT = 1e-6  # of the largest force over the length of the scene: a stiffness below is none
+SOFT = 1e-6  # of the largest force over the length of the scene: a stiffness below counts as zero
 
 
 def without_stiff(engine: Engine, world: int, weight: np.ndarray, motions: np.ndarray) -> np.ndarray:
-    """Of `motions`, orthonormal lines (n, 6 bodies) as of `free_motions`, the combinations that no lumped contact under
-    load resists."""
+    """The combinations of `motions`, orthonormal lines (n, 6 bodies) as of `free_motions`, that no loaded lumped
+    contact resists.
+    """
     if not len(motions):
         return motions
     K = sum(_stiffness(engine, world, motions / weight), np.zeros((len(motions), len(motions))))
@@ -140,7 +144,7 @@ def without_stiff(engine: Engine, world: int, weight: np.ndarray, motions: np.nd
 
 
 def _stiffness(engine: Engine, world: int, motions: np.ndarray) -> list[np.ndarray]:
-    """Of each closed place, (n, n)."""
+    """Stiffness of each closed place, (n, n)."""
     m, lumped = engine.compiled.model, engine.compiled.elements.lumped
     loads = engine.scratch.lumped_load.numpy()[world, : lumped.places]
     r, axes = engine.scratch.r1.numpy()[world], engine.scratch.axes.numpy()[world]
@@ -171,8 +175,9 @@ def _stiffness(engine: Engine, world: int, motions: np.ndarray) -> list[np.ndarr
 
 
 def lines_of(engine: Engine, world: int, group: list[int]) -> Array:
-    """The six rigid motions (6, 6 bodies) of a group, displacement in world, turn in body axes: unit displacements, and
-    unit turns about its centre of mass."""
+    """The six rigid motions (6, 6 bodies) of a group, displacement in world, rotation in body axes: unit displacements,
+    and unit rotations about its centre of mass.
+    """
     r, axes = (np.asarray(a.numpy()[world]) for a in (engine.scratch.r1, engine.scratch.axes))
     mass = engine.compiled.model.bodies.mass.numpy()[group]
     centre = mass @ r[group] / mass.sum()
@@ -190,18 +195,17 @@ def told_of(engine: Engine, group: list[int]) -> str:
     return f"nothing leads to the ground from {names}, whose loads"
 
 
-TURNS = 30.0  # of the oil in the longest step: each such step leaves a thirtieth of what was not steady
+TURNS = 30.0  # of the oil in the longest step: each such step leaves a thirtieth of the transient
 
 
 def stretch(scene: Scene, longest: float) -> float:
-    """Time of films over that of the bodies; longest [s]: step of these."""
+    """Time of films over that of the bodies; longest [s]: step of the bodies."""
     times = [time for film in scene.films if (time := slide_time(film)) is not None]
     return max([1.0, *(TURNS * time / longest for time in times)])
 
 
 def slide_time(film: Film) -> float | None:
-    """Time [s] that the oil takes through a film with the velocities that the scene begins with; None where nothing
-    slides."""
+    """Time [s] that the oil takes through a film with the scene's initial velocities; None where nothing slides."""
     shape, grid = film.a.surface.shape, film.grid
     theta, z = film.theta[grid.columns // 2], 0.5 * (grid.z[0] + grid.z[-1])
     at = film.a.body.to_world(shape.point(theta, z))

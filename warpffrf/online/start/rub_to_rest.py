@@ -7,8 +7,8 @@ the *initial state*, the positions of the assembled scene, with joints closed. W
 
     R(x_1, t; slip = x_1 - x_0) = 0        under the loads and prescribed motions of the time t,
 
-all friction by its law with the loads that press at x_1: a joint, a lumped contact or a cell sticks where less than its
-bound holds x_0, and has slipped against its traction elsewhere. This equals the result of loads that grow
+all friction by its law with the normal loads at x_1: a joint, a lumped contact or a cell sticks where less than its
+bound keeps it at x_0, and has slipped against its traction elsewhere. This equals the result of loads that grow
 simultaneously from zero, as long as slip directions stay those of the end; consecutive loads require a static run,
 which continues from here.
 
@@ -17,14 +17,15 @@ largest depth of halving, and so continues with shorter proximal steps at once.
 
 The energy ledger starts at the state found: earlier work is not included.
 
-**Contact of surfaces.** Tractions are found from pressures near those of the state before, and from none at all the
-iteration rarely gets there. So the scene is pressed together first, without friction and with all that friction will
-resist held where it began (`start.pressed`), and the load step goes on from there: surfaces slip from the state under
-the whole pressure, joints that rub from the initial state. It is the path of a load that presses first and one that
-pulls then, after Cattaneo and Mindlin, and not that of both growing together, of which a patch that is pulled by less
-than mu P does not slip at all. A body deforms under the pull while it is pressed, as if its inertia held it, and what
-its surface moves by in that is no slip; a static run in which the pull comes later has that as well, and there the
-patch gives a few per cent more (tests/online/test_surfaces_at_rest.py). Where one path is meant, run it, kind="static".
+**Contact of surfaces.** Tractions are found from pressures near those of the previous state; without pressures the
+iteration rarely converges. So the scene is pressed together first, without friction and with all motions that friction
+will resist constrained (`start.pressed`), and the load step continues from there: surfaces slip from the state under
+the whole pressure, joints with friction from the initial state. This is the path of a normal load followed by a
+tangential one, after Cattaneo and Mindlin, and not that of both growing together, for which a patch under a tangential
+load below mu P does not slip at all. A body deforms under the tangential load while it is pressed, as if its inertia
+resisted it, and the displacement of its surface in that is no slip; a static run with a later tangential load includes
+it, and there the compliance of the patch is a few per cent larger (tests/online/test_surfaces_at_rest.py). Where a
+definite path is required, run it with kind="static".
 
 Laws that give no force without a velocity are refused.
 """
@@ -72,8 +73,9 @@ def refuse_without_rest(scene: Scene) -> None:
 
 
 def rub_to_rest(engine: Engine) -> bool:
-    """Bring every world of `engine` to its static state with friction at the present time; True on success. Why none
-    was found is in its status and, where a body goes on moving, in `engine.not_at_rest`."""
+    """Bring every world of `engine` to its static state with friction at the present time; True on success. The reason
+    for a failure is in its status and, where a body keeps moving, in `engine.not_at_rest`.
+    """
     engine.rates_to_zero()
     engine.static_step(LEAST * float(engine.compiled.model.length))  # closes joints, finds what overlaps
     if np.any(engine.word("status")):
@@ -92,7 +94,7 @@ def rub_to_rest(engine: Engine) -> bool:
         return True
     if not motions.leans:
         return False
-    for lean in (LEANS, 0.0):  # where neither leads anywhere, the first one says why
+    for lean in (LEANS, 0.0):  # where neither succeeds, the reason of the first one is reported
         engine.resume(begin)
         engine.start_notes[:] = notes
         if press(engine, PressedMotions(engine, lean)) and _rubbed(engine, 0):

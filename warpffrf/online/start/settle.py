@@ -9,12 +9,12 @@ Motions that nothing resists (`warpffrf.online.start.free_motions`) are constrai
 to within the tolerance of Newton's method: round-off, and grid errors of torques that are zero, would drive
 them. Motion along them, as of balls that rotate by round-off, does not count as motion of a scene at rest.
 
-Laps that rub go down with their energy and what friction has taken since the state that its history begins in: as
-pressures come to rest that falls, and the energy alone may rise by as much. Where even steps shorter than the first one
-end higher, it is not asked any more.
+With friction in small-sliding contacts, the sum of the energy and of the friction loss since the initial state of their
+history decreases; as pressures come to rest the loss falls, and the energy alone may rise by as much. Where even steps
+shorter than the first one end higher, this condition is dropped.
 
-Films are squeezed over the time tau while their walls slide with the velocities that the scene begins with, so that
-what comes to rest is a steady state; it has no energy to go down.
+Films are squeezed over the time tau while their walls slide with the scene's initial velocities, so that a state at
+rest is a steady state; a film has no energy that could decrease.
 
 Rest. Residual forces after a proximal step of an equilibrium: whether a scene that still moves is at rest.
 
@@ -25,36 +25,38 @@ zero, some 1e-12 of the load, and never comes to rest. Its forces balance nevert
 
 Pressed. The state in which a scene is pressed together, before friction of its surfaces acts.
 
-Tractions need pressures that are there before anything slips. So where contact of surfaces rubs, an equilibrium with
+Tractions need pressures before anything slips. So where surfaces have friction, an equilibrium with
 friction (`warpffrf.online.start.rub_to_rest`) has two parts: first the scene comes to rest without friction, with all
-that friction will resist held where it is; then friction takes over what was held.
+motions that friction will resist constrained; then friction replaces these constraints.
 
-Held are the rigid motions that joints and drives leave and that neither open nor close a gap under pressure, but for
-which surfaces under pressure that rub have to slip: with N the motions of
+Constrained are the rigid motions that joints and drives leave free and that neither open nor close a gap under
+pressure, but cause slip of loaded surfaces with friction: with N the motions of
 
     C z = 0,   L z = 0        (`warpffrf.online.start.free_motions`; springs resist nothing here)
 
-and T the slips of cells, of closed lumped contacts and of joints that rub, the combinations N y whose slips T N y are
-more than STICKS. So
-a force along a plane, a spring or a weight down an incline moves nothing, and slip is counted from where the surfaces
-began. What they are is known where the scene is pressed: so it is pressed twice, first to find them, then from the
-initial state again with these held from the beginning, found anew as soon as something is under pressure.
+and T the slips of cells, of closed lumped contacts and of joints with friction, the combinations N y whose slips T N y
+are more than STICKS. So a force along a plane, a spring or a weight down an incline moves nothing, and slip is measured
+from the initial positions of the surfaces. These motions are known where the scene is pressed: so it is pressed twice,
+first to find them, then from the initial state again with these constrained from the beginning, and determined again as
+soon as a contact is under pressure.
 
-A ball that lies a little off the top of another one is pushed off by what presses it, and friction holds it there, too:
-where nothing is under pressure in the end, or no equilibrium with friction is found from there, motions on which gaps
-lean by less than LEANS are held as well. Not at once, as such a motion may be what presses, a wedge or a roller.
+A ball slightly off the top of another one is pushed off by its load, and friction holds it there, too:
+where no contact is under pressure in the end, or no equilibrium with friction is found from there, motions that change
+gaps by less than LEANS are constrained as well. Not at once, as such a motion may be the loading one, of a wedge or a
+roller.
 
-What is free altogether, a wheel that rolls down an incline, is held here, too, and told by the step with friction.
+A free motion, such as of a wheel that rolls down an incline, is constrained here, too, and reported by the step with
+friction.
 
-What holds here bears the loads of the scene, and is stiffer than what holds free motions: a force F moves a mass m by
-F/m 1e-16 s2 a step in a scene of 0.1 m.
+These constraints carry the loads of the scene, and are stiffer than those of free motions: a force F moves a mass m by
+F/m 1e-16 s2 per step in a scene of 0.1 m.
 
 Joint friction. Friction of joints at the start of a run: which of them slip, and with which force.
 
 A joint whose sides move against each other slips, against their velocity. One at rest sticks, unless it would need more
-than the bound (`warpffrf.model.forces.laws.SlipLaw`); it then begins to slip the way that it was pulled, and of several
-those go that are asked for too much, until no other is. The bound follows from reactions that friction changes, so it
-is looked at anew whenever they are.
+than the bound (`warpffrf.model.forces.laws.SlipLaw`); it then begins to slip in the direction of the load. All of
+several overloaded ones begin to slip, until no other is overloaded. The bound follows from reactions that friction
+changes, so it is evaluated again whenever they change.
 """
 
 from __future__ import annotations
@@ -73,15 +75,15 @@ GROWTH = 10.0  # of the proximal step from one to the next, ...
 CAREFUL = 2.0  # ... below one that failed
 # times are those that a length of the scene takes at some speed, as the times of its vibrations grow with its size
 FIRST = 1e-2  # s/m: 1 ms for a scene of 0.1 m, moves a body by F/m * 1e-6 s2 at first
-LEAST = 1e-6  # s/m: a step that fails even so is no matter of its size
-# layers that hardly hold at touch, pairs far apart that seem to close: a body that would go too far at first begins
-# again with a shorter step
+LEAST = 1e-6  # s/m: the failure of a step of this size does not depend on its size
+# layers with low stiffness at touch, distant pairs that appear to close: a body whose first displacement would be too
+# large starts again with a shorter step
 RETREATS, RETREAT = 2, 1000.0
 # s/m: 1 kg of a scene of 0.1 m then weighs 1 N/m, far below any spring that carries a load; larger ill-conditions the
 # joints
 LAST = 10.0
-# of it, where the scene needs it: bodies of a tenth of a millimetre on springs of a few hertz, whose vibrations
-# are not faster for being small, come nearer to rest in each of them by less than CREEP
+# of it, where necessary: bodies of a tenth of a millimetre on springs of a few hertz, whose vibrations
+# are not faster for being small, approach rest in each of them by less than CREEP
 LONGER = 1e6
 TOLERANCE = 1e-11  # of the scene's length, movement of the last proximal step: round-off of positions times 1e5
 ROUND_OFF = 1e-16  # of it: less is no movement in a step that is not short
@@ -93,10 +95,10 @@ LEVEL = 1e-3, 1e-2  # of it: energies differ by no more than what grids of conta
 
 def settle(engine: Engine, free: FreeMotions | None = None) -> bool:
     """Bring every world of `engine` to its static state at the present time; True on success. free: the motions that
-    are constrained, None those without resistance.
+    are constrained, None: those without resistance.
 
     A scene in which a body creeps although its forces balance, to the tolerance of Newton's method, is at rest too.
-    What creeps, and what is free and was left where it is, is named in `engine.start_notes`.
+    Creeping bodies, and free motions that were left where they are, are named in `engine.start_notes`.
     """
     engine.rates_to_zero()
     free = free or FreeMotions(engine)
@@ -205,7 +207,9 @@ def _gyration(engine: Engine) -> np.ndarray:
 
 
 def _films_steady(engine: Engine) -> bool:
-    """Whether the voids of films have stayed in the last step, which take turns to come to where they stay."""
+    """Whether the cavity fractions of films, which need revolutions to become steady, have not changed in the last
+    step.
+    """
     films = engine.compiled.films
     if not films.count:
         return True
@@ -226,8 +230,9 @@ REST_ROUND_OFF = 1e-14  # of the largest force
 
 
 def left_over(engine: Engine, world: int) -> tuple[float, str]:
-    """The largest force left over by the last proximal step, as a fraction of the largest force in play, a torque over
-    the radius of gyration; and a clause that says what creeps under it."""
+    """The largest unbalanced force of the last proximal step, as a fraction of the largest force of the scene, a torque
+    over the radius of gyration; and a clause that names the body that creeps under it.
+    """
     m, scratch, bodies = engine.compiled.model, engine.scratch, engine.scene.bodies
     if not bodies:
         return 0.0, ""
@@ -247,8 +252,7 @@ def left_over(engine: Engine, world: int) -> tuple[float, str]:
 
 
 def creeping_notes(engine: Engine) -> list[str]:
-    """What to say of an equilibrium in which a body goes on moving, in the world that is the worst; nothing where
-    round-off moves it."""
+    """Note on an equilibrium in which a body keeps moving, in the worst world; none where round-off moves it."""
     share, clause = max(left_over(engine, world) for world in range(engine.worlds))
     if share <= REST_ROUND_OFF:
         return []
@@ -269,19 +273,19 @@ def press(engine: Engine, motions: PressedMotions) -> bool:
 
 
 class PressedMotions(FreeMotions):
-    """Those that nothing resists, and those that friction will resist, held alike."""
+    """Motions that nothing resists, and those that friction will resist, constrained in the same way."""
 
     holds = yields = 1e-2 * HOLD
     weakens, bears = False, True
     first = np.inf
-    leans = False  # whether gaps lean on some by less than LEANS
+    leans = False  # whether some change gaps by less than LEANS
 
     def __init__(self, engine: Engine, lean: float = 0.0) -> None:
         super().__init__(engine, rubs=True)
         self.lean = lean
 
     def look(self) -> None:
-        """As of `FreeMotions`, and whether gaps lean on motions that friction will resist."""
+        """As of `FreeMotions`, and whether gaps change by motions that friction will resist."""
         super().look()
         for world, resisted in enumerate(self.resisted):
             if not self.leans and self._presses(world):

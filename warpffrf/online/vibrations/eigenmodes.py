@@ -5,17 +5,17 @@ of the null space of C S (singular values below RANK of the largest are no const
 
     m z'' + d z' + k z = 0.
 
-m is well conditioned, but k holds the pendulum beside the highest mode, and an eigenvalue of k is only as good as
-round-off of the largest. So z is first written in the eigenvectors V of the symmetric pair (m, k + sigma m): the
-inverse k^-1 is what they come from, the low ones are accurate. There k is nearly diagonal and graded, and the
+m is well conditioned, but k contains both the pendulum and the highest mode, and an eigenvalue of k is only as accurate
+as round-off of the largest. So z is first written in the eigenvectors V of the symmetric pair (m, k + sigma m): they
+are computed from the inverse k^-1, so that the low ones are accurate. There k is nearly diagonal and graded, and the
 eigenvalues of
 
     [ 0               1            ]
     [ -m^-1 k     -m^-1 d          ]           (z, z') = phi exp(lambda t)
 
-after balancing are as good as round-off of the largest *frequency*. Frequency |lambda|/2 pi, damping ratio -Re(lambda)/
-|lambda|; of a pair of conjugates the one with Im > 0 is kept, an overdamped motion has two real eigenvalues and both
-are. Motions without stiffness have lambda = 0, one for each direction.
+after balancing are as accurate as round-off of the largest *frequency*. Frequency |lambda|/2 pi, damping ratio
+-Re(lambda)/|lambda|. Of a pair of conjugates the one with Im > 0 is kept; an overdamped motion has two real eigenvalues
+and both are kept. Motions without stiffness have lambda = 0, one for each direction.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ LOST = (
     "die out; the slowest of them was looked for at {:.4g} 1/s"
 )
 Solve = Callable[[Array, Array, Array, Array], tuple[Array, Array]]
-STEADY = 1e-3  # of weight and centripetal acceleration: more makes the state one that passes
+STEADY = 1e-3  # of weight and centripetal acceleration: above it the state is transient
 SHAKES = (
     1e-2  # of the centripetal acceleration within a body, where flexible ones begin to stretch in their stiff modes
 )
@@ -142,7 +142,7 @@ def complex_modes(
     M: Array, D: Array, K: Array, C: Array, zero: float = ZERO, solve: Solve | None = None
 ) -> tuple[Array, Array]:
     """Eigenvalues (n,) [1/s] by rising modulus and shapes (coordinates, n) of M y'' + D y' + K y = 0 with C y = 0;
-    solve: of (m, d, k, basis) in place of m z'' + d z' + k z, y = basis z, those of a scene with films.
+    solve: solver of (m, d, k, basis) that replaces m z'' + d z' + k z, y = basis z, for scenes with films.
 
     Those below `zero` [1/s] are motions without stiffness, one for each direction. Raises InputError where a free
     coordinate has no mass.
@@ -273,13 +273,13 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         )
     if linear.closed:
         notes.append(
-            f"closed contacts stay closed ({linear.closed} pressure hats): the modes are those of vibrations too small "
+            f"closed contacts stay closed ({linear.closed} active nodes): the modes are those of vibrations too small "
             "to open them, with the patch held in place; what rolls it along is at 0 Hz"
         )
     notes.extend(stuck_notes(engine, name))
     if linear.films:
         notes.append(
-            "oil films keep their sets of voids: the modes are those of vibrations too small to change them; motions "
+            "oil films keep their cavities: the modes are those of vibrations too small to change them; motions "
             "of oil alone are left out, walls slide as the state has it, and at an equilibrium what drag does to small "
             "motions is left out"
         )
@@ -292,11 +292,11 @@ def _notes(engine: Engine, linear: Linearisation, name: str) -> list[str]:
         names = ", ".join(repr(n) for n in linear.turning)
         if linear.co_rotating:
             notes.append(
-                f"bodies that turn: {names}; frequencies are those in axes that turn with each body, exact where all "
-                "of them turn as one and what holds them is alike from all sides; else those of this instant"
+                f"rotating bodies: {names}; frequencies are those in axes that rotate with each body, exact where all "
+                "of them rotate as one and their supports are isotropic; else those of this instant"
             )
         else:
-            notes.append(f"bodies that turn: {names}; frequencies are those in world axes")
+            notes.append(f"rotating bodies: {names}; frequencies are those in world axes")
     if name != "equilibrium" and _passing(engine):
         notes.append("the state is not steady (bodies accelerate, or stretch): the modes are those of this instant")
     return notes
@@ -323,7 +323,7 @@ def _rubbing_notes(engine: Engine) -> list[str]:
 
 
 def _passing(engine: Engine) -> bool:
-    """Whether velocities change otherwise than by turning with the body, or bodies deform."""
+    """Whether velocities change other than by rotation with the body, or bodies deform."""
     state = engine.state
     gravity = float(np.linalg.norm(engine.scene.gravity))
     flexible = any(b.reduced is not None for b in engine.scene.bodies)
@@ -338,7 +338,7 @@ def _passing(engine: Engine) -> bool:
             return True
         if np.linalg.norm(wdot) > STEADY * max(float(w @ w), 1.0):
             return True
-        if b.reduced is not None:  # what it deforms until its modes are at rest, of its size
+        if b.reduced is not None:  # deformation until its modes are at rest, relative to its size
             own = slice(int(engine.compiled.modal_start[b.index]), int(engine.compiled.modal_start[b.index + 1]))
             rates = state.qd_rate.numpy()[0, own][: b.mode_count]
             ahead = np.linalg.norm(rates / (2.0 * np.pi * b.reduced.frequencies) ** 2)

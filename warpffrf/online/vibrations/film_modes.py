@@ -1,31 +1,34 @@
-r"""Small motions of a scene with oil films: their pressures and voids move, too, with rates of their own.
+r"""Small motions of a scene with oil films: pressures and cavity fractions are unknowns with rates.
 
-With the set of voids as it is, a film about a state is linear. Of its unknowns x, pressures or voids and pressures of
-asperities, and the columns c that it is coupled to, motions of both bodies and global modes (`warpffrf_kernels.films`),
+With the set of cavitated functions fixed, a film is linear about a state. With its unknowns x, pressures or cavity
+fractions and pressures of asperities, and the columns c that it is coupled to, motions of both bodies and global modes
+(`warpffrf_kernels.films`),
 
     J_0 x + J_1 x' + B_0 c + B_1 c' = 0,       force on c:  P^T x.
 
-The set moves by itself in this: the void of the last function before a film that forms again stands for how far that
-function is filled, and lets as much less of voids into the film; so boundaries travel within cells.
+The boundary of the set moves nevertheless: the cavity fraction of the last function before a film that forms again
+represents how far that function is filled, and reduces the cavity flow into the film accordingly; so boundaries travel
+within cells.
 
 J and B of a step are J_0 + a_0 J_1 and B_0 + a_0 B_1, with the coefficient a_0 of its rates, so that two of them, from
-the kernels of a step, give all four. With y of `linearise`, c = T y and c' = T y' + U y, and y = N z of rigid rows that
-stay satisfied, a motion z exp(lambda t) has the film follow,
+the kernels of a step, determine all four. With y of `linearise`, c = T y and c' = T y' + U y, and y = N z of rigid rows
+that stay satisfied, a motion z exp(lambda t) and the film satisfy
 
     T(lambda) z = 0,
     T = lambda^2 m + lambda d + k + N^T T^T P^T (J_0 + lambda J_1)^-1 (B_0 T + B_1 U + lambda B_1 T) N.
 
-**Voids are never part of an eigenproblem.** What travels from function to function is a chain, in a matrix a Jordan
-block as long as the row of voids: among the eigenvalues of a pencil of (z, z', x) the round-off eps of such a block of
-length n stands as eps^(1/n), some half of how fast voids leave a function, on circles that reach far into the unstable
-half. Solving with J_0 + lambda J_1 is free of that: voids come first, in a triangle, and leave the dense lines of full
-functions.
+**Cavity fractions are never part of an eigenproblem.** Transport from function to function is a chain, in a matrix a
+Jordan block as long as the row of cavitated functions. Among the eigenvalues of a pencil of (z, z', x) the round-off
+eps of such a block of length n appears as eps^(1/n), about half of the rate at which the cavity fractions leave a
+function, on circles that reach far into the unstable half-plane. Solving with J_0 + lambda J_1 avoids this: cavity
+fractions are eliminated first, as a triangle, which leaves the dense rows of full functions.
 
-**Each motion by itself.** About a place mu, T is a quadratic T(mu) + (lambda - mu) T'(mu), but for lambda^2 m, which is
-kept whole; its eigenvalue next to mu is the next place. That is Newton's method for an eigenvalue, and double ones do
-it no harm. It begins at mu = 0, and goes up: next is the slowest eigenvalue about the last place that none of those
-known takes for its own. Searches that come to nothing, or to one that is known, are given up, and said: they are for
-motions that die out as fast as voids leave, where the film has poles without end.
+**Each motion separately.** About a point mu, T is the quadratic T(mu) + (lambda - mu) T'(mu), except for lambda^2 m,
+which is kept whole; its eigenvalue nearest to mu is the next point. That is Newton's method for an eigenvalue, which
+also converges for double ones. It begins at mu = 0 and proceeds upwards: the next start is the slowest eigenvalue about
+the last point that is not assigned to a known one. Searches that fail, or end at a known one, are given up and
+reported: they concern motions that decay as fast as cavity fractions leave, where the film has an unlimited number of
+poles.
 """
 
 from __future__ import annotations
@@ -44,18 +47,19 @@ from warpffrf_kernels.films.sampling import GAP
 
 Array = np.ndarray
 RATES = 100.0, 200.0  # 1/s: two coefficients of rates, of which J and B are linear functions
-MOST_PLACES = 20  # of Newton's method, for a motion
-CLOSE = 1e-5  # of |lambda|, a step of it: the next would be the square of that
-ROUND_OFF = 1e-13  # of the highest frequency: no motion is known better
+MOST_PLACES = 20  # iterations of Newton's method per motion
+CLOSE = 1e-5  # of |lambda|, a step of it: the next would be its square
+ROUND_OFF = 1e-13  # of the highest frequency: resolution of all motions
 MARGIN = 0.3  # of |lambda|, by which a motion may differ from where its search begins
-SAME = 1e-6  # of |lambda|, and of a shape: one motion found twice
+SAME = 1e-6  # of |lambda|, and of a shape: the same motion found twice
 GAP_STEP = 1e-3  # of the smallest gap, for differences
 
 
 @dataclass(frozen=True)
 class FilmSystem:
-    """J_0, J_1 (x, x), B_0, B_1 (x, n), P (x, n) over displacements, turns and modes of all bodies (n); thin (x,): the
-    unknowns that have next to nothing but their own lines, voids and asperities that do not touch."""
+    """J_0, J_1 (x, x), B_0, B_1 (x, n), P (x, n) over displacements, rotations and modes of all bodies (n); thin (x,):
+    the unknowns whose rows are nearly diagonal, cavity fractions and asperities without contact.
+    """
 
     J_0: Array
     J_1: Array
@@ -66,13 +70,13 @@ class FilmSystem:
 
 
 def smallest_gap(engine: Engine) -> float:
-    """Of all films [m], at the last evaluation; infinite without."""
+    """The smallest of all films [m], at the last evaluation; infinite without films."""
     count = engine.compiled.films.count
     return float(engine.scratch.film_line.numpy()[0, :, int(GAP)].min()) if count else np.inf
 
 
 def film_systems(engine: Engine, coordinates: int) -> list[FilmSystem]:
-    """Of all films of world 0 at the state that was evaluated last; `coordinates`: n."""
+    """Those of all films of world 0 at the state of the last evaluation; `coordinates`: n."""
     films = engine.compiled.films
     if not films.count:
         return []
@@ -92,7 +96,7 @@ def film_systems(engine: Engine, coordinates: int) -> list[FilmSystem]:
 
 
 def _thin(engine: Engine, film: int) -> Array:
-    """Of a film, as `FilmSystem`."""
+    """`FilmSystem.thin` of a film."""
     films = engine.compiled.films
     start, end = films.unknown_start.numpy()[film : film + 2]
     functions = films.function_start.numpy()[film] + films.function_of.numpy()[start:end]
@@ -102,7 +106,7 @@ def _thin(engine: Engine, film: int) -> Array:
 
 
 def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, Array]:
-    """J, B and P of a film as it was assembled last."""
+    """J, B and P of a film as last assembled."""
     m, films = engine.compiled.model, engine.compiled.films
     lines = int(films.unknowns.numpy()[film] + films.rough.numpy()[film])
     modes = [int(count.numpy()[film]) for count in (films.modes, films.second_modes)]
@@ -124,7 +128,7 @@ def _system(engine: Engine, film: int, coordinates: int) -> tuple[Array, Array, 
 
 
 class _Response:
-    """What films do to motions z exp(lambda t), columns Q z at rates Q z' + QU z."""
+    """Response of films to motions z exp(lambda t), columns Q z at rates Q z' + QU z."""
 
     def __init__(self, system: FilmSystem, Q: Array, QU: Array) -> None:
         order = np.argsort(~system.thin, kind="stable")
@@ -163,11 +167,12 @@ def film_modes(
     m: Array, d: Array, k: Array, Q: Array, QU: Array, systems: list[FilmSystem], count: int
 ) -> tuple[Array, Array, list[complex]]:
     """The `count` slowest eigenvalues [1/s] of Im >= 0 and shapes z (n, modes) of m z'' + d z' + k z and the films,
-    whose columns move by Q z at rates Q z' + QU z; and where searches began that were given up, see the module."""
+    whose columns move by Q z at rates Q z' + QU z; and the starts of searches that were given up, see the module.
+    """
     films = [_Response(system, Q, QU) for system in systems]
 
     def about(place: complex) -> tuple[Array, Array]:
-        """Eigenvalues and shapes of the quadratic about a place."""
+        """Eigenvalues and shapes of the quadratic about a point."""
         stiffness, damping = (sum(parts) for parts in zip(*(film.at(place) for film in films), strict=True))
         return quadratic_modes(m, d + damping, k + stiffness - place * damping)
 
@@ -203,7 +208,7 @@ def film_modes(
 
 
 def _free(there: Array, done: list[complex], least: float) -> list[int]:
-    """Which eigenvalues of a quadratic are none of those `done`, nor their conjugates: each takes the nearest."""
+    """Eigenvalues of a quadratic that are neither in `done` nor their conjugates: each of these takes the nearest."""
     free = list(range(len(there)))
     for value in done:
         for one in (value, np.conj(value)) if abs(value.imag) > least else (value,):
@@ -213,6 +218,6 @@ def _free(there: Array, done: list[complex], least: float) -> list[int]:
 
 
 def _alike(one: Array, other: Array) -> bool:
-    """Whether two shapes are one."""
+    """Whether two shapes are the same."""
     size = float(np.linalg.norm(one) * np.linalg.norm(other))
     return bool(abs(np.vdot(one, other)) > (1.0 - SAME) * size)

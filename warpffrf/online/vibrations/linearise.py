@@ -1,29 +1,29 @@
 r"""Small motions about a state: M, D, K of a scene, evaluated with the kernels of the step.
 
-The kernels evaluate, for given positions x, velocities v and accelerations a of all bodies and modes and given
-multipliers lambda and pressures s, the unbalanced forces R(x, v, a; lambda, s), the value of every row and the law of
+For given positions x, velocities v and accelerations a of all bodies and modes and given multipliers lambda and
+pressures s, the kernels evaluate the unbalanced forces R(x, v, a; lambda, s), the value of every row and the law of
 every spring. With the coefficients of the step set so that displacement, velocity and acceleration are independent
 (alpha_m = 1, alpha_f = gamma = 0, h -> 0: `r_1 = r_0 + dx`, `v_1 = v_0`, `vdot_1 = a_0` in `motion`) the three can be
 varied one at a time. R is linear in a and a quadratic polynomial in v (gyroscopic and centrifugal terms), so that
-central differences in them are exact; for x two central differences are combined, the error is of fourth order in a
-step of 10 um, or less where lumped contacts are closed. Whatever a kernel does is thereby in the matrices: the
-geometric stiffness of joints, springs and loads, on rigid coordinates and modes, inertia terms, stiffening.
-Characteristics of springs and dampers enter by their slopes at the state, as differences would reach over their kinks.
+central differences in them are exact; for x two central differences are combined, with an error of fourth order in a
+step of 10 um, or less where lumped contacts are closed. The matrices therefore contain everything that the kernels
+evaluate: the geometric stiffness of joints, springs and loads, on rigid coordinates and modes, inertia terms,
+stiffening. Characteristics of springs and dampers enter by their slopes at the state, as differences would span their
+kinks.
 
-    R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0
-    C_r dx = 0                            rigid rows: joints and drives
-    dlambda_s = law_x dx + law_v dv       spring rows, so that they add C_s^T law_x to R_x, C_s^T law_v to R_v
-    L dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x; of laps `stuck_laps`
+    R_a da + R_v dv + R_x dx + C^T dlambda - L^T ds = 0 C_r dx = 0                            rigid rows: joints and
+    drives dlambda_s = law_x dx + law_v dv       spring rows, so that they add C_s^T law_x to R_x, C_s^T law_v to R_v L
+    dx + G ds = 0                       closed contacts, so that they add L^T G^-1 L to R_x; small sliding: `stuck_laps`
 
-C, and on the active set L and the local compliance G (hats without the modes), are those of the kernels. The phases of
+C, and on the active set L and the local compliance G (nodes without the modes), are those of the kernels. The phases of
 the contact grids are fixed, as in the kernels' own gradient: the travel of the patch over the material is not part of
 small motions. The pressures' line of action rotates with the bodies; that is in R_x.
 
-**Friction** of a static state is none. In a state of a run joints and pairs of surfaces rub with unknowns of their own
-(multipliers, tractions), which are held: their friction neither holds nor damps. In lumped contacts it is a function of
-the motion, and in the matrices: where it sticks its stiffness is in R_x; where it slips, up to the bound on one side
-and along its spring on the other, the difference has the mean of both; regularised friction, rolling resistance and
-pivoting have their slopes at the velocities of the state in R_v.
+**Friction** is zero in a static state. In a state of a run, joints and pairs of surfaces have friction unknowns
+(multipliers, tractions), which are kept constant: their friction neither constrains nor damps. In lumped contacts
+friction is a function of the motion, and in the matrices: where it sticks its stiffness is in R_x; where it slips, up
+to the bound on one side and along its spring on the other, the difference is the mean of both; regularised friction,
+rolling resistance and pivoting have their slopes at the velocities of the state in R_v.
 
 **Rotating bodies.** x varies by dr (world axes) and by psi (body axes, A = A_0 exp(psi^)), so that
 `dw = psi' + w x psi`, `dwdot = psi'' + w x psi' + wdot x psi`. In coordinates y that rotate with the body,
@@ -31,10 +31,10 @@ pivoting have their slopes at the velocities of the state in R_v.
 
     dv = A (y_r' + w x y_r),     dvdot = A (y_r'' + 2 w x y_r' + w x (w x y_r) + wdot x y_r),
 
-and with forces in body axes too the coefficients are constant where the machine turns as a whole. Where all that turns
-is rigid and symmetric about its axis of turning, coordinates in world axes do better (`dr = y_r`, `psi = A^T y_t`, `dw
-= A^T y_t'`, `dwdot = A^T y_t'' - w x A^T y_t'`): supports may then be any. In both, with `x = T y, v = T y' + U y, a =
-T y'' + V y' + W y`, the equations multiplied by T^T are
+and with forces in body axes too the coefficients are constant where the machine rotates as a whole. Where all rotating
+bodies are rigid and symmetric about their axis of rotation, coordinates in world axes are preferable (`dr = y_r`,
+`psi = A^T y_t`, `dw = A^T y_t'`, `dwdot = A^T y_t'' - w x A^T y_t'`): supports may then be any. In both, with
+`x = T y, v = T y' + U y, a = T y'' + V y' + W y`, the equations multiplied by T^T are
 
     M y'' + D y' + K y + (C T)^T dlambda = 0,      C T y = 0,
     M = T^T R_a T,      D = T^T (R_a V + R_v T),      K = T^T (R_a W + R_v U + R_x T).
@@ -61,28 +61,28 @@ Array = np.ndarray
 LENGTH_STEP = 1e-5  # m, rad: fourth-order error 1e-12 at lengths of 10 mm, round-off 1e-11 of the forces in play per m
 RATE_STEP = 1.0  # m/s, rad/s and their rates: exact for quadratic terms, whatever its size
 # where lumped contacts are closed, whose force is a power of an approach of micrometres: of the smallest approach, with
-# a fourth-order error of 1e-12; and a rate at which damping is far from its cut
+# a fourth-order error of 1e-12; and a rate at which damping is far from its cut-off
 APPROACH_STEP, LUMPED_RATE_STEP = 1e-3, 1e-5
-NO_TIME = 1e-20  # s: the step with which velocities and accelerations stay as they are given
+NO_TIME = 1e-20  # s: the step for which velocities and accelerations keep their given values
 FAR_ITERATION = 10**6  # beyond the most iterations: the kernels evaluate, and leave the loop
-RIGID_TANGENT = 1e30  # 1/s2: an inertia so large that modes do not give way, which leaves the local compliance alone
+RIGID_TANGENT = 1e30  # 1/s2: an inertia so large that modes do not move, which leaves the local compliance alone
 ROUND_OFF = 1e-13  # of a sum of forces: machine precision times the few hundred operations of a force
-KINK = 1e-9  # of the scene's length [m, rad, m/s or rad/s]: a kink this near is where the state stands
-TURNING = 1e-3  # rad/s: one turn in two hours; a start leaves less on bodies at rest
+KINK = 1e-9  # of the scene's length [m, rad, m/s or rad/s]: a kink this near counts as at the state
+TURNING = 1e-3  # rad/s: one revolution in two hours; a start leaves less on bodies at rest
 SYMMETRIC = 1e-6  # relative difference of the two moments of a body of revolution
 PATCHED = (
     "active", "pressure", "patch_offset", "ctl", "clk", "modal_load", "lam", "film_pressure", "film_void", "film_full",
     "film_asperity",
 )  # fmt: skip
-"""What an evaluation may change."""
+"""Arrays that an evaluation may change."""
 
 
 @dataclass
 class Linearisation:
     """M, D, K (n, n) and rigid rows C (rows, n) over y: per body translation (3) and rotation (3), then all modes.
 
-    `T` (n, n): y -> world displacement of the centres of mass, turns in body axes, modes. `co_rotating` says whether y
-    turns with the bodies. SI units.
+    `T` (n, n): y -> world displacement of the centres of mass, rotations in body axes, modes. `co_rotating`: whether y
+    rotates with the bodies. SI units.
     """
 
     M: Array
@@ -96,7 +96,7 @@ class Linearisation:
     kinked: list[str]  # names of springs and dampers whose slope jumps at the state
     lumped: int  # closed places of lumped contacts
     films: list[FilmSystem]  # oil films, in addition to M, D and K
-    U: Array  # y -> rates of displacements, as bodies turn
+    U: Array  # y -> rates of displacements by the rotation of bodies
     K_laps: Array  # contribution of sticking small-sliding contacts to K
     laps: Array  # B (z, n) of `stuck_laps`, y -> motion at small-sliding contacts
     resolution: float  # 1/s, frequency of the stiffness that is round-off of the differences
@@ -118,7 +118,7 @@ class _Probe:
         clk["h"] = NO_TIME
         for word, value in (("alpha_m", 1.0), ("alpha_f", 0.0), ("beta", 1.0), ("gamma", 0.0),
                             ("acc", RIGID_TANGENT), ("vel", 1.0), ("forget", 0.0)):  # fmt: skip
-            clk["outer"][word] = value  # dampers show their law where vel > 0
+            clk["outer"][word] = value  # dampers follow their law where vel > 0
         for word, value in (("run", 1), ("moved", 1), ("reassemble", 1), ("refresh", 1), ("recenter", 0),
                             ("iteration", 0), ("failure", 0), ("slots", 0), ("fresh", 0), ("changes", 0),
                             ("round", -1)):  # fmt: skip
@@ -133,7 +133,9 @@ class _Probe:
         self.length_step, self.rate_step = LENGTH_STEP, RATE_STEP
 
     def settle_windows(self) -> None:
-        """Lay the windows of the contact pairs as a step does when it begins; keep the active set that they show."""
+        """Place the windows of the contact pairs as at the beginning of a step; keep the active set that they
+        contain.
+        """
         if not self.model.pairs.count:
             return
         zero = np.zeros(self.count)
@@ -145,8 +147,9 @@ class _Probe:
             self.base[name] = getattr(self.state, name).numpy().copy()
 
     def measure_lumped(self) -> int:
-        """Closed places of lumped contacts at the state placed last; steps of the differences become small beside
-        their approaches."""
+        """Closed places of lumped contacts at the last state; makes the steps of the differences small compared with
+        their approaches.
+        """
         places = self.engine.compiled.elements.lumped.places
         load = self.scratch.lumped_load.numpy()[0, :places]
         approach = -load["touch"]["gap"][load["force"] > 0.0]
@@ -156,7 +159,7 @@ class _Probe:
         return len(approach)
 
     def measure_films(self) -> None:
-        """Steps of the differences become small beside the gaps of films at the state placed last."""
+        """Makes the steps of the differences small compared with the gaps of films at the last state."""
         self.length_step = min(self.length_step, GAP_STEP * smallest_gap(self.engine))
 
     def _joined(self, linear: str, angular: str, modal: str) -> Array:
@@ -165,7 +168,7 @@ class _Probe:
         return np.concatenate([rigid.ravel(), self.base[modal][0, : self.modes]])
 
     def _springs(self) -> list[int]:
-        """Rows that are springs, and those of pretensions that pull; one that holds its length is a joint's."""
+        """Spring rows, and those of pretensions with a given force; a pretension at fixed length is a rigid row."""
         rigid = self.model.rows.rigid.numpy()
         locked = self.engine.locked_rows(0)
         return [i for i in range(self.rows) if not rigid[i] and i not in locked]
@@ -202,13 +205,14 @@ class _Probe:
         self.place(dx, dv, da)
         rigid = self.scratch.residual.numpy()[0, : 6 * self.bodies]
         modal = self.scratch.modal_residual.numpy()[0, : self.modes]
-        if self.model.pairs.count:  # pressures move with the patch over the modes' shapes: held
+        if self.model.pairs.count:  # pressures move with the patch over the modes' shapes: kept constant
             modal = modal + self.state.modal_load.numpy()[0, 1, : self.modes]
         return np.concatenate([rigid, modal, self.laws()])
 
     def find_tangents(self) -> list[str]:
-        """Take the tangents of characteristics at the state as it was evaluated last, once and for all: differences
-        would reach over kinks. Returns the forces whose slope jumps where they stand."""
+        """Take the tangents of characteristics at the last evaluated state, once: differences would span their kinks.
+        Returns the forces whose slope jumps at the state.
+        """
         m, forces = self.model, self.engine.compiled.forces
         value, rate = self.scratch.coordinate.numpy()[0], self.state.drive_rate.numpy()[0, 1]
         aside, kinked = KINK * float(m.length), []
@@ -225,8 +229,9 @@ class _Probe:
         return kinked
 
     def laws(self) -> Array:
-        """Spring forces by their laws (springs,): lambda + (effective stiffness) (defect); of those with
-        characteristics their tangents, what is constant left out."""
+        """Spring forces by their laws (springs,): lambda + (effective stiffness) (defect); with characteristics their
+        tangents, without constant terms.
+        """
         if not self.spring:
             return np.zeros(0)
         x, m = self.scratch, self.model
@@ -246,7 +251,7 @@ class _Probe:
         return (lam + stiffness)[self.spring]
 
     def steps(self) -> Array:
-        """Displacement of each coordinate (n,) for the differences: modes by their largest displacement."""
+        """Displacement of each coordinate (n,) for the differences; modes are scaled by their largest displacement."""
         reach = [np.full(6 * self.bodies, 1.0)]
         for body in self.engine.scene.bodies:
             if body.mode_count:
@@ -318,8 +323,9 @@ def _linearise(probe: _Probe) -> Linearisation:
 
 
 def _resolution(probe: _Probe, C: Array) -> float:
-    """Frequency below which stiffness is not seen: round-off of the forces in play over the step of differences; and,
-    with the patch of closed contacts held, what their force does on the deflections of the bodies that roll."""
+    """Frequency below which stiffness is not resolved: round-off of the forces over the step of differences; and, with
+    the patch of closed contacts fixed, the work of their force on the deflections of the bodies that roll.
+    """
     bodies, base, B = probe.engine.scene.bodies, probe.base, probe.bodies
     lam = base["lam"][0, : probe.rows, None]
     pulls = float(np.abs(C[:, : 6 * B] * lam).max(initial=0.0))
@@ -342,7 +348,7 @@ def _resolution(probe: _Probe, C: Array) -> float:
 
 
 def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
-    """L^T G^-1 L of the active hats (n, n), and their number; after an evaluation with rigid modes."""
+    """L^T G^-1 L of the active nodes (n, n), and their number; after an evaluation with rigid modes."""
     n, m, x = probe.count, probe.model, probe.scratch
     total = np.zeros((n, n))
     count = int(probe.state.ctl.numpy()["slots"][0]) if m.pairs.count else 0
@@ -365,7 +371,7 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
             L[slot, 6 * probe.bodies + first : 6 * probe.bodies + first + size] += J[slot, at : at + size]
             at += size
     G = x.G.numpy()[0, :count, :count]
-    if not m.pairs.beside:  # G has blocks between pairs only where they answer to each other by local modes
+    if not m.pairs.beside:  # G has blocks between pairs only where local modes couple them
         G = np.where(slot_pair[:, None] == slot_pair, G, 0.0)
     if probe.engine.compiled.elements.layers.count:
         G = G + slot_flexibility(probe.engine.compiled, x, count)
@@ -373,7 +379,7 @@ def _closed_contacts(probe: _Probe) -> tuple[Array, int]:
 
 
 def _coordinates(probe: _Probe) -> tuple[Array, Array, Array, Array, list[str], bool]:
-    """T, U, V, W of the module docstring, the names of turning bodies, and whether y turns with them."""
+    """T, U, V, W of the module docstring, the names of rotating bodies, and whether y rotates with them."""
     n = probe.count
     bodies = probe.engine.scene.bodies
     omega = probe.base["omega"][0]
@@ -399,7 +405,7 @@ def cross(w: Array) -> Array:
 
 
 def _is_symmetric(J: Array, w: Array) -> bool:
-    """Whether inertia J looks the same from everywhere about w."""
+    """Whether inertia J is symmetric about w."""
     e = w / np.linalg.norm(w)
     P = np.eye(3) - np.outer(e, e)
     across = P @ J @ P
@@ -408,7 +414,7 @@ def _is_symmetric(J: Array, w: Array) -> bool:
 
 
 def slot_flexibility(compiled: CompiledScene, scratch: Scratch, count: int) -> np.ndarray:
-    """E (count, count) [m^3/Pa] of the hats in the first `count` slots of world 0, at the last linearisation."""
+    """E (count, count) [m^3/Pa] of the nodes in the first `count` slots of world 0, at the last linearisation."""
     E = np.zeros((count, count))
     m = compiled.model
     kinds, first = compiled.elements.layers.kind.numpy(), m.pairs.first.numpy()

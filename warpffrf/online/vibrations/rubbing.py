@@ -1,20 +1,21 @@
-r"""What laps take from a vibration in a mode of a given amplitude: quasi-static cycles in the shape that it has.
+r"""Energy loss of small-sliding contacts in a mode of given amplitude: quasi-static cycles in the mode's shape.
 
-About a state at rest all but the laps is linear (`linearise`), with K_0 its stiffness without what sticking laps add,
-and the laps answer with the forces f on the motion z = P y that they see, history included. Inertia forces of a
-vibration in the mode phi, phi^T M phi = 1, are proportional to M phi; so with the mode's coordinate a given,
+About a state at rest everything but the small-sliding contacts is linear (`linearise`), with K_0 its stiffness without
+that of sticking contacts. The contacts respond with the forces f to their relative motion z = P y, including its
+history. Inertia forces of a vibration in the mode phi, phi^T M phi = 1, are proportional to M phi; so with the mode's
+coordinate a given,
 
     K_0 y - P^T (f(z) - f_0) + C^T dlambda = alpha M phi,     C y = 0,     phi^T M y = q(t) = a sin(2 pi t),
 
-whose unknowns are y and the load alpha. All other coordinates give way as the slip asks for: what a step finds does not
-depend on which part of a body's flexibility its modes have, and which its cells. Of small amplitudes y = q phi and
-alpha = omega^2 q. Cycles of `steps` steps are taken until the last, each step a history of the cells as in a static
-run. With D the loss of the last cycle, and the first harmonic of alpha,
+whose unknowns are y and the load alpha. All other coordinates follow the slip: the result of a step does not depend on
+which part of a body's flexibility is in its modes, and which in its cells. At small amplitudes y = q phi and
+alpha = omega^2 q. Cycles of `steps` steps are computed up to the last, each step with the history of the cells as in a
+static run. With D the loss of the last cycle, and the first harmonic of alpha,
 
     omega_a^2 = 2/(a steps) sum alpha sin(2 pi t),      U = omega_a^2 a^2/2,      zeta = D/(4 pi U):
 
-the linear oscillator with this stiffness that loses as much in a cycle. A free vibration loses D in one;
-the amplitude itself falls by another ratio, as the frequency goes with it.
+the linear oscillator with this stiffness and the same loss per cycle. A free vibration loses D in one cycle;
+the amplitude itself falls by another ratio, as the frequency changes with it.
 
 The equations are solved on the host by Newton's method, in the coordinates of the modes of the stuck state, with the
 kernels' forces and their tangent T_zz (`warpffrf_kernels.laps.outer`); a step that fails is halved.
@@ -39,14 +40,14 @@ from warpffrf_kernels.core import control as k
 from warpffrf_kernels.laps.forms import STICK
 
 Array = np.ndarray
-BALANCED = 1e-9  # of the forces of a step on the modes: those of the cells are known to 1e-11 of the largest
-AT_REST = 1e-10  # of the forces that the laps begin with: round-off of what is small beside them
+BALANCED = 1e-9  # of the modal forces of a step: those of the cells are accurate to 1e-11 of the largest
+AT_REST = 1e-10  # of the initial contact forces: round-off of smaller ones
 MOST_ITERATIONS = 40
 MOST_HALVINGS = 6
 REMEMBERED = 5  # iterations
 RIDGE = 1e-8  # of the largest of their differences
-STANDING = 0.02  # of the kinetic energy: what is out of phase with the rest of a mode
-SLACK = 1e-13  # of the largest stiffness: nothing holds a motion with less, which stays where it is
+STANDING = 0.02  # of the kinetic energy: part that is out of phase with the rest of a mode
+SLACK = 1e-13  # of the largest stiffness: a motion with less is unconstrained and stays where it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,13 +56,15 @@ class Cycle:
 
     coordinate: Array  # (rows,) m kg^(1/2), of the mode
     load: Array  # (rows,) alpha, N kg^(-1/2)
-    loss: dict[str, float]  # J, of each lap
-    slipping: dict[str, float]  # share of the cells of each lap that slip or are open at some time
-    before: float  # J, the loss of the cycle before: the same where cycles repeat themselves
+    loss: dict[str, float]  # J, of each small-sliding contact
+    slipping: dict[str, float]  # share of the cells of each contact that slip or are open at some time
+    before: float  # J, the loss of the cycle before: the same where cycles are periodic
 
 
 class LapForces:
-    """The laps of world 0 of an engine about its accepted state: forces on z for displacements x (n,) of the bodies."""
+    """The small-sliding contacts of world 0 of an engine about its accepted state: forces on z for displacements x (n,)
+    of the bodies.
+    """
 
     def __init__(self, engine: Engine) -> None:
         self.engine, self.laps = engine, engine.compiled.laps
@@ -70,7 +73,7 @@ class LapForces:
         self.rigid, self.bodies = 6 * bodies, bodies
 
     def at(self, x: Array) -> Array | None:
-        """f (z,); None where the cells find no states."""
+        """f (z,); None where the states of the cells do not converge."""
         engine, s = self.engine, self.engine.scratch
         rigid = np.zeros((engine.worlds, self.shape, 6))
         rigid[0, : self.bodies] = x[: self.rigid].reshape(-1, 6)
@@ -86,7 +89,7 @@ class LapForces:
         return None if failed else s.lap_push.numpy()[0, : int(self.laps.column_start.numpy()[-1])].copy()
 
     def tangent(self) -> Array:
-        """-T_zz (z, z), what f changes by, at the last evaluation."""
+        """-T_zz (z, z), the derivative of f, at the last evaluation."""
         columns, squares = self.laps.column_start.numpy(), self.laps.square_start.numpy()
         self.engine.control(run=1, moved=1, refresh=1)
         self._launch("assemble")
@@ -99,7 +102,7 @@ class LapForces:
         return S
 
     def accept(self) -> None:
-        """Make history of the last evaluation."""
+        """Accept the last evaluation into the history."""
         self.engine.control(accept=1, commit=1, mode=int(k.LOADING))
         self._launch("keep")
         self._launch("commit")
@@ -107,15 +110,15 @@ class LapForces:
 
     def _launch(self, phase: str) -> None:
         program = self.engine.graph.program
-        parts = LAP.phases[phase][:1]  # the cells; what they do to residuals is not asked for
+        parts = LAP.phases[phase][:1]  # the cells; their residuals are not needed
         phases.record([((), part) for part in parts], program.arrays, program.sizes, program.device)
 
 
 class RubbingMode:
-    """A real mode phi (n,) over y, of angular frequency omega [rad/s], whose amplitude is given."""
+    """A real mode phi (n,) over y, of angular frequency omega [rad/s], at given amplitudes."""
 
     def __init__(self, engine: Engine, linear: Linearisation, basis: Array, phi: Array, omega: float) -> None:
-        """`basis` (n, free): M-orthonormal, of all y that the rigid rows leave."""
+        """`basis` (n, free): M-orthonormal, of all y that satisfy the rigid rows."""
         self.laps, self.engine = LapForces(engine), engine
         self.state = engine.state.to_numpy()
         self.T, self.basis = linear.T, basis
@@ -132,7 +135,10 @@ class RubbingMode:
         self.engine.put_back(self.state)
         f_0 = self.laps.at(np.zeros(len(self.T)))
         if f_0 is None:
-            raise InputError("equivalent_damping: the laps find no states about the state of the modes; load it anew")
+            raise InputError(
+                "equivalent_damping: the cells of the small-sliding contacts do not converge at the state of the "
+                "modes; compute it again"
+            )
         self.f_0, self.eta, self.alpha, self.q = f_0, np.zeros(len(self.shape)), 0.0, 0.0
         self.laps.accept()
         lost, rows, slipping = [self._lost()], [(0.0, 0.0)], np.zeros(len(self._lost()), bool)
@@ -172,15 +178,16 @@ class RubbingMode:
             return
         if not halvings:
             raise InputError(
-                f"equivalent_damping: no equilibrium of the laps was found at {q:.3g} m kg^(1/2) of the mode's "
-                "coordinate; take more steps, or a smaller amplitude"
+                f"equivalent_damping: no equilibrium of the small-sliding contacts was found at {q:.3g} "
+                "m kg^(1/2) of the mode's coordinate; take more steps, or a smaller amplitude"
             )
         self._go_to(0.5 * (self.q + q), halvings - 1)
         self._go_to(q, halvings - 1)
 
     def _step(self, q: float) -> bool:
-        """Newton's method for eta and alpha at the coordinate q; False where it does not converge. Tangents leave out
-        how directions of slip turn: what the last iterations say of that is taken from their differences."""
+        """Newton's method for eta and alpha at the coordinate q; False where it does not converge. Tangents omit the
+        rotation of the slip directions, which is estimated from the differences of the last iterations.
+        """
         n, c, unit = len(self.shape), self.shape, self.omega**2
         x = np.append(self.eta + (q - self.q) * c, self.alpha / unit)
         rest = AT_REST * np.linalg.norm(self.seen.T @ self.f_0)
@@ -205,7 +212,7 @@ class RubbingMode:
 
 
 def _mixed(met: list[tuple[Array, Array]]) -> tuple[Array, Array]:
-    """Of points and their residuals, the last less that combination of differences that leaves the smallest one."""
+    """The last point minus the combination of differences of points and residuals that minimises the residual."""
     x, left = met[-1]
     if len(met) == 1:
         return x, left
@@ -217,10 +224,12 @@ def _mixed(met: list[tuple[Array, Array]]) -> tuple[Array, Array]:
 
 @TURN
 def rubbing_mode(modes: SceneModes, i: int) -> RubbingMode:
-    """Mode i of `modes`. Raises `InputError` for scenes without laps, and for modes that are no standing vibration."""
+    """Mode i of `modes`. Raises `InputError` for scenes without small-sliding contacts, and for modes that are not
+    standing vibrations.
+    """
     label, linear, value = "equivalent_damping", modes.linear, modes.eigenvalues[i]
     if not modes.scene.laps:
-        raise InputError(f"{label}: the scene has no lap; damping_ratios has all that is linear")
+        raise InputError(f"{label}: the scene has no small-sliding contact; use damping_ratios")
     if linear.turning:
         raise InputError(
             f"{label}: {', '.join(map(repr, linear.turning))} turns; take modes about an equilibrium, or the end of a "

@@ -1,13 +1,15 @@
-r"""Laps in small motions: cells under pressure stick, also those that have slipped to get there; open ones stay open.
+r"""Small-sliding contacts in small motions: cells under pressure stick, also those that have slipped; open ones stay
+open.
 
-With z the motion that laps see and B its gradients (`warpffrf_kernels.laps.motion`), `delta z = B delta x`, the forces
-s of the cells A that are under pressure keep their gaps closed and their slips as they are,
+With z the relative motion at the contacts and B its gradients (`warpffrf_kernels.laps.motion`), `delta z = B delta x`,
+the forces s of the cells A under pressure keep their gaps closed and their slips constant,
 
     G_AA delta s + J_A delta z = 0,      delta f = J_A^T delta s = -S delta z,      S = J_A^T G_AA^-1 J_A >= 0,
 
 so that B^T S B is added to the stiffness of the bodies. A has all three components of a cell with friction, and the
-normal one of a cell without. What turning bodies make of the forces f = J^T s of the state itself is geometric
-stiffness: they are held while the kernels are evaluated (`hold`), in the axes that turn with the first body.
+normal one of a cell without. The rotation of the bodies with the forces f = J^T s of the state itself gives geometric
+stiffness: these forces are constant while the kernels are evaluated (`hold`), in the axes that rotate with the first
+body.
 """
 
 from __future__ import annotations
@@ -24,7 +26,7 @@ Array = np.ndarray
 
 
 def hold(engine: Engine) -> None:
-    """Let the laps of world 0 push the bodies with the forces of the accepted state from now on, whatever moves."""
+    """From now on, apply the contact forces of the accepted state to the bodies of world 0, independent of motion."""
     if not engine.compiled.laps.count:
         return
     force, push = engine.state.lap_force.numpy()[0], engine.scratch.lap_push.numpy()
@@ -37,7 +39,7 @@ def hold(engine: Engine) -> None:
 
 
 def stuck_stiffness(engine: Engine, coordinates: int) -> Array:
-    """B^T S B (coordinates, coordinates) of world 0 at the state that was evaluated last."""
+    """B^T S B (coordinates, coordinates) of world 0 at the last evaluated state."""
     K = np.zeros((coordinates, coordinates))
     if not engine.compiled.laps.count:
         return K
@@ -49,7 +51,7 @@ def stuck_stiffness(engine: Engine, coordinates: int) -> Array:
 
 
 def largest_pull(engine: Engine) -> float:
-    """Largest force [N] of a lap on its bodies, while they are held."""
+    """Largest force [N] of a small-sliding contact on its bodies, while the forces are constant."""
     laps = engine.compiled.laps
     push = engine.scratch.lap_push.numpy()[0]
     pulls = [np.linalg.norm(push[at : at + 3]) for at in laps.rigid_column.numpy()[: laps.laps] if at >= 0]
@@ -57,7 +59,7 @@ def largest_pull(engine: Engine) -> float:
 
 
 def stuck_notes(engine: Engine, name: str) -> list[str]:
-    """What a reader of modes about the state `name` should know of its laps."""
+    """Notes on the small-sliding contacts for modes about the state `name`."""
     laps, pressed = engine.scene.laps, engine.state.lap_state.numpy()[0] != int(OPEN)
     notes, start = [], 0
     for number in lap_order(laps):

@@ -373,16 +373,16 @@ def film_lines(history: History) -> list[BudgetLine]:
         check = history.film_checks.get(str(film.name))
         if check is None:
             continue
-        basis = f"all hats in {len(check.time)} states of the run"
+        basis = f"all nodes in {len(check.time)} states of the run"
         if not len(check.time):
-            basis = "the film of all hats was found in no state of the run"
+            basis = "the film of all nodes was found in no state of the run"
         for of, size, where in (
-            ("force", check.force, "where the bodies are"),
+            ("force", check.force, "at the same positions"),
             ("smallest gap", check.gap, "under the same force"),
             ("largest pressure", check.pressure, "under the same force"),
         ):
             told = basis
             if np.isfinite(size):
-                told += f", {where}; hats of {film.grid.rows} rows err by {check.own:.1%} themselves"
+                told += f", {where}; the error of {film.grid.rows} rows of nodes is {check.own:.1%}"
             lines.append(BudgetLine(PROFILES, f"{of} of film {film.name!r}", float(size), told, cure_of(film)))
     return lines

@@ -1,15 +1,15 @@
-r"""What the pressure of a film is made of, and the points where its equations are met.
+r"""Functions of the pressure of a film, and the points where its equations are evaluated.
 
-*Hats* ("semi"): a function a hat of the grid, each with a void of its own; Gauss points, `ACROSS` x `ALONG` in each
-cell, on the true surface.
+*Nodes* ("semi"): one function per node of the grid, each with its own cavity fraction; Gauss points, `ACROSS` x `ALONG`
+in each cell, on the true surface.
 
-*Strips* ("hyper"): hats around times polynomials along, with zeta from -1 to 1 between the ends,
+*Strips* ("hyper"): circumferential nodal functions times axial polynomials, with zeta from -1 to 1 between the ends,
 
     phi_jm = psi_j(theta) (1 - zeta^2) (zeta^m - c_m),
 
-which end without pressure on both ends; c_0 = 0, the others make all but m = 0 have no mean along. So the void of a
-column, even over the width, is the multiplier of a mean pressure that is not negative: it stands in the equation of
-m = 0 alone. Few Gauss points a strip between columns, one around and two along for each power.
+which are zero at both ends; c_0 = 0, the others make the axial mean of all but m = 0 zero. So the cavity fraction of a
+column, constant over the width, is the multiplier of a nonnegative mean pressure: it enters only the equation of m = 0.
+Few Gauss points per strip between columns, one around and two along for each power.
 """
 
 from __future__ import annotations
@@ -25,16 +25,17 @@ from warpffrf.model.reduced.contact_grid import cell_edges
 from warpffrf.model.reduced.contact_surface import ContactSurface
 
 Array = np.ndarray
-ACROSS, ALONG = 3, 2  # Gauss points of a cell: h^3 of a cell's gap and its slopes squared
+ACROSS, ALONG = 3, 2  # Gauss points of a cell: h^3 of a cell's gap and its squared slopes
 
 
 @dataclass(frozen=True)
 class Basis:
     """theta, z, weight [m2] (points,); of the functions at a point (points, some): number, -1 for none, value, slopes
-    [1/m], and the part of its void there; hats at a point (points, 4) and their values. Of the functions: to_hats
-    (hats, functions), held and given [Pa], fed by a feed, whether it may be void, where the void is (theta, z), its
-    area [m2], neighbours around and along, -1 for none, and widths of the faces to the next [m]. Of the hats: functions
-    there, their values, and the one whose void is there."""
+    [1/m], and the part of its cavity fraction there; nodes at a point (points, 4) and their values. Of the functions:
+    to_hats (nodes, functions), held and given [Pa], fed by a feed, whether it may cavitate, where its cavity fraction
+    is (theta, z), its area [m2], neighbours around and along, -1 for none, and widths of the faces to the next [m]. Of
+    the nodes: functions there, their values, and the one whose cavity fraction is there.
+    """
 
     theta: Array
     z: Array
@@ -65,7 +66,7 @@ class Basis:
 
 
 def basis_of(film: Film, evaluation: str | None = None) -> Basis:
-    """What the evaluation of a film asks for, its own or another one."""
+    """The basis for the given evaluation of a film, its own or another one."""
     return _strips(film, film.axial_degrees) if (evaluation or film.evaluation) == "hyper" else _hats(film)
 
 
@@ -75,12 +76,12 @@ def radius_at(surface: ContactSurface, z: Array) -> Array:
 
 
 def stretch_at(surface: ContactSurface, z: Array) -> Array:
-    """Length of the meridian over z."""
+    """Arc length of the meridian per z."""
     return np.sqrt(1.0 + np.broadcast_to(np.asarray(surface.shape.slope_at(z), dtype=float), np.shape(z)) ** 2)
 
 
 def _fed(film: Film) -> Array:
-    """Nodes (columns, rows) whose pressure a feed gives."""
+    """Nodes (columns, rows) at feed pressure."""
     found = np.zeros((film.grid.columns, film.grid.rows), dtype=bool)
     for feed in film.feeds:
         found |= feed.nodes(film.a.surface.shape, film.theta, film.grid.z)[0]
@@ -88,8 +89,9 @@ def _fed(film: Film) -> Array:
 
 
 def _cells(film: Film, fraction: Array, z: Array) -> tuple[Array, Array, Array, Array]:
-    """Of places at `fraction` (k,) of the pitch behind each column that has a next one, and z (k,): theta, z, hats (4)
-    and their values, column by column."""
+    """For points at `fraction` (k,) of the pitch after each column that has a next one, and z (k,): theta, z, nodes (4)
+    and their values, column by column.
+    """
     grid = film.grid
     columns = np.arange(grid.columns if grid.periodic else grid.columns - 1)[:, None]
     row = np.clip(np.searchsorted(grid.z, z, side="right") - 1, 0, grid.rows - 2)
@@ -151,7 +153,7 @@ def _boxes(film: Film) -> tuple[Array, dict[str, Array]]:
 
 
 def _around(number: Array, periodic: bool) -> dict[str, Array]:
-    """Neighbours around of functions numbered (columns, some)."""
+    """Circumferential neighbours of functions numbered (columns, some)."""
     after, before = np.roll(number, -1, axis=0), np.roll(number, 1, axis=0)
     if not periodic:
         after[-1], before[0] = -1, -1
@@ -185,7 +187,7 @@ def _strips(film: Film, powers: tuple[int, ...]) -> Basis:
     at_rows = along((grid.z - middle) / half)
     held_nodes, given_nodes = film.held()
     held = np.all(held_nodes, axis=1)
-    # a held column: the profile nearest to the pressures of its nodes
+    # a prescribed column: the profile nearest to the pressures of its nodes
     fit = np.linalg.lstsq(at_rows, given_nodes[held].T, rcond=None)[0].T if np.any(held) else np.zeros((0, n))
     given = np.zeros((columns, n))
     given[held] = fit

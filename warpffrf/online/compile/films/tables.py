@@ -1,8 +1,8 @@
 r"""Oil films of a scene -> device tables of their points, functions and compliances (kernels of `films`).
 
-What a pressure is made of is in `film_bases`. With D the compliance of the surface's local modes, M the Gram matrix of
-its hats and T from functions to hats, pressures open the gap at the hats by G T p, G = D M; of pressures that are given
-that is constant, `lift`; those of asperities stand at the hats, and open by G.
+The functions of the pressure are in `film_bases`. With D the compliance of the surface's local modes, M the Gram matrix
+of its nodes and T from functions to nodes, pressures open the gap at the nodes by G T p, G = D M. For given pressures
+this is constant, `lift`; asperity pressures are defined at the nodes, and open by G.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ BY_FUNCTION = ("function", "value", "slope_around", "slope_along", "void_value",
 
 
 class Tables:
-    """What is gathered of all films: one value each, or parts that stand one behind the other."""
+    """Tables of all films: one value per film, or entries concatenated over films."""
 
     def __init__(self) -> None:
         self.ones: dict[str, list[Any]] = {}
@@ -66,7 +66,7 @@ class Tables:
         return np.cumsum([0, *map(len, self.parts.get(name, []))])
 
     def values(self) -> dict[str, Any]:
-        """All of them, as the model takes them; functions at a place filled up to the most, with -1 and zeros."""
+        """All tables, as the model takes them; functions at a point padded to the largest number, with -1 and zeros."""
         found: dict[str, Any] = {name: np.asarray(ones) for name, ones in self.ones.items()}
         widths = {
             name: max(part.shape[1] for part in self.parts[group[0]])
@@ -87,7 +87,7 @@ class Tables:
 
 
 def fill_films(collector: Collector) -> None:
-    """Tables of all films. Raises `InputError` for what films do not do."""
+    """Tables of all films. Raises `InputError` for unsupported films."""
     films, topic = collector.scene.films, collector.films
     declared: Any = Films
     tables = Tables()
@@ -176,28 +176,28 @@ def _add_film(collector: Collector, film: Film, number: int, tables: Tables) -> 
     collector.notes.extend(film.notes)
     if film.cavitation == "half_sommerfeld":
         collector.notes.append(
-            f"{film.label}: cavitation 'half_sommerfeld' leaves pressures below zero out of the forces, which drive "
-            f"oil all the "
-            "same: the ledger does not close with it, and nothing watches over energy from nowhere"
+            f"{film.label}: cavitation 'half_sommerfeld' omits negative pressures from the forces, though they drive "
+            "oil: "
+            "the ledger does not close, and created energy is not detected"
         )
     if film.asperities is not None and film.asperities.remark:
         collector.notes.append(f"{film.label}: {film.asperities.remark}")
     if film.evaluation == "hyper":
         collector.notes.append(
-            f"{film.label}: its pressure is made of {len(free)} profiles in place of {hats} hats, which balance "
-            "its oil in means along: flows through feeds and ends are not recorded"
+            f"{film.label}: its pressure consists of {len(free)} profiles in place of {hats} nodes, which balance "
+            "its oil in the axial mean: flows through feeds and ends are not recorded"
         )
     elif len(free) > MANY:
         collector.notes.append(
-            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of so many lines; "
-            "evaluation='hyper' takes a profile along in place of rows, whose number the load errs by as its square"
+            f"{film.label}: {len(free)} unknown pressures, and each iteration factors a matrix of this order; "
+            "evaluation='hyper' uses an axial profile in place of rows"
         )
     if collector.local.count(body.index) or (not film.b.rigid and collector.local.count(film.b.body.index)):
-        collector.notes.append(f"{film.label}: local modes move without inertia under its pressure")
+        collector.notes.append(f"{film.label}: local modes respond without inertia to its pressure")
 
 
 def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
-    """The grid of a second surface that yields, its compliance and the modes of its body; of a rigid one nothing."""
+    """The grid of a compliant second surface, its compliance and the modes of its body; nothing for a rigid one."""
     surface = film.b.surface
     if not isinstance(surface, ContactSurface):
         tables.one(second_modes=0, second_hats=0, second_grid=(0, 0, 0), second_pitch=(0.0, 1.0, 0.0))
@@ -233,8 +233,9 @@ def _add_second(film: Film, basis: Basis, tables: Tables) -> None:
 
 
 def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
-    """Places by which a film loads a second body that yields: seats (places,), functions that do, -1 for none, and the
-    area of each [m2] (places, some): points, or of profiles, which stand at few points, hats."""
+    """Points at which a film loads a compliant second body: seats (places,), functions acting there, -1 for none, and
+    the area of each [m2] (places, some): points, or, for profiles, which are evaluated at few points, nodes.
+    """
     points = len(basis.weight)
     if film.evaluation != "hyper":
         return np.arange(points), basis.function, basis.value * basis.weight[:, None]
@@ -248,7 +249,7 @@ def _presses(film: Film, basis: Basis) -> tuple[Array, Array, Array]:
 
 
 def _alone(collector: Collector) -> list[str]:
-    """A note for each flexible body that a film loads beside other films or contacts."""
+    """A note for each flexible body that a film loads in addition to other films or contacts."""
     scene, notes = collector.scene, []
     films = [port for film in scene.films for port in film.ports if not port.rigid]
     others = [port for contact in scene.contacts for port in contact.ports if not port.rigid]
@@ -257,8 +258,8 @@ def _alone(collector: Collector) -> list[str]:
         if len(names) > 1 and any(port.body is body for port in films):
             on = ", ".join(sorted(set(names)))
             notes.append(
-                f"body {body.name!r}: {len(names)} films and contacts load it, on {on}; where there is a film, what "
-                "the others do goes through its global modes alone: more modes leave out less"
+                f"body {body.name!r}: {len(names)} films and contacts load it, on {on}; with a film, the influence of "
+                "the others is included by its global modes alone; use more modes for a smaller error"
             )
     return notes
 
@@ -296,7 +297,7 @@ def _opening(surface: ContactSurface) -> Array:
 
 
 def _around(surface: ContactSurface, theta: Array) -> Array:
-    """Unit vectors (n, 3) along the first coordinate of the chart, whatever the side."""
+    """Unit vectors (n, 3) along the first coordinate of the chart, for either side."""
     found = np.asarray(surface.shape.around(theta))
     if not surface.shape.profile().planar:
         found = found * surface.shape.side
@@ -310,8 +311,9 @@ def _along(surface: ContactSurface, theta: Array, z: Array) -> Array:
 
 @dataclass(frozen=True)
 class Entries:
-    """Points of each function: start (functions,), point and slot (entries,); the hats around them: near_start
-    (functions,), near, and where the four hats of an entry's point are among them, near_at (entries, 4)."""
+    """Points of each function: start (functions,), point and slot (entries,); the nodes around them: near_start
+    (functions,), near, and the indices in it of the four nodes of an entry's point, near_at (entries, 4).
+    """
 
     start: Array
     point: Array
@@ -338,15 +340,14 @@ def _entries(basis: Basis) -> Entries:
 
 
 def _filling(film: Film, basis: Basis, lift: Array) -> Array:
-    """Gap at the points [m] where the scene begins, opened by the pressures that are given, times rho/rho_0 there."""
+    """Gap at the points [m] at the start of the scene, opened by the given pressures, times rho/rho_0 there."""
     pressure = np.sum(basis.value * basis.given[basis.function], axis=1)
     opened = np.sum(basis.between * lift[basis.hat], axis=1)
     return film.oil.density_at(pressure) * (film.gap_at(basis.theta, basis.z) + opened)
 
 
 def _second_form(film: Film) -> tuple[Array, Sequence[float]]:
-    """A table of what the form of the second surface adds [m], and where its places are: first theta and step, first z
-    and step."""
+    """A table of the form of the second surface [m], and its sampling: first theta and step, first z and step."""
     if film.form_b is None:
         return np.zeros((0, 0)), [0.0, 1.0, 0.0, 1.0]
     shape, grid = film.b.surface.shape, film.grid

@@ -1,1 +1,1 @@
-"""Contact whose cells travel with the patch -> device tables."""
+"""Contact whose cells move with the patch -> device tables."""

@@ -1,21 +1,21 @@
-r"""Which cells a pair has whose pressures travel with the patch, and how they move each other by the half-space.
+r"""Cells of a pair on a contact-fixed grid, and their displacements by the half-space.
 
 Across, cells are equal strips of 2 W/columns, W the half-width that follows the load. Along the meridian of the first
 surface rows are
 
-- of a *line* contact at fixed places of the width that both surfaces have in common, finer towards ends that carry
+- of a *line* contact at fixed positions of the width that both surfaces have in common, finer towards ends under
   pressure, or about a crown, and at the ends, too, where patches of crowns run off them (`online.diagnosis.off_end`);
   the half-space between cells, with the ends of both bodies, is tabulated for levels of W;
-- of a *point* contact, short beside its ends, about the nearest place, with an aspect that Hertz's ellipse has at any
-  load, so that one table, for W = 1, is all: displacement per pressure grows with W. What the ends add is taken at the
-  middle.
+- of a *point* contact, short near its ends, about the nearest point, with an aspect that Hertz's ellipse has at any
+  load, so that one table, for W = 1, suffices: displacement per pressure grows with W. The contribution of the ends is
+  evaluated at the middle.
 
 Love's integral over the rectangle of a cell at the centre of another (`warpffrf.model.half_space`), of both
-bodies with E and nu of their own, times the area of the cell that sees it, made symmetric.
+bodies with their own E and nu, times the area of the receiving cell, symmetrised.
 
-How many cells follow from the error they may add to force and largest pressure, `Contact.cell_error`: at most
+The number of cells follows from the error they may add to force and largest pressure, `Contact.cell_error`: at most
 `STRIPS_ERROR` / columns^2, the same of rows that follow, and `CROWNED_ERROR` / rows^3 of fixed rows of a crown
-(docs/studies/patch_cells.md); rows of straight rollers, which serve their ends, grow with the strips.
+(docs/studies/patch_cells.md); rows of straight rollers, which resolve their ends, grow with the strips.
 """
 
 from __future__ import annotations
@@ -34,33 +34,35 @@ from warpffrf.model.reduced.far_field import WHOLE, FarField
 from warpffrf.online.compile.patches.sides import PARALLEL, Surface, in_world, levers, meridian, middle_of
 
 Array = np.ndarray
-LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows stay where they are
+LINE_ASPECT = 8.0  # of Hertz's ellipse, from which rows are fixed
 ELLIPSE = 0.636  # aspect of Hertz's ellipse: the ratio of curvatures to this power (Hamrock and Brewe 1983)
 # Of force or largest pressure, by strips^2 and by rows^3: docs/studies/patch_cells.md
 STRIPS_ERROR, CROWNED_ERROR = 0.6, 100.0
 SPAN = 1.3  # half-widths of the pressure, by its second moment, in W, about: Hertz's patch ends at 1/1.3 of it
 ROUND_OFF = 1e-9
-TAILED = 1.7  # the same of laws that press from a distance: a Gaussian's tail beyond has 7e-4 of the load
-FEWEST = 7  # strips or rows: the error of fewer does not follow any rule
+TAILED = 1.7  # the same of laws with pressure at a distance: a Gaussian's tail beyond has 7e-4 of the load
+FEWEST = 7  # strips or rows: the error of fewer follows no rule
 SAMPLES = 4001  # of the length of rows along the width
 FIRST_ROW, ROW_GROWTH = 0.004, 1.6  # of the width: rows at ends under pressure; their growth from there
-MIDDLE_ROW = 0.015  # of the width: rows where a crown carries; an ellipse of a third of the width takes a dozen
-STRAIGHT = 1e-6  # of the width, 20 nm of 20 mm: any load bears on all of it
+MIDDLE_ROW = 0.015  # of the width: rows at a loaded crown; an ellipse of a third of the width needs a dozen
+STRAIGHT = 1e-6  # of the width, 20 nm of 20 mm: any load is carried by the whole width
 NARROWEST = 1e-4  # W times the relative curvature
-WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch keeps within WHOLE
+WIDEST = 0.5 * WHOLE * 0.95  # W over a radius of curvature: a patch stays within WHOLE
 # The same of rows that follow, along: an ellipse of a half-axis of a third of a ball's radius, in a close groove under
-# heavy load, is a little too long for WHOLE, but its far ends press little, and move each other little: peak pressure
-# and approach then are within 2 % of Hertz's, whose parabola is off by as much there
+# heavy load, is a little too long for WHOLE, but its far ends carry little pressure, and influence each other little:
+# peak pressure and approach then are within 2 % of Hertz's, whose parabola is off by as much there
 LONGEST_ROWS = 2.0 * WIDEST
 ALONG = 0.9  # cosine of the angle between axes, 25 degrees, up to which ends of one count as those of the other
-STEP = 0.3  # of ln W between levels: cubic interpolation errs by 1e-5
+STEP = 0.3  # of ln W between levels: the error of cubic interpolation is 1e-5
 
 
 def span_of(columns: int) -> float:
-    """Half-widths in W, about `SPAN`, of a line contact without a layer, whose pressure runs across as Hertz's does and
-    gives its half-width by the second moment: as many as let the patch end between two of its `columns` strips, with a
-    whole number of them free on each side, of two alike the fewer. A strip that the edge runs through has no pressure
-    of its own that is right: with the edge in its middle, pressures err by three times as much (in the mean square)."""
+    """Half-widths in W, about `SPAN`, of a line contact without a layer, whose pressure across is Hertz's and
+    determines its half-width by the second moment: such that the patch ends between two of its `columns` strips, with a
+    whole number of them free on each side, the smaller of two equal candidates. The pressure of a strip that the edge
+    crosses cannot be correct: with the edge in its middle, the error of the pressures is three times as large (root
+    mean square).
+    """
     free = max(int(np.ceil(0.5 * columns * (1.0 - 1.0 / SPAN) - 0.5 - ROUND_OFF)), 1)
     return columns / (columns - 2.0 * free)
 
@@ -68,7 +70,8 @@ def span_of(columns: int) -> float:
 @dataclass(frozen=True, eq=False)
 class PatchPlan:
     """Cells of a pair: `columns` strips, rows between `edges` [m; in W where they follow], and near
-    tables (levels, columns, rows, rows) from ln W `first` on, `step` apart, over W^power."""
+    tables (levels, columns, rows, rows) from ln W `first` on, `step` apart, over W^power.
+    """
 
     columns: int
     edges: Array  # of the rows
@@ -76,14 +79,14 @@ class PatchPlan:
     curvature: float
     least: float
     most: float
-    begins: float  # gap [m] from which on the layer presses
-    span: float  # half-widths of the pressure that W is wide
+    begins: float  # gap [m] below which the layer carries pressure
+    span: float  # half-width of the pressure over W
     table: Array
     first: float
     step: float
     power: float
     ends: list[tuple[float, float]]  # z on A, strength
-    crowned: bool = False  # rows that stay are fine about a crown
+    crowned: bool = False  # fixed rows that are fine about a crown
     off_end: bool = False  # and at the ends
 
     @classmethod
@@ -119,8 +122,9 @@ class PatchPlan:
         return replace(plan, crowned=crowned, off_end=crowned and off_end)
 
     def spread(self, contact: Contact, columns: int, rows: int, least: float, most: float) -> PatchPlan:
-        """The plan with other numbers of strips and rows, spread as here, for half-widths between `least` and `most`
-        [m]."""
+        """The plan with other numbers of strips and rows, of the same distribution, for half-widths between `least` and
+        `most` [m].
+        """
         low = min(max(least, self.least), self.most)
         high = min(max(most, low), self.most)
         curve = PchipInterpolator(np.linspace(0.0, 1.0, len(self.edges)), self.edges)
@@ -152,7 +156,7 @@ class PatchPlan:
 
     @property
     def follows(self) -> bool:
-        """Whether rows lie about the nearest place."""
+        """Whether rows move with the nearest point."""
         return self.aspect > 0.0
 
     @property
@@ -168,8 +172,9 @@ class PatchPlan:
 
 @dataclass(frozen=True, eq=False)
 class OnMeridian:
-    """A flexible body under the rows: its far field, and its meridian as the first surface counts it: z = sign z_A +
-    offset."""
+    """A flexible body under the rows: its far field, and its meridian in the coordinate of the first surface: z = sign
+    z_A + offset.
+    """
 
     far: FarField
     sign: float
@@ -186,8 +191,9 @@ class OnMeridian:
         return (1.0 - self.far.poisson_ratio**2) / (np.pi * self.far.youngs_modulus)
 
     def strengths(self) -> list[tuple[float, float]]:
-        """Of each end its place on the first surface's meridian, and displacement times E... of a unit force beside it,
-        times the distance [m/N m]."""
+        """For each end its position on the first surface's meridian, and displacement times E... of a unit force next
+        to it, times the distance [m/N m].
+        """
         far = self.far
         if far.quarter is None:
             return []
@@ -202,14 +208,15 @@ def bodies_under(contact: Contact) -> list[OnMeridian]:
 
 
 def _begins(contact: Contact) -> float:
-    """The gap [m] from which on the law presses, 0 of one that begins at touch."""
+    """The gap [m] below which the law carries pressure, 0 for one that begins at touch."""
     curve = contact.law.curve
     return max(-curve.begins, 0.0) if curve is not None else 0.0
 
 
 def _counts(cell_error: float, wider: float, *, follows: bool, crowned: bool) -> tuple[int, int]:
     """Strips and rows that add about `cell_error` to force and largest pressure: odd numbers, which have a cell where
-    Hertz's pressure is largest; `wider`: W than a patch of Hertz's pressure has it."""
+    Hertz's pressure is largest; `wider`: W over that of a patch of Hertz's pressure.
+    """
     columns = _odd(wider * (STRIPS_ERROR / cell_error) ** 0.5)
     if follows:
         return columns, columns
@@ -222,13 +229,14 @@ def _odd(count: float) -> int:
 
 
 def rows_follow(contact: Contact) -> bool:
-    """Whether the rows of a contact lie about the nearest place: its patch is short."""
+    """Whether the rows of a contact move with the nearest point: its patch is short."""
     return _aspect(*relative_curvatures(contact)) < LINE_ASPECT
 
 
 def is_crowned(contact: Contact) -> bool:
-    """Whether rows stay and are fine about a crown, which leaves the straight line between its ends by more than
-    `STRAIGHT`: axes that cross by round-off, or a little, make none."""
+    """Whether rows are fixed and fine about a crown, which deviates from the straight line between its ends by more
+    than `STRAIGHT`: axes that cross by round-off, or slightly, do not count.
+    """
     if rows_follow(contact):
         return False
     low, high = common_width(contact)
@@ -236,7 +244,7 @@ def is_crowned(contact: Contact) -> bool:
 
 
 def widest(contact: Contact) -> float:
-    """W [m] at the most: beyond, the half-space under the cells is not what the bodies are."""
+    """Largest W [m]: beyond it, the half-space does not represent the bodies."""
     radius = min(r for r in (radius_of(contact.a.surface), radius_of(contact.b.surface)) if r > 0.0)
     aspect = _aspect(*relative_curvatures(contact)) if rows_follow(contact) else 0.0
     return radius * min(WIDEST, LONGEST_ROWS / aspect if aspect > 0.0 else np.inf)
@@ -248,14 +256,15 @@ def _aspect(across: float, along: float) -> float:
 
 
 def end_places(contact: Contact) -> list[float]:
-    """Where the free ends of both bodies lie on the first surface's meridian at the start, z [m]."""
+    """Positions of the free ends of both bodies on the first surface's meridian at the start, z [m]."""
     bodies = bodies_under(contact)
     return [(end.z - body.offset) / body.sign for body in bodies if body.far is not None for end in body.far.ends]
 
 
 def relative_curvatures(contact: Contact) -> tuple[float, float]:
-    """Of the first surface against the second [1/m], across and along the meridian of the first, where they face each
-    other at the start: a ball at its nearest place, other surfaces in their middles."""
+    """Curvatures of the first surface relative to the second [1/m], across and along the meridian of the first, where
+    they face each other at the start: a ball at its nearest point, other surfaces in their middles.
+    """
     a, b = contact.a, contact.b
     if is_ball(a) or is_ball(b):
         return curvatures_on(a, b)
@@ -270,7 +279,7 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
     lever = levers(contact)[0]
     if np.any(lever):
         normal = lever / np.linalg.norm(lever)
-        if abs(float(axes[1] @ normal)) > PARALLEL:  # what tilts in the plane of both axes does not cross them
+        if abs(float(axes[1] @ normal)) > PARALLEL:  # a tilt in the plane of both axes does not make them cross
             across_normal = axes[1] - (axes[1] @ normal) * normal
             axes[1] = across_normal / np.linalg.norm(across_normal)
     c2 = float(axes[0] @ axes[1]) ** 2
@@ -278,8 +287,9 @@ def relative_curvatures(contact: Contact) -> tuple[float, float]:
 
 
 def widths(contact: Contact) -> Array:
-    """The places (n, 2) [m] of the first surface's meridian between which it, and the second where that ends, have
-    material where they face each other at the start."""
+    """The limits (n, 2) [m] on the first surface's meridian between which it, and the second where that ends, have
+    material where they face each other at the start.
+    """
     z = np.asarray(contact.a.surface.grid.z)
     found = [np.asarray([z[0], z[-1]], float)]
     other = contact.b.surface
@@ -292,7 +302,7 @@ def widths(contact: Contact) -> Array:
 
 
 def common_width(contact: Contact) -> tuple[float, float]:
-    """The places [m] of the first surface's meridian between which both surfaces have material at the start."""
+    """The limits [m] on the first surface's meridian between which both surfaces have material at the start."""
     found = widths(contact)
     low, high = float(found[:, 0].max()), float(found[:, 1].min())
     if not high > low:
@@ -301,13 +311,15 @@ def common_width(contact: Contact) -> tuple[float, float]:
 
 
 def _lies_along(contact: Contact) -> bool:
-    """Whether the axes of the two surfaces are about parallel, so that ends of one are ends on the other's meridian."""
+    """Whether the axes of the two surfaces are nearly parallel, so that ends of one are ends on the other's
+    meridian.
+    """
     e_a = [port.body.to_world(port.surface.shape.e_a) - port.body.to_world(np.zeros(3)) for port in contact.ports]
     return abs(float(e_a[0] @ e_a[1])) > ALONG
 
 
 def _refuse_across(contact: Contact) -> None:
-    """Raises `InputError` for a plane whose axis lies across that of what rolls on it: its ends are none of rows."""
+    """Raises `InputError` for a plane whose axis is across that of the rolling body: its ends are not ends of rows."""
     for port in contact.ports:
         if port.surface.shape.profile().planar and port.surface.grid is not None and not _lies_along(contact):
             roller = contact.b if port is contact.a else contact.a
@@ -320,7 +332,9 @@ def _refuse_across(contact: Contact) -> None:
 
 
 def _nearest(contact: Contact, low: float, high: float) -> float:
-    """Where between `low` and `high` [m] on the first meridian the second surface, its axis parallel, is nearest."""
+    """Position between `low` and `high` [m] on the first meridian where the second surface, its axis parallel, is
+    nearest.
+    """
     z = np.linspace(low, high, 401)
     near = np.zeros(len(z))
     for port in contact.ports:
@@ -347,8 +361,9 @@ def _nearest_tilted(contact: Contact, low: float, high: float) -> float:
 
 
 def crowned_edges(low: float, high: float, middle: float, rows: int) -> Array:
-    """Edges (rows + 1,) [m] of the rows between two ends that carry little: `MIDDLE_ROW` of the width around the
-    `middle` [m], and growing from there, by x = c sinh(a y), y even."""
+    """Edges (rows + 1,) [m] of the rows between two lightly loaded ends: `MIDDLE_ROW` of the width around the
+    `middle` [m], and growing from there, by x = c sinh(a y), y even.
+    """
     width = high - low
     first = min(MIDDLE_ROW, 0.999 / rows) * width
 
@@ -367,7 +382,8 @@ def crowned_edges(low: float, high: float, middle: float, rows: int) -> Array:
 
 def off_end_edges(about: Array, rows: int | None) -> Array:
     """Edges (rows + 1,) [m] of rows as short as those between the edges `about` a crown, and towards both ends as those
-    of `line_edges`; rows: how many, all as much longer or shorter, None: as many as that takes."""
+    of `line_edges`; rows: their number, with all lengths scaled; None: as many as needed.
+    """
     low, width = about[0], about[-1] - about[0]
     z = width * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, SAMPLES)))
     crown = np.interp(z, 0.5 * (about[1:] + about[:-1]) - low, np.diff(about))
@@ -390,7 +406,7 @@ def line_edges(low: float, high: float, rows: int) -> Array:
 
 
 def _largest_row(steps: Array, rows: int) -> float:
-    """What rows must not exceed, so that they fill the width when the first ones are as wanted."""
+    """Upper bound of the rows such that they fill the width when the first ones have the given size."""
     from scipy.optimize import brentq
 
     def missing(largest: float) -> float:
@@ -403,8 +419,9 @@ def _largest_row(steps: Array, rows: int) -> float:
 
 
 def near_table(columns: int, width: float, z: Array, length: Array, bodies: list[Any], *, ends: bool) -> Array:
-    """Weak displacement (columns, rows, rows) [m^3/Pa] by distance in strips: of the row that sees, of the row under
-    pressure. width W [m]; z, length [m] of the rows on the first surface."""
+    """Weak displacement (columns, rows, rows) [m^3/Pa] by distance in strips, of the receiving row, of the row under
+    pressure. width W [m]; z, length [m] of the rows on the first surface.
+    """
     strip = 2.0 * width / columns
     k = strip * np.arange(columns)[:, None, None]
     seen, loaded = z[None, :, None], z[None, None, :]
@@ -419,8 +436,9 @@ def near_table(columns: int, width: float, z: Array, length: Array, bodies: list
 
 
 def _ends_of(bodies: list[Any]) -> dict[tuple[float, int, float], list[Any]]:
-    """Bodies by place and side of their ends on the first meridian, and Poisson ratio: those of equal rollers move the
-    surface alike."""
+    """Bodies by position and side of their ends on the first meridian, and Poisson ratio: equal rollers displace the
+    surface equally.
+    """
     found: dict[tuple[float, int, float], list[Any]] = {}
     for body in bodies:
         for end in body.far.ends:

@@ -1,15 +1,16 @@
-r"""Several patches of cells on one body -> device tables: what cells of one displace under others (room `patch`).
+r"""Several patches of cells on one body -> device tables: displacements of cells of one by pressures of others (room
+`patch`).
 
-On different surfaces of a body they feel each other by its compliance among splines. On one surface the mesh errs where
-they are a few facets apart - by a tenth and more of what one does to the other -, so that there, too, the far field is
-beside the half-space of its `FarField`, cut off and with its ends: of the displacement u per force at the distance d
-along the circle,
+Patches on different surfaces of a body influence each other by its compliance among splines. On one surface the mesh is
+inaccurate where they are a few facets apart - by a tenth and more of the mutual influence -, so that there, too, the
+far field is added to the half-space of its `FarField`, cut off and with its ends: of the displacement u per force at
+the distance d along the circle,
 
     u(d; z, z') = cutoff(d/R) (half-space + mirror images + quarter space)/E,
 
-tabulated over ln d and both z. Patches are narrow beside their distance: of both, d is that of the middles.
-Where rows of a pair do not lie along the second surface - crossed axes, a ball set down with its axis upright -, and
-on spheres, it is the whole compliance there, too.
+tabulated over ln d and both z. Patches are narrow compared with their distance: for both, d is that of the middles.
+Where rows of a pair are not along the second surface - crossed axes, a ball whose axis is upright -, and on spheres,
+the whole compliance is used there, too.
 """
 
 from __future__ import annotations
@@ -27,13 +28,14 @@ from warpffrf_kernels.patch.between import LEVEL
 from warpffrf_kernels.patch.between import ROWS as HEIGHTS
 
 Array = np.ndarray
-TURNED = 0.02  # rad between the axes of a pair: beyond, its rows are none of the second surface
-NEAREST = 0.01  # of the radius, or of the size of a plane: the least distance of two patches
+TURNED = 0.02  # rad between the axes of a pair: beyond, its rows are not rows of the second surface
+NEAREST = 0.01  # of the radius, or of the size of a plane: the smallest distance of two patches
 
 
 def fill_beside(collector: Any) -> dict[str, Any]:
-    """Fields of the device: of every side of a patch the other patches on its body, and tables of what they displace
-    there."""
+    """Fields of the device: for every side of a patch the other patches on its body, and tables of their displacements
+    there.
+    """
     starts, others, which = [0], [], []
     tables: dict[tuple[int, int, bool], int] = {}
     fields: dict[str, Any] = {name: [] for name in ("table_start", "table_sectors", "table_target", "table_source")}
@@ -92,7 +94,7 @@ def fill_beside(collector: Any) -> dict[str, Any]:
 
 
 def _meridians(collector: Any) -> dict[str, list[float]]:
-    """How each side of the pairs counts z, and where."""
+    """Direction and origin of z on each side of the pairs."""
     found: dict[str, list[float]] = {"row_sign": [], "row_offset": []}
     for contact in collector.scene.contacts:
         for port in contact.ports:
@@ -103,7 +105,9 @@ def _meridians(collector: Any) -> dict[str, list[float]]:
 
 
 def _along_surface(target: Any, source: Any) -> bool:
-    """Whether two patches feel each other by the half-space too: on one surface, along whose circles it is known."""
+    """Whether two patches influence each other by the half-space too: on one surface, along whose circles it is
+    known.
+    """
     return target.surface.number == source.surface.number and target.surface.shape.kind != "sphere"
 
 
@@ -148,8 +152,9 @@ def _travels(side: Any) -> bool:
 
 
 def _operator_between(target: Any, source: Any, along: bool) -> tuple[Array, int, int]:
-    """What loads on splines of `source` displace on those of `target`, on one body, block-circulant, and the columns a
-    sector of both: the far field where the half-space is known between them (`along`), else the whole compliance."""
+    """Displacement on splines of `target` by loads on those of `source`, on one body, block-circulant, and the columns
+    per sector of both: the far field where the half-space is known between them (`along`), else the whole compliance.
+    """
     first, second = target.surface.real, source.surface.real
     if target.surface.number == source.surface.number:
         c = first.grid.columns_per_sector
@@ -157,7 +162,7 @@ def _operator_between(target: Any, source: Any, along: bool) -> tuple[Array, int
     cross = target.body.reduced.cross_compliance(target.name, source.name)
     if cross is None:
         raise InputError(
-            f"body {target.body.name!r}: its surfaces {target.name!r} and {source.name!r} do not feel each other by "
+            f"body {target.body.name!r}: its surfaces {target.name!r} and {source.name!r} are not coupled by "
             "its local modes; reduce it again"
         )
     lags = second.splines.sources(first.splines.targets(cross.lags))

@@ -1,4 +1,4 @@
-"""The two surfaces of a pair whose pressures stand on cells that travel with the patch, as the pair loads them."""
+"""The two surfaces of a pair on a contact-fixed grid, as the pair loads them."""
 
 from __future__ import annotations
 
@@ -16,8 +16,9 @@ PARALLEL = 1e-9  # sine of the angle between two axes
 
 @dataclass(frozen=True, eq=False)
 class PatchSide:
-    """A surface as a patch of cells loads it: no hats, no operators; `number` of the surface among those compiled,
-    `rows` of cells on the first side, 0 on the second."""
+    """A surface as a patch of cells loads it: no nodes, no operators; `number` of the surface among those compiled,
+    `rows` of cells on the first side, 0 on the second.
+    """
 
     real: Surface
     number: int
@@ -30,8 +31,9 @@ class PatchSide:
 
 
 def meridian(contact: Any, port: Any) -> tuple[float, float]:
-    """Sign and offset [m] of the z that the surface of `port` counts at z of the first surface, where they face each
-    other at the start."""
+    """Sign and offset [m] of the z of the surface of `port` as a function of z of the first surface, where they face
+    each other at the start.
+    """
     shape, own = contact.a.surface.shape, port.surface.shape
     places = [port.body.to_user(contact.a.body.to_world(shape.axis_point + z * shape.e_a)) for z in (0.0, 1.0)]
     z = [float((place - own.axis_point) @ own.e_a) for place in places]
@@ -40,8 +42,9 @@ def meridian(contact: Any, port: Any) -> tuple[float, float]:
 
 
 def levers(contact: Any) -> Any:
-    """From the axis of each surface, in its middle, to where it faces the other one at the start (2, 3) [m], in world
-    axes; zero from planes, and all zero of parallel axes, along which that makes no difference."""
+    """From the axis of each surface, in its middle, to the point where it faces the other one at the start (2, 3) [m],
+    in world axes; zero from planes, and all zero for parallel axes, along which they have no effect.
+    """
     ports, found = contact.ports, np.zeros((2, 3))
     shapes = [port.surface.shape for port in ports]
     axes = [in_world(port, shape.e_a) for port, shape in zip(ports, shapes, strict=True)]
@@ -70,5 +73,5 @@ def in_world(port: Any, vector: Any) -> Any:
 
 
 def middle_of(surface: Surface) -> float:
-    """The middle [m] of the meridian that a surface has."""
+    """The middle [m] of the meridian of a surface."""
     return 0.0 if surface.grid is None else float(np.mean(np.asarray(surface.grid.z)[[0, -1]]))

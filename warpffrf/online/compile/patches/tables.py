@@ -1,5 +1,6 @@
-"""Pairs whose pressures stand on cells that travel with the patch -> device tables (kernels of `patch`): which pairs
-these are, their cells (`patch_plan`), and the far fields of their surfaces."""
+"""Pairs on contact-fixed grids -> device tables (kernels of `patch`): selection of the pairs, their cells
+(`patch_plan`), and the far fields of their surfaces.
+"""
 
 from __future__ import annotations
 
@@ -20,18 +21,19 @@ from warpffrf_kernels.normal.lagged import PATCHES_ALONE
 from warpffrf_kernels.patch.spline_tables import LINE
 
 Array = np.ndarray
-HUGGING = 0.2  # of the larger curvature: below it patches are wide beside the radius, and belong to material grids
-FAR_COLUMNS = 4  # splines beside those over 2 W
-TAPS = 3  # splines across that a window has room for at least, also where a surface has but two
+# of the larger curvature: below it patches are wide compared with the radius, and require body-fixed grids
+HUGGING = 0.2
+FAR_COLUMNS = 4  # splines in addition to those over 2 W
+TAPS = 3  # minimum of splines across in a window, also where a surface has only two
 
 
 def patch_plans(
     contacts: list[Contact], dynamic: Collection[int], *, off_end: bool = False
 ) -> tuple[dict[int, PatchPlan], list[str]]:
-    """Plans by number of the contact, of those on patches, and notes on what grid="auto" has chosen. Raises
-    `InputError` where one of their bodies is loaded by a contact on a material grid too, and where another contact
-    stands on the same two surfaces. dynamic: indices of bodies whose local modes have inertia; off_end: as
-    `PatchPlan.of`."""
+    """Plans of contacts on contact-fixed grids by number, and notes on the choice of grid="auto". Raises `InputError`
+    where one of their bodies is also loaded by a contact on a body-fixed grid, and where another contact uses the same
+    two surfaces. dynamic: indices of bodies whose local modes have inertia; off_end: as `PatchPlan.of`.
+    """
     plans: dict[int, PatchPlan] = {}
     notes = []
     for i, contact in enumerate(contacts):
@@ -43,8 +45,8 @@ def patch_plans(
         if not asked and (reason := _why_not(contact, contacts, dynamic)):
             if coarse := _spacing_beside_far_fields(contact):
                 notes.append(
-                    f"contact {contact.name!r}: pressures on the material grid, whose columns are {coarse:.2g} m "
-                    f"apart, though its bodies have what cells that travel with the patch need: {reason}"
+                    f"contact {contact.name!r}: pressures on the body-fixed grid, whose columns are {coarse:.2g} m "
+                    f"apart, though its bodies have the data of a contact-fixed grid: {reason}"
                 )
             continue
         try:
@@ -52,22 +54,22 @@ def patch_plans(
         except InputError as error:
             if asked:
                 raise
-            notes.append(f"{error}: pressures on the material grid, not on cells that travel with the patch")
-    while beside := next(_beside_a_grid(contacts, plans), None):  # one that goes may take others along
+            notes.append(f"{error}: pressures on the body-fixed grid, not on the contact-fixed one")
+    while beside := next(_beside_a_grid(contacts, plans), None):  # removing one may remove others
         i, port, other = beside
         if contacts[i].grid == "contact_fixed":
             raise InputError(
-                f"contact {contacts[i].name!r}: body {port.body.name!r} is loaded by {other.name!r} too, whose hats "
-                "and the cells of a patch do not feel each other by its local modes; give both the same grid="
+                f"contact {contacts[i].name!r}: body {port.body.name!r} is also loaded by {other.name!r}, whose nodes "
+                "and the cells of a patch are not coupled by its local modes; give both the same grid="
             )
         del plans[i]
         notes.append(
-            f"contact {contacts[i].name!r}: pressures on the material grid, as those of {other.name!r} on body "
+            f"contact {contacts[i].name!r}: pressures on the body-fixed grid, as those of {other.name!r} on body "
             f"{port.body.name!r} are"
         )
     notes += [
-        f"contact {contacts[i].name!r}: pressures on cells that travel with the patch, for which its bodies were "
-        'reduced (contact_fixed); grid="body_fixed" takes the contact grid instead'
+        f"contact {contacts[i].name!r}: pressures on the contact-fixed grid, for which its bodies were "
+        'reduced (contact_fixed); grid="body_fixed" uses the other one'
         for i in plans
         if contacts[i].grid == "auto"
     ]
@@ -75,17 +77,17 @@ def patch_plans(
 
 
 def _on_its_surfaces(contact: Contact, contacts: list[Contact]) -> str | None:
-    """That another contact stands on the surfaces of this one, whose pressure cells of its own do not share."""
+    """Message that another contact uses the surfaces of this one, whose pressures are on separate cells."""
     for other in contacts:
         if other is not contact and on_same_surfaces(contact, other):
-            return (
-                f"{other.name!r} stands on the same surfaces, and cells of two patches in one place share no pressure"
-            )
+            return f"{other.name!r} uses the same surfaces, and cells of two patches at one point share no pressure"
     return None
 
 
 def _why_not(contact: Contact, contacts: list[Contact], dynamic: Collection[int]) -> str | None:
-    """Why grid="auto" takes no patch of cells: what they cannot do, or a conformal contact; None where it does."""
+    """Why grid="auto" chooses no contact-fixed grid: unsupported features, or a conformal contact; None where it
+    does.
+    """
     if reason := contact.without_patch() or _on_its_surfaces(contact, contacts):
         return reason
     if any(port.body.index in dynamic for port in contact.ports):
@@ -106,8 +108,9 @@ def _spacing_beside_far_fields(contact: Contact) -> float:
 
 
 def _beside_a_grid(contacts: list[Contact], taken: Collection[int]) -> Any:
-    """Of those `taken` for patches, by number, the ones on a body that another contact loads on a material grid:
-    number, port, and the other."""
+    """Of those `taken` for contact-fixed grids, by number, the ones on a body that another contact loads on a
+    body-fixed grid: number, port, and the other.
+    """
     for i in sorted(taken):
         for port in (port for port in contacts[i].ports if not port.rigid):
             for j, other in enumerate(contacts):
@@ -116,12 +119,12 @@ def _beside_a_grid(contacts: list[Contact], taken: Collection[int]) -> Any:
 
 
 def filled(count: int) -> int:
-    """`count` numbers filled up to whole lines of LINE."""
+    """`count` padded to whole lines of LINE."""
     return -(-count // LINE) * LINE
 
 
 def fill_patches(collector: Any, m: Model) -> None:
-    """Cells, near tables and far fields of all pairs on patches."""
+    """Cells, near tables and far fields of all pairs on contact-fixed grids."""
     plans, contacts = collector.patches, collector.scene.contacts
     per_pair: dict[str, list] = {
         name: [] for name in ("columns", "first", "second", "curvature", "follows", "aspect", "middle", "least_width",
@@ -194,8 +197,9 @@ def fill_patches(collector: Any, m: Model) -> None:
 
 
 def _rows_stand(collector: Any, m: Model) -> bool:
-    """Whether rows of the local compliance may stand from step to step: all pairs on patches, which answer to nothing
-    but their own pressures, by constants."""
+    """Whether rows of the local compliance may be kept from step to step: all pairs on contact-fixed grids, which
+    depend only on their own pressures, with constant coefficients.
+    """
     alone = not (m.capacity.cells or collector.elements.layers.count or m.modes.dynamic_count or m.pairs.beside)
     return alone and 0 < len(collector.patches) == len(collector.scene.contacts)
 
