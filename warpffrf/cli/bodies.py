@@ -1,4 +1,4 @@
-"""The command `warpffrf reduce`: a mesh becomes a reduced body."""
+"""The command `warpffrf reduce`: reduction of a mesh to a reduced body."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ def reduce_mesh(
 
 
 def _material(mesh: Any, E: float | None, nu: float | None, rho: float | None) -> Any:
-    """The material of the options, all three of them, or those of the mesh's file."""
+    """The material of the three options, or the materials of the mesh file."""
     given = [value for value in (E, nu, rho) if value is not None]
     if len(given) == 3:
         return warpffrf.Material(*given)

@@ -1,9 +1,8 @@
-"""The command `warpffrf info`: what is in a file.
+"""The command `warpffrf info`: contents of a file.
 
-Demos. `warpffrf demo NAME`: runs a script of the folder demos/, which a wheel has within the package.
+Demos. `warpffrf demo NAME` runs a script of the folder demos/, which is inside the package in a wheel.
 
-Examples. The commands that a user begins with: `warpffrf example`, and `warpffrf scene-file`, the reference of scene
-files.
+Examples. `warpffrf example` lists and copies examples; `warpffrf scene-file` prints the reference of scene files.
 """
 
 from __future__ import annotations
@@ -63,7 +62,7 @@ def info(
 
 
 def part_of(text: str | None) -> int | str | None:
-    """`--part`: a number is that of a connected part, anything else a name."""
+    """Value of `--part`: the number of a connected part, or a name."""
     return int(text) if text is not None and text.isdecimal() else text
 
 
@@ -104,7 +103,7 @@ def demo(
             raise unknown_name("demo", name, list(scripts))
         results = out or Path("out") / scripts[name].stem
         try:
-            results.mkdir(parents=True, exist_ok=True)  # refused before the run, not after it
+            results.mkdir(parents=True, exist_ok=True)  # fails before the run, not after it
         except OSError as error:
             raise InputError(f"demo: cannot write to {results}: {error}; choose another folder with --out") from None
         sys.path.insert(0, str(folder()))  # as with `python demos/NAME.py`; workers of a sweep get this path as well
@@ -158,7 +157,7 @@ def add_example_commands(app: typer.Typer) -> None:
 
 
 def listed_examples() -> str:
-    """Every example: its name, one sentence, its files, and the commands to run where they lie."""
+    """Every example: its name, one sentence, its files, and the commands to run in its folder."""
     from warpffrf import examples
 
     lines = ["warpffrf example copy NAME [FOLDER] copies the files of an example; the commands run where they lie."]

@@ -1,4 +1,4 @@
-"""The commands `warpffrf view` and `warpffrf picture`: the bodies of a run, on the screen and as pictures."""
+"""The commands `warpffrf view` and `warpffrf picture`: bodies of a run, on screen and as pictures."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def add_picture_commands(app: typer.Typer) -> None:
 
 
 def _show(recording: Path, serve: bool, bind: str) -> None:
-    """Open the viewer of a recording, or serve it and say where."""
+    """Open the viewer of a recording, or serve it and print the address."""
     from warpffrf.output.recording import viewer
 
     command = viewer.viewer_command(recording, serve=serve, bind=bind)
@@ -130,7 +130,7 @@ def _show(recording: Path, serve: bool, bind: str) -> None:
 
 
 def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: bool, is_quiet: bool) -> str:
-    """Make the recording of a results file; what was made."""
+    """Record a results file; returns a summary."""
     import time
 
     from warpffrf.output.recording.recorder import record

@@ -1,4 +1,4 @@
-"""The commands `warpffrf compare`, `warpffrf plot` and `warpffrf spectrum`: what is made of results files."""
+"""The commands `warpffrf compare`, `warpffrf plot` and `warpffrf spectrum`: evaluation of results files."""
 
 from __future__ import annotations
 

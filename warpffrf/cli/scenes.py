@@ -1,4 +1,4 @@
-"""The commands `warpffrf run`, `modes` and `campbell`: what is done with a scene file."""
+"""The commands `warpffrf run`, `modes` and `campbell`, which act on scene files."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import one_line_errors
 
 SCENE = typer.Argument(metavar="SCENE", help="Scene file, .toml; what may stand in it: warpffrf scene-file.")
-EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
+EQUILIBRIUM = "equilibrium"  # default state of the modes
 
 
 def run_scene_file(
@@ -140,7 +140,7 @@ def campbell_of_scene_file(
 
 
 def _state(about: str) -> Any:
-    """What `--about` means to `eigenmodes`."""
+    """Argument `about` of `eigenmodes` for the option `--about`."""
     if about in (EQUILIBRIUM, "initial"):
         return None if about == EQUILIBRIUM else about
     if Path(about).suffix.lower() not in (".h5", ".hdf5"):

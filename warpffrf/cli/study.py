@@ -1,6 +1,6 @@
 """The commands `warpffrf study ...`.
 
-Sweep. The commands `warpffrf sweep` and `warpffrf sweep-plot`: a sweep, and pictures of one that has been run.
+Sweep. The commands `warpffrf sweep` and `warpffrf sweep-plot`: a sweep, and pictures of its results.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import typer
 from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import INTERRUPTED, one_line_errors
 
-IN_FILE = "simulate."  # before an option of the run, as `--set` names it
+IN_FILE = "simulate."  # prefix of options of the run in `--set`
 
 
 def choice_of(text: str) -> tuple[str, list[Any]]:
-    """`NAME=V1,V2` as a name and values: numbers and truth values as TOML has them, else texts. Raises `InputError`."""
+    """`NAME=V1,V2` as a name and values: numbers and Booleans as in TOML, else texts. Raises `InputError`."""
     from warpffrf.model.errors import InputError
 
     name, equals, values = text.partition("=")
@@ -32,8 +32,8 @@ def choice_of(text: str) -> tuple[str, list[Any]]:
 
 
 def choices_of(texts: Sequence[str]) -> dict[str, list[Any]]:
-    """All `--choice` of a command. Options of the run may be written as the scene file has them, `simulate.step`, and
-    integrators and local treatments as its kinds: `hht`, `{kind="hht", alpha=-0.3}`. Raises `InputError`."""
+    """All `--choice` of a command. Options of the run may be named as in the scene file, `simulate.step`; integrators
+    and treatments of local modes as its kinds: `hht`, `{kind="hht", alpha=-0.3}`. Raises `InputError`."""
     from warpffrf.model.errors import InputError
     from warpffrf.study.speed_against_error.choices import RUN
 
@@ -48,7 +48,7 @@ def choices_of(texts: Sequence[str]) -> dict[str, list[Any]]:
 
 
 def _made(name: str, value: Any) -> Any:
-    """The object that a kind of scene files stands for; other values as they are."""
+    """The object of a kind of the scene file; other values unchanged."""
     from warpffrf.model.errors import InputError, unknown_name
     from warpffrf.model.integrators import INTEGRATORS
     from warpffrf.scene_file.forms import value_kinds
@@ -67,7 +67,7 @@ def _made(name: str, value: Any) -> Any:
 
 
 def study_app() -> typer.Typer:
-    """The commands."""
+    """The commands `study ...`."""
     app = typer.Typer(help="Speed against error.", no_args_is_help=True, rich_markup_mode=None)
     app.callback()(lambda: None)
 
@@ -100,7 +100,7 @@ def study_app() -> typer.Typer:
 
 
 def named(texts: Sequence[str], option: str, example: str) -> dict[str, str]:
-    """`NAME=VALUE` of all `texts` as name -> value. Raises `InputError` for other texts and names given twice."""
+    """`NAME=VALUE` of all `texts` as name -> value. Raises `InputError` for other texts and repeated names."""
     from warpffrf.model.errors import InputError
 
     found: dict[str, str] = {}
@@ -115,12 +115,12 @@ def named(texts: Sequence[str], option: str, example: str) -> dict[str, str]:
 
 
 def outputs_of(texts: Sequence[str]) -> dict[str, str]:
-    """Outputs by name: `NAME=WHAT`, or WHAT alone, which is its own name. Raises `InputError`."""
+    """Outputs by name: `NAME=WHAT`, or WHAT alone, which is also the name. Raises `InputError`."""
     return named([text if "=" in text else f"{text}={text}" for text in texts], "--output", "peak=max(energy[kinetic])")
 
 
 def add_sweep_command(app: typer.Typer) -> None:
-    """The command."""
+    """Add `sweep` to `app`."""
 
     @app.command("sweep")
     def sweep(
