@@ -32,10 +32,10 @@ A roller of mass m, radius r and moment of inertia J that rolls out on a plane s
 
     dv/dt = -(e/r) g/(1 + J/(m r^2)),
 
-as e F of the moment turns it and a friction force F e/(r (1 + J/(m r^2))) holds it back. e/r is the coefficient of
+as the moment e F and a friction force F e/(r (1 + J/(m r^2))) decelerate it. e/r is the coefficient of
 rolling resistance of handbooks. In a bearing Palmgren's torque M_1 = f_1 F d_m that grows with the load (A. Palmgren,
-Ball and Roller Bearing Engineering, 1959) is that of a lever: an element of the diameter D that turns with w_e
-against the one ring and the other takes e Q w_e at either contact from the shaft.
+Ball and Roller Bearing Engineering, 1959) is that of a lever: an element of the diameter D that rotates with w_e
+relative to both rings dissipates e Q w_e at each contact.
 
 Spin. Friction of a patch that pivots about its normal: the moment of Coulomb's friction over Hertz's ellipse.
 
@@ -94,8 +94,8 @@ class RollingResistance(ABC):
     """A law of resistance to rolling, a frozen dataclass listed in `warpffrf.model.moments.ROLLING_LAWS`: a moment
     against the relative angular velocity of both bodies across the normal.
 
-    rolling_speed [rad/s]: of that velocity, below which the moment is proportional to it; far below what the machine
-    turns at.
+    rolling_speed [rad/s]: of that velocity, below which the moment is proportional to it; far below the
+    speeds of the machine.
     """
 
     kind: ClassVar[str] = ""

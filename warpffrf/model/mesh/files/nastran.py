@@ -1,17 +1,18 @@
 r"""Nastran bulk data: grid points, solid elements, shells as facets, properties, isotropic materials.
 
-Read by hand because meshio takes coordinates in local systems for basic ones, stops at a shell with an orientation, and
-knows no materials. A card is a line of up to 10 fields, in one of three formats, with continuation lines:
+meshio is not used: it reads coordinates in local systems as basic ones, fails at a shell with an orientation, and
+has no materials. A card is a line of up to 10 fields, in one of three formats, with continuation lines:
 
     free         fields between commas
     small field  8 columns each
     large field  the name ends in *: 8 columns, then 16 each, half as many fields a line
 
 A continuation begins with +, *, a blank field or a comma; where the tenth field of a line and the first of the next one
-both name it, the names are the same. Reals may drop the E of their exponent: 7.-2 is 0.07. A card = is the one before
-it again, with = for a field that stays, *d for one that grows by d, == for all the rest; a card =n says that n times.
+both name it, the names are the same. Reals may drop the E of their exponent: 7.-2 is 0.07. A card = repeats the
+previous one, with = for an unchanged field, *d for one that grows by d, == for all others; a card =n repeats that n
+times.
 
-Densities are multiplied by PARAM,WTMASS: a deck may give weights. The nodes of a solid may turn round either way.
+Densities are multiplied by PARAM,WTMASS: a deck may give weights. The nodes of a solid may run in either sense.
 
 Solids with property p form the cell set `property_p`, shells on their surface the facet set of that name. A local
 system (CORD2R, CORD2C, CORD2S) is given by three points in its reference system: the origin A, B on its third axis e_3
@@ -55,8 +56,8 @@ _SHELLS = {
 }
 _CORNERS = {"CTETRA": 4, "CPENTA": 6, "CHEXA": 8}
 _LOCAL = {"CORD2R", "CORD2C", "CORD2S"}
-_OTHER_SOLIDS = ("CHEX", "CPENT", "CTETR", "CPYR")  # how names of solids begin that are not read
-MOST_COPIES = 100_000  # cards that =n makes
+_OTHER_SOLIDS = ("CHEX", "CPENT", "CTETR", "CPYR")  # initial letters of solids that are not read
+MOST_COPIES = 100_000  # cards created by =n
 _INTEGER = re.compile(r"[+-]?[0-9]{1,18}")
 _REAL = re.compile(r"[+-]?(?>[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:e[+-]?[0-9]++)?")
 _EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
@@ -101,7 +102,7 @@ class _Card:
 
 @dataclass
 class _Deck:
-    """The cards that make a solid body."""
+    """The cards of a solid body."""
 
     grids: dict[int, tuple[int, tuple[float, float, float], _Card]] = field(default_factory=dict)
     systems: dict[int, _Card] = field(default_factory=dict)
@@ -114,7 +115,7 @@ class _Deck:
 
 
 def read_bulk(path: Path, length_unit: str) -> RawMesh:
-    """What a bulk data file holds. Raises `InputError`, with file and line, for what cannot be understood."""
+    """Contents of a bulk data file. Raises `InputError`, with file and line, for invalid entries."""
     deck = _Deck()
     for card in _cards(path):
         _take(deck, card)
@@ -234,7 +235,7 @@ class _Systems:
 
 
 def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Material]:
-    """{property_p: Material} [SI] of PSOLID and MAT1; what is not taken over is said in `notes`."""
+    """{property_p: Material} [SI] of PSOLID and MAT1; `notes` list omitted data."""
     if not deck.solids or not deck.materials:
         return {}
     system = system_of(length_unit, notes)
@@ -268,7 +269,7 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
 
 
 def _cards(path: Path) -> Iterator[_Card]:
-    """The cards of the bulk data section, those that are written as copies in full."""
+    """The cards of the bulk data section, with copies expanded."""
     last: _Card | None = None
     recipe: list[str] | None = None
     copies = 0
@@ -326,7 +327,7 @@ def _grown(last: _Card, i: int, step: str, card: _Card) -> str:
 
 
 def _written_cards(path: Path) -> Iterator[_Card]:
-    """The cards as they are written, with their continuations put together."""
+    """The cards as written, with their continuations joined."""
     card: _Card | None = None
     width = 8
     name = ""  # of the continuation that the line before announces
@@ -347,7 +348,7 @@ def _written_cards(path: Path) -> Iterator[_Card]:
             if not copied and len(fields) > 1 and fields[-1].startswith(("+", "*")) and not _is_number(fields[-1]):
                 behind = fields.pop()
         limit = 4 if large else 8
-        # behind the data comes the name of the continuation; a longer free line is one that goes on without
+        # the data are followed by the name of the continuation; a longer free line continues without one
         data = fields[1:] if len(fields) > limit + 2 else fields[1 : 1 + limit]
         if goes_on:
             if card is None:
@@ -372,8 +373,8 @@ def _is_number(text: str) -> bool:
 
 
 def _bulk_lines(path: Path, budget: Budget, parents: tuple[Path, ...] = ()) -> Iterator[tuple[str, str]]:
-    """Lines of the bulk data section (before it those of PARAM) without comments, includes put in, each with its place
-    in words."""
+    """Lines of the bulk data section (before it those of PARAM) without comments, includes inserted, each with its
+    place as text."""
     try:
         lines = budget.read(path, len(parents)).decode("latin-1").splitlines()  # comments may hold anything
     except (OSError, ValueError) as error:

@@ -1,7 +1,7 @@
 """VTK's legacy files of unstructured grids (.vtk), versions 1 to 5, as text or binary, read here and strictly.
 
-meshio takes 32-bit integers of binary files for 64-bit ones, drops cells beside those that it knows and has no sets of
-`SCALARS`. Here each table has as many numbers as its heading says (VTK file formats, vtk.org).
+meshio reads 32-bit integers of binary files as 64-bit ones, drops unsupported cells and has no sets of `SCALARS`. Here
+each table has as many numbers as its heading declares (VTK file formats, vtk.org).
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class _Scanner:
         return found
 
     def words(self) -> list[str]:
-        """The words of the next line that has some; none at the end."""
+        """The words of the next nonempty line; none at the end."""
         while self.at < len(self.content):
             words = self.line().decode("latin-1").split()
             if words:
@@ -76,7 +76,7 @@ class _Scanner:
 
 
 def read_vtk(path: Path) -> RawMesh:
-    """What a .vtk file holds; raises as `guarded` does."""
+    """Contents of a .vtk file; raises as `guarded` does."""
     return guarded(path, _read, "save it as .vtu")
 
 
@@ -130,7 +130,7 @@ def _read(label: str, content: bytes) -> RawMesh:
 
 
 def _cells(scan: _Scanner, first: int, second: int) -> tuple[Array, Array]:
-    """Nodes of the cells one behind the other, and where each ends: version 5 has two tables, older ones a count before
+    """Concatenated nodes of the cells, and where each ends: version 5 has two tables, older ones a count before
     the nodes of each cell."""
     begin = scan.at
     words = scan.words()

@@ -1,9 +1,9 @@
 """VTK's XML files of unstructured grids (.vtu), read here and strictly (VTK file formats, vtk.org).
 
-meshio keeps the cells of the last piece only, drops cells beside those that it knows, and unpacks whatever an array
-says of itself. Here how long each array is follows from the numbers of points and cells of its piece, and is held
-against what its blocks say of themselves before they are unpacked. Pieces of a file are one grid, cut up for writing:
-their cells are put one behind the other, and points of several pieces with the same coordinates are one.
+meshio keeps the cells of the last piece only, drops unsupported cells, and unpacks arrays of any declared size. Here
+the length of each array follows from the numbers of points and cells of its piece and is compared with the sizes in
+its blocks before they are unpacked. Pieces of a file are one grid, divided for writing: their cells are concatenated,
+and points of several pieces with the same coordinates are merged.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ Array = np.ndarray
 DTYPES = {"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "UInt8": "u1", "UInt16": "u2", "UInt32": "u4",
           "UInt64": "u8", "Float32": "f4", "Float64": "f8"}  # fmt: skip
 PLAIN = "save it with vtkZLibDataCompressor or without compression (ParaView: Compressor Type)"
-RATIO, FEW = 64, 1 << 26  # bytes unpacked: up to that many times the file's, or that many
+RATIO, FEW = 64, 1 << 26  # bytes unpacked: up to that multiple of the file's size, or that number
 
 
 class _File:
-    """The tree of a file, its appended data, and what is left of the bytes that it may unpack to."""
+    """The tree of a file, its appended data, and the number of bytes that may still be unpacked."""
 
     def __init__(self, content: bytes) -> None:
         self.appended, self.raw = b"", False
@@ -149,7 +149,7 @@ def _lzma(data: bytes, size: int) -> bytes:
 
 
 def read_vtu(path: Path) -> RawMesh:
-    """What a .vtu file holds; raises as `guarded` does."""
+    """Contents of a .vtu file; raises as `guarded` does."""
     return guarded(path, _read, "export it again")
 
 
@@ -194,8 +194,8 @@ def _read(label: str, content: bytes) -> RawMesh:
 
 
 def _seams(pieces: list[Array]) -> tuple[Array, list[str]]:
-    """For each point of all pieces the number of the one that it is: the first in its place where several pieces have
-    one point there each. A piece with two points in one place means two, and they are left as they are."""
+    """For each point of all pieces the number of the point it is merged with: the first at its position if several
+    pieces have one point there each. Two points of one piece at one position remain separate."""
     count = sum(len(points) for points in pieces)
     number = np.arange(count)
     if len(pieces) == 1:
