@@ -65,7 +65,9 @@ def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: 
 
     if length_unit is None:
         units = ", ".join(LENGTH_UNITS)
-        raise InputError(f"{path.name}: a mesh file does not say its unit of length; add --length-unit, one of {units}")
+        raise InputError(
+            f"{path.name}: a mesh file does not define its unit of length; add --length-unit, one of {units}"
+        )
     mesh = meshes.read(path, length_unit=length_unit, part=part)
     if density is None and mesh.report().mass is not None:
         return str(mesh.report())
@@ -97,7 +99,9 @@ def _hdf5(path: Path, page: Path | None, overwrite: bool, pairs: Pairs) -> str:
 
 def _no_page(page: Path | None, path: Path) -> None:
     if page is not None:
-        raise InputError(f"{path.name} is no reduced body and no sweep, and only those have a page; leave out --page")
+        raise InputError(
+            f"{path.name} is neither a reduced body nor a sweep, and only those have a page; leave out --page"
+        )
 
 
 def _reduced_body(path: Path, page: Path | None, overwrite: bool) -> str:

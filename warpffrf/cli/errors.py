@@ -37,7 +37,7 @@ def one_line_errors() -> Iterator[None]:
         raise typer.Exit(0) from None
     except (InputError, OSError) as error:
         if log.isEnabledFor(logging.DEBUG):
-            log.debug("where it happened:", exc_info=True)
+            log.debug("traceback:", exc_info=True)
         print(printable(f"error: {in_options(str(error), _options)}"), file=sys.stderr)
         raise typer.Exit(1) from None
     except KeyboardInterrupt:

@@ -46,7 +46,7 @@ class Printable(TextIOBase):
 
     def write(self, text: str) -> int:
         if not isinstance(text, str):
-            raise TypeError(f"text is written here, got {type(text).__name__}")
+            raise TypeError(f"a text is required, got {type(text).__name__}")
         self.stream.write(printable(text))
         return len(text)
 
@@ -62,7 +62,8 @@ class Printable(TextIOBase):
 
 app = typer.Typer(
     name="warpffrf",
-    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers, or warpffrf example",
+    help="Simulate machines of flexible bodies with contact. Start with: warpffrf demo two-rollers, or warpffrf "
+    "example",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
@@ -84,14 +85,14 @@ def options(
         typer.Option(
             "--verbose",
             "-v",
-            help="Say more: the scene, times, where faults are, each of alike contacts.",
+            help="Print more: the scene, times, tracebacks, every contact of a group.",
         ),
     ] = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print neither progress nor reports, only warnings and errors.")
     ] = False,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
     Asked.quiet, Asked.pairs = quiet, "all" if verbose else "folded"

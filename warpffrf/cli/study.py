@@ -79,12 +79,12 @@ def study_app() -> typer.Typer:
             list[str] | None,
             typer.Option("--choice", metavar="NAME=V1,V2", help="Values to combine, coarse to fine. Repeat for more."),
         ] = None,
-        measure: Annotated[list[str] | None, typer.Option("--measure", help="Errors to measure; all if none.")] = None,
-        rounds: Annotated[int, typer.Option(help="How often every setting is run.")] = 3,
-        out: Annotated[Path | None, typer.Option("--out", help="Folder; left out: out/NAME_speed_error.")] = None,
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew.")] = False,
+        measure: Annotated[list[str] | None, typer.Option("--measure", help="Errors to measure; default: all.")] = None,
+        rounds: Annotated[int, typer.Option(help="Number of runs of every setting.")] = 3,
+        out: Annotated[Path | None, typer.Option("--out", help="Folder; default: out/NAME_speed_error.")] = None,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Restart and replace the results.")] = False,
     ) -> None:
-        """Run a scene with many settings beside a reference. A study that was stopped goes on in its folder."""
+        """Run a scene with many settings and compare with a reference. An interrupted study continues in its folder."""
         with one_line_errors():
             from warpffrf.study import speed_error as run
 
@@ -139,7 +139,7 @@ def add_sweep_command(app: typer.Typer) -> None:
             typer.Option(
                 "--output",
                 metavar="[NAME=]WHAT",
-                help="What to keep of each run: a history by its name, or taken over time, 'max(HISTORY)', min, mean, "
+                help="Outputs of each run: a history by its name, or a value over time, 'max(HISTORY)', min, mean, "
                 "last, rms, amplitude. Repeat for more.",
             ),
         ],
@@ -147,35 +147,33 @@ def add_sweep_command(app: typer.Typer) -> None:
         sample: Annotated[
             str | None,
             typer.Option(
-                metavar="KIND:COUNT", help="Not all combinations, but latin:64, sobol:64, random:64, saltelli:64."
+                metavar="KIND:COUNT", help="Instead of all combinations: latin:64, sobol:64, random:64, saltelli:64."
             ),
         ] = None,
-        seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
-        only_equilibrium: Annotated[
-            bool, typer.Option("--equilibrium", help="Find equilibria, and simulate nothing.")
-        ] = False,
+        seed: Annotated[int, typer.Option(help="Seed of the sample.")] = 0,
+        only_equilibrium: Annotated[bool, typer.Option("--equilibrium", help="Find equilibria only.")] = False,
         workers: Annotated[int, typer.Option(help="Processes of this machine.")] = 1,
         scheduler: Annotated[
             str | None, typer.Option(metavar="ADDRESS", help="Instead, a scheduler of dask: tcp://HOST:8786.")
         ] = None,
         device: Annotated[
-            list[str] | None, typer.Option(help="cpu or cuda:0. Repeat to give workers several in turn.")
+            list[str] | None, typer.Option(help="cpu or cuda:0. Repeat to distribute workers over several.")
         ] = None,
         worlds: Annotated[
             int,
-            typer.Option(help="Run so many rows at once, as worlds of one graph, where they differ in numbers only."),
+            typer.Option(help="Number of rows run at once, as worlds of one graph, if they differ in numbers only."),
         ] = 1,
         error_budget: Annotated[
-            bool, typer.Option("--error-budget", help="Also the error budget of each run.")
+            bool, typer.Option("--error-budget", help="Also compute the error budget of each run.")
         ] = False,
-        out: Annotated[Path | None, typer.Option("--out", help="Folder; left out: out/NAME.sweep.")] = None,
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew.")] = False,
-        resume: Annotated[bool, typer.Option("--resume", help="Go on with a sweep that was stopped.")] = False,
+        out: Annotated[Path | None, typer.Option("--out", help="Folder; default: out/NAME.sweep.")] = None,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Restart and replace the results.")] = False,
+        resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted sweep.")] = False,
     ) -> None:
-        """Run a scene at many values of its parameters; keep what is wanted of each run in one table, table.h5.
+        """Run a scene at many values of its parameters; save the outputs of each run in one table, table.h5.
 
-        Rows that cannot be run are rows with their message. Ctrl-C keeps what has been run; --resume goes on. Exit code
-        1 where a row has failed.
+        Rows that fail keep their message. Ctrl-C keeps the completed rows; --resume continues. Exit code 1 if a row has
+        failed.
 
         Example: warpffrf sweep pendulum.toml --vary arm=0.2:0.4:5 --output "min(body_position_z[bob])"
         """
@@ -205,16 +203,18 @@ def add_sweep_plot_command(app: typer.Typer) -> None:
         folder: Annotated[Path, typer.Argument(metavar="SWEEP", help="Folder of a sweep.")],
         output: Annotated[str, typer.Argument(metavar="OUTPUT", help="What to draw; `info SWEEP` lists outputs.")],
         out: Annotated[Path, typer.Option("--out", metavar="PNG", help="The picture to write: .png, .pdf or .svg.")],
-        x: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter along; left out: the first.")] = None,
-        y: Annotated[str | None, typer.Option(metavar="NAME", help="Draw a map; parameter upwards.")] = None,
-        hue: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter by colour.")] = None,
-        style: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter by dashes.")] = None,
-        col: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter with a panel a value.")] = None,
+        x: Annotated[
+            str | None, typer.Option(metavar="NAME", help="Parameter of the x axis; default: the first.")
+        ] = None,
+        y: Annotated[str | None, typer.Option(metavar="NAME", help="Draw a map; parameter of the y axis.")] = None,
+        hue: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter shown by colour.")] = None,
+        style: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter shown by line style.")] = None,
+        col: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter with one panel per value.")] = None,
         component: Annotated[str | None, typer.Option(help="Of a vector: x, y or z.")] = None,
         where: Annotated[
-            list[str] | None, typer.Option("--where", metavar="NAME=VALUE", help="These rows alone. Repeat for more.")
+            list[str] | None, typer.Option("--where", metavar="NAME=VALUE", help="Only these rows. Repeat for more.")
         ] = None,
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing picture.")] = False,
     ) -> None:
         """Draw an output of a sweep over a parameter, over time, or as a map of two parameters.
 

@@ -133,7 +133,7 @@ class RollingHysteresis(RollingResistance):
     def __post_init__(self) -> None:
         alpha = require_number(self.loss, "RollingHysteresis: loss", non_negative=True)
         if alpha > 1.0:
-            raise InputError(f"RollingHysteresis: loss must be at most 1, the whole work, got {alpha:g}")
+            raise InputError(f"RollingHysteresis: loss must be at most 1, all of the work, got {alpha:g}")
         speed = require_number(self.rolling_speed, "RollingHysteresis: rolling_speed [rad/s]", positive=True)
         object.__setattr__(self, "loss", alpha)
         object.__setattr__(self, "rolling_speed", speed)
@@ -142,7 +142,7 @@ class RollingHysteresis(RollingResistance):
         if patch is None:
             raise InputError(
                 f"{label}: laws.RollingHysteresis needs the size of the patch, which only laws.HertzPoint, "
-                "laws.PalmgrenLine and laws.IsoLamina know; take one of these, or laws.RollingResistanceArm"
+                "laws.PalmgrenLine and laws.IsoLamina define; use one of these, or laws.RollingResistanceArm"
             )
         return self.loss * patch.ahead * patch.short, 1.0 + patch.growth
 
@@ -175,8 +175,8 @@ def spin_resistance(friction: FrictionLaw, patch: Patch | None, label: str) -> R
     naming `label` for friction that sticks, which has no velocity to answer, and for patches that are no ellipse."""
     if not friction.acts or not friction.creep_limit:
         raise InputError(
-            f"{label}: spin=True needs friction that answers the velocity of the surfaces, laws.RegularisedCoulomb or "
-            "laws.TractionCurve"
+            f"{label}: spin=True requires friction that depends on the velocity of the surfaces, "
+            "laws.RegularisedCoulomb or laws.TractionCurve"
         )
     if patch is None or patch.long is None:
         raise InputError(

@@ -157,8 +157,8 @@ class Builder:
             except InputError:
                 signals = tuple(self.source.values.get("signals", {}))
                 raise InputError(
-                    f"{self.source.place(path)}: {value!r} names no signal and no place on a body"
-                    f"{suggestion(value, signals)}"
+                    f"{self.source.place(path)}: {value!r} names no signal and no port of a "
+                    f"body{suggestion(value, signals)}"
                 ) from None
 
     def _named(self, path: Path, name: Any, section: str) -> str:
@@ -177,7 +177,7 @@ class Builder:
         if body == "ground" and part is not None and part not in known:
             raise InputError(
                 f"{self.source.place(path)}: the ground has no surface {part!r}{suggestion(part, known)}; a table "
-                "[ground.NAME] makes one"
+                "[ground.NAME] defines one"
             )
 
     def _port_parts(self, path: Path, value: Any) -> tuple[str, str | None, Any]:
@@ -298,7 +298,7 @@ class Builder:
         if name in self.made.get(section, {}):
             return self.made[section][name]
         if (section, name) in self.making:
-            raise InputError(f"[{section}.{name}] is made of itself; name another one in its table")
+            raise InputError(f"[{section}.{name}] depends on itself; name another one in its table")
         if self.kept is not None and section in SECTIONS and (found := self.kept.find(self._recipe(section, name))):
             thing, files = found
             self.files |= files
@@ -345,7 +345,7 @@ class Builder:
             return self._object(role, value)
         if role in self.sections:
             if value not in self.made.get(role, {}):
-                raise InputError(f"{path[-1]}: {value!r} comes later in [{role}]; write it first")
+                raise InputError(f"{path[-1]}: {value!r} is defined later in [{role}]; write it first")
             return self.made[role][value]
         if role == "stages":
             return [self._stage((*path, index), table) for index, table in enumerate(value)]

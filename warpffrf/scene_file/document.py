@@ -86,9 +86,9 @@ def _included(source: Source, above: tuple[FilePath, ...], count: list[int]) -> 
             file = (place.folder / entry).resolve()
             exists = file.is_file()
         except (OSError, ValueError, RuntimeError) as error:
-            raise InputError(f"{place}: include {entry!r} is no file name ({error})") from None
+            raise InputError(f"{place}: include {entry!r} is not a file name ({error})") from None
         if not exists:
-            raise InputError(f"{place}: include {entry!r} does not exist; it is looked for in {place.folder}")
+            raise InputError(f"{place}: include {entry!r} does not exist; it is searched in {place.folder}")
         if file in above:
             raise InputError(f"{place}: include {entry!r} includes itself")
         _merge(base, _with_includes(file, entry, above, count))
@@ -139,7 +139,7 @@ def _set(source: Source, setting: str) -> None:
     try:
         path = max(parse(f"{name} = 0", "--set", FilePath.cwd()).places, key=len)
     except InputError:
-        raise InputError(f"{place}: {name!r} is no dotted name") from None
+        raise InputError(f"{place}: {name!r} is not a dotted name") from None
     for candidate in (("parameters", *path), path):
         if _exists(source.values, candidate):
             _replace(source, candidate, text.strip(), place)
@@ -151,7 +151,9 @@ def _set(source: Source, setting: str) -> None:
     known = [dotted(p) for p in _leaves(source.values.get("parameters", {}), ())]
     known += [dotted(p) for p in _leaves(source.values, ()) if p[0] != "parameters"]
     close = get_close_matches(dotted(path), known, n=3)
-    hint = f"did you mean {', '.join(map(repr, close))}?" if close else "parameters are made in the table [parameters]"
+    hint = (
+        f"did you mean {', '.join(map(repr, close))}?" if close else "parameters are defined in the table [parameters]"
+    )
     raise InputError(f"{place}: there is no parameter or key {dotted(path)!r}; {hint}")
 
 
@@ -182,7 +184,7 @@ def _kept_type(value: Any, old: Any, text: str, place: Place) -> Any:
         floats = any(isinstance(entry, float) for entry in old)
         return [float(v) if floats and type(v) is int else v for v in value]
     if type(value) is not type(old):
-        raise InputError(f"{place}: {text!r} is not {TYPES[type(old)]}, which the file has there ({old!r})")
+        raise InputError(f"{place}: {text!r} is not {TYPES[type(old)]}, the type of the value in the file ({old!r})")
     return value
 
 
@@ -231,7 +233,7 @@ def resolved(source: Source) -> Source:
             done[name] = worked_out(value, ("parameters", *path))
             busy.pop()
             if _size(done[name], sizes) > MOST_VALUES:
-                raise InputError(f"parameter {name!r} holds more than {MOST_VALUES} values")
+                raise InputError(f"parameter {name!r} contains more than {MOST_VALUES} values")
         return done[name]
 
     def worked_out(value: Any, path: Path) -> Any:
@@ -257,7 +259,7 @@ def resolved(source: Source) -> Source:
         worked_out(_get(parameters, leaf), ("parameters", *leaf))
     whole = {key: worked_out(value, (key,)) for key, value in source.values.items()}
     if _size(whole, sizes) > MOST_VALUES:
-        raise InputError(f"{source.place(())}: holds more than {MOST_VALUES} values, its parameters put in")
+        raise InputError(f"{source.place(())}: contains more than {MOST_VALUES} values, with parameters substituted")
     return Source(whole, source.places)
 
 

@@ -105,7 +105,7 @@ def run_scene(
     name = Path(path).stem
     loaded = load_scene(path, settings=settings)
     if loaded.equilibrium is None and loaded.simulate is None:
-        raise InputError(f"{Path(path).name}: says nothing to run; add the table [simulate] or [equilibrium]")
+        raise InputError(f"{Path(path).name}: contains nothing to run; add the table [simulate] or [equilibrium]")
     folder = Path("out") / name if out is None else Path(out).expanduser()
     text = folder / f"{name}.toml"
     document = DOCUMENT_SIGN + loaded.to_toml()
@@ -137,8 +137,8 @@ def _write_document(file: Path, text: str, overwrite: bool, resume: bool) -> Non
         raise InputError(f"--out: '{file}' is another scene, and is not replaced; choose another folder")
     if there is not None and resume and not overwrite:
         raise InputError(
-            f"--resume: '{file}' is what was run, and is not what is to be run now; go on with the same file and the "
-            "same --set, or begin anew with --overwrite"
+            f"--resume: '{file}' is the scene of the earlier run and differs from the one to be run; resume with the "
+            "same file and the same --set, or restart with --overwrite"
         )
     with written_whole(checked_output_path(file, "--out", overwrite=overwrite)) as partial:
         partial.write_text(text, encoding="utf-8")
@@ -154,7 +154,7 @@ def _in_folder(arguments: dict[str, Any], folder: Path, results: str, anywhere: 
         refuse_nul(file, key)
         if not anywhere and not file.resolve().is_relative_to(folder.resolve()):
             raise InputError(
-                f"{key} {str(files[key])!r} is outside of the output folder '{folder}'; give a name in it, or say "
+                f"{key} {str(files[key])!r} is outside the output folder '{folder}'; give a name in it, or use "
                 "--anywhere (anywhere=True)"
             )
     return {**arguments, **placed}

@@ -34,7 +34,7 @@ def read_numbers(file: Path, column: Any) -> Any:
     if column is not None and (isinstance(column, bool) or not isinstance(column, int) or column < 0):
         raise InputError(f"column must be a whole number from 0, got {brief(column)}")
     if not file.is_file():
-        raise InputError(f"file {name!r} does not exist; it is looked for in {file.parent}")
+        raise InputError(f"file {name!r} does not exist; it is searched in {file.parent}")
     try:
         content = read_regular(file, MOST_BYTES)
     except InputError as error:
@@ -50,7 +50,7 @@ def read_numbers(file: Path, column: Any) -> Any:
             array = np.loadtxt(content.decode("utf-8").replace(",", " ").splitlines(), ndmin=2, comments="#")
             array = array[:, 0] if array.shape[1] == 1 else array
     except (ValueError, MemoryError):  # NumPy's message would quote the contents of the file
-        raise InputError(f"file {name!r} holds no table of numbers{_at_line(content)}") from None
+        raise InputError(f"file {name!r} is not a table of numbers{_at_line(content)}") from None
     if column is not None:
         if array.ndim != 2 or column >= array.shape[1]:
             raise InputError(f"file {name!r}: column {column} does not exist, its numbers have shape {array.shape}")
@@ -81,7 +81,7 @@ def _at_line(content: bytes) -> str:
             try:
                 float(word)
             except ValueError:
-                return f": line {number} has something else"
+                return f": line {number} is not numeric"
     return ""
 
 
@@ -106,21 +106,21 @@ def is_expression(value: Any) -> bool:
 def evaluate(text: str, parameter: Callable[[str], Any]) -> Any:
     """The value of the expression `text` ("= ..."). parameter: the value of a dotted name. Raises `InputError`."""
     if len(text) > LONGEST:
-        raise InputError(f"an expression may have {LONGEST} characters, this one has {len(text)}")
+        raise InputError(f"an expression may have at most {LONGEST} characters, this one has {len(text)}")
     try:
         tree = ast.parse(text[1:].strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise InputError(f"{text!r} is no expression; known: numbers, parameters, + - * / ** ( )") from None
+        raise InputError(f"{text!r} is not an expression; known: numbers, parameters, + - * / ** ( )") from None
     try:
         value = _value(tree, parameter, text)
     except (ArithmeticError, ValueError, TypeError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{text!r} cannot be worked out: {error}") from None
+        raise InputError(f"{text!r} cannot be evaluated: {error}") from None
     except RecursionError:
         raise InputError(f"{text!r} is nested too deeply") from None
     if isinstance(value, complex) or (isinstance(value, float) and not math.isfinite(value)):
-        raise InputError(f"{text!r} is no real number")
+        raise InputError(f"{text!r} is not a real number")
     return value
 
 
@@ -144,4 +144,4 @@ def _value(node: ast.expr, parameter: Callable[[str], Any], text: str) -> Any:
         if node.func.id in FUNCTIONS:
             return FUNCTIONS[node.func.id](*(number(argument) for argument in node.args))
         raise InputError(f"{text!r}: the function {node.func.id!r} does not exist; known: {', '.join(FUNCTIONS)}")
-    raise InputError(f"{text!r}: {ast.unparse(node)!r} is not understood; known: numbers, parameters, + - * / ** ( )")
+    raise InputError(f"{text!r}: {ast.unparse(node)!r} is not supported; known: numbers, parameters, + - * / ** ( )")

@@ -66,9 +66,9 @@ def read_source(file: FilePath, name: str) -> Source:
     try:
         text = read_regular(file, MOST_BYTES).decode("utf-8-sig")
     except InputError as error:
-        raise InputError(f"{name}: {error}; tables of numbers can stand in files of their own") from None
+        raise InputError(f"{name}: {error}; write tables of numbers to separate files") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{name}: is no text in UTF-8 ({error.reason} at byte {error.start})") from None
+        raise InputError(f"{name}: is not text in UTF-8 ({error.reason} at byte {error.start})") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{name}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
     return parse(text, name, file.parent)
@@ -78,7 +78,7 @@ def parse(text: str, name: str, folder: FilePath) -> Source:
     """`read_source` of a text."""
     text = text.replace("\r\n", "\n")
     if found := _DEEP_KEY.search(text):
-        raise InputError(f"{name}:{text.count(chr(10), 0, found.start()) + 1}: no valid TOML: nested too deeply")
+        raise InputError(f"{name}:{text.count(chr(10), 0, found.start()) + 1}: invalid TOML: nested too deeply")
     if found := _LONG_INTEGER.search(text):  # also in texts and comments
         line = text.count(chr(10), 0, found.start()) + 1
         raise InputError(f"{name}:{line}: a number of more than {MOST_DIGITS} digits")
@@ -90,9 +90,9 @@ def parse(text: str, name: str, folder: FilePath) -> Source:
         at = f":{found[1]}" if found else ""
         if what.endswith("(at end of document)"):
             at = f":{text.count(chr(10)) + 1}"
-        raise InputError(f"{name}{at}: no valid TOML: {what}") from None
+        raise InputError(f"{name}{at}: invalid TOML: {what}") from None
     except RecursionError:
-        raise InputError(f"{name}: no valid TOML: nested too deeply") from None
+        raise InputError(f"{name}: invalid TOML: nested too deeply") from None
     places = {path: Place(f"{name}:{line}", folder) for path, line in lines.items()}
     places[()] = Place(name, folder)
     source = Source(values, places)

@@ -115,7 +115,7 @@ class Characteristic:
     @cached_property
     def pieces(self) -> Pieces:
         """The pieces that define it."""
-        raise TypeError(f"{type(self).__name__} does not say what its pieces are")
+        raise TypeError(f"{type(self).__name__} does not define its pieces")
 
     @property
     def vanishes(self) -> bool:
@@ -241,7 +241,7 @@ class ForceTable(Characteristic):
         if np.any(falls):
             i = int(np.argmax(falls))
             raise InputError(
-                f"ForceTable: the table folds over itself, x must rise from point to point, got {table[i, 0]:g} and "
+                f"ForceTable: the table is not monotonic, x must rise from point to point, got {table[i, 0]:g} and "
                 f"then {table[i + 1, 0]:g} (points {i} and {i + 1}); sort it, and give a jump a little width"
             )
         if not isinstance(self.smooth, (bool, np.bool_)):

@@ -205,8 +205,8 @@ class Table(Curve):
         rises = len(depths) > 1 and bool(np.all(np.diff(depths) > 0.0) and np.all(np.diff(pressures) > 0.0))
         if not rises or pressures[0] != 0.0 or len(depths) > MOST_POINTS:
             raise InputError(
-                f"curves.Table: a table of {len(depths)} points that folds over itself, or does not begin at zero; "
-                f"depths and pressures must rise strictly, the pressures from 0 on, in 2 to {MOST_POINTS} points"
+                f"curves.Table: a table of {len(depths)} points is not monotonic or does not begin at zero; depths "
+                f"and pressures must rise strictly, the pressures from 0 on, in 2 to {MOST_POINTS} points"
             )
         pieces = 0.5 * (pressures[1:] + pressures[:-1]) * np.diff(depths)
         self._table = np.column_stack([depths, pressures, np.concatenate([[0.0], np.cumsum(pieces)])])

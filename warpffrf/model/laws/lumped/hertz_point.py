@@ -116,7 +116,7 @@ def _ratio_squared(small: float, large: float, label: str) -> float:
     if excess(least) < 0.0:
         raise InputError(
             f"{label}: the surfaces touch along a line, all but (relative radii {1.0 / small:.3g} and "
-            f"{1.0 / large:.3g} m); take laws.PalmgrenLine or laws.IsoLamina, with the roller first"
+            f"{1.0 / large:.3g} m); use laws.PalmgrenLine or laws.IsoLamina, with the roller first"
         )
     root: Any = brentq(excess, least, 0.0, xtol=1e-14)
     return float(np.exp(2.0 * root))

@@ -157,7 +157,9 @@ def _take(deck: _Deck, card: _Card) -> None:
         grid = card.integer(2, 0), x, card
         known = deck.grids.setdefault(number, grid)
         if known[:2] != grid[:2]:
-            raise card.fault(f"grid point {number} is given already, at another place; give one of them another number")
+            raise card.fault(
+                f"grid point {number} is defined twice, at different positions; give one of them another number"
+            )
     elif name in _SOLIDS:
         linear, quadratic, order = _SOLIDS[name]
         corners = _CORNERS[name]
@@ -192,7 +194,7 @@ def _take(deck: _Deck, card: _Card) -> None:
 def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
     number = card.integer(1)
     if number in deck.elements:
-        raise card.fault(f"element {number} is given already; give one of them another number")
+        raise card.fault(f"element {number} is defined twice; give one of them another number")
     deck.elements.add(number)
     nodes = [card.integer(i) for i in fields]
     deck.cells.setdefault(kind, []).append((card.integer(2, number), nodes, card))
@@ -252,7 +254,7 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
         number = solid.integer(2)
         card = deck.materials.get(number)
         if card is None:
-            notes.append(f"PSOLID {p}: material {number} is not a MAT1 and is not taken over")
+            notes.append(f"PSOLID {p}: material {number} is not a MAT1 and is not used")
             continue
         E, G, nu, rho = (card.real(i, 0.0) for i in (2, 3, 4, 5))
         if not card.text(4) and E > 0.0 and G > 0.0:
@@ -262,9 +264,9 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
         try:
             found[f"property_{p}"] = Material(stress * E, nu, density * rho, name=f"MAT1 {number}")
         except InputError as error:
-            notes.append(f"MAT1 {number} is not taken over: {error}")
+            notes.append(f"MAT1 {number} is not used: {error}")
     if found:
-        notes.append(f"materials are read in {units}, the system that goes with lengths in {length_unit}")
+        notes.append(f"materials are read in {units}, the system of units with lengths in {length_unit}")
     return found
 
 
@@ -284,7 +286,9 @@ def _cards(path: Path) -> Iterator[_Card]:
         if card.name != "=":
             word = card.name[1:].strip("()")
             if recipe is None or not word.isdigit() or len(word) > 8 or any(card.fields):
-                raise card.fault("=n stands behind a card with = and says how often that is repeated; repair the line")
+                raise card.fault(
+                    "=n must follow a card with =, of which it gives the number of copies; repair the line"
+                )
             count = int(word)
         else:
             recipe = card.fields
@@ -314,7 +318,9 @@ def _copy(last: _Card, recipe: list[str], card: _Card) -> _Card:
         else:
             fields.append(text)
     if len(given) < len(last.fields) and "==" not in given and any(last.fields[len(given) :]):
-        raise card.fault(f"it says {len(given)} of the {len(last.fields)} fields of {last.name}; write == for the rest")
+        raise card.fault(
+            f"it gives {len(given)} of the {len(last.fields)} fields of {last.name}; write == for the rest"
+        )
     return _Card(last.name, fields, card.place)
 
 
@@ -355,8 +361,8 @@ def _written_cards(path: Path) -> Iterator[_Card]:
                 raise InputError(f"mesh file {place}: a continuation without a card before it; repair the line")
             if name.strip("+* ") and head.strip("+* ") and name.strip("+* ") != head.strip("+* "):
                 raise InputError(
-                    f"mesh file {place}: continuation {head!r} stands where {name!r} of the card before is expected; "
-                    "put the lines of a card one behind the other"
+                    f"mesh file {place}: continuation {head!r} is found where {name!r} of the previous card is "
+                    "expected; write the lines of a card in sequence"
                 )
             card.fields += [""] * (-len(card.fields) % width) + data
             width, name = limit, behind

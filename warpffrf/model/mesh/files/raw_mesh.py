@@ -67,7 +67,7 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
     for kind, nodes in raw.blocks:
         if nodes.size and (nodes.min() < 0 or nodes.max() >= len(raw.points)):
             what = "cell" if kind in CELL_KINDS else "facet"
-            raise InputError(f"{label}: a {what} refers to a node that the file does not hold")
+            raise InputError(f"{label}: a {what} refers to a node that the file does not contain")
     notes: list[str] = []
     raw = _uncollapsed(raw, notes, label)
     volumes = [b for b, (kind, _) in enumerate(raw.blocks) if kind in CELL_KINDS]
@@ -129,8 +129,8 @@ def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
             if found is None:
                 name = f"number {row} of its kind" if raw.labels is None else f"element {raw.labels[b][row]}"
                 raise InputError(
-                    f"{label}: {kind} {name} has nodes repeated, and what is left is no wedge or "
-                    "tetrahedron; mesh it so"
+                    f"{label}: {kind} {name} has repeated nodes and is neither a wedge nor a tetrahedron; mesh with "
+                    "these instead"
                 )
             left.setdefault(found[0], []).append((int(row), found[1]))
         for new_kind, rows in left.items():
@@ -140,7 +140,7 @@ def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
                 parts.append(np.flatnonzero(np.isin(old, parts[b])))
             if labels is not None and raw.labels is not None:
                 labels.append(raw.labels[b][old])
-            notes.append(f"{len(rows)} {kind} cells with nodes repeated are read as {new_kind}")
+            notes.append(f"{len(rows)} {kind} cells with repeated nodes are read as {new_kind}")
         number = np.cumsum(~bad) - 1
         blocks[b] = (kind, nodes[~bad])
         for parts in groups.values():
@@ -180,7 +180,7 @@ def _upright(kind: str, raw: RawMesh, nodes: Array, notes: list[str]) -> Array:
     middle = cell.nodes[: cell.corner_count].mean(axis=0, keepdims=True)
     over = cell.jacobians(raw.points[nodes], middle)[:, 0] < 0.0
     if raw.either_hand and over.any():
-        notes.append(f"{np.sum(over)} {kind} cells whose nodes turn round the other way are turned over")
+        notes.append(f"{np.sum(over)} {kind} cells with nodes in reversed order are corrected")
     # every reference cell is its own mirror image in the plane between its first two axes
     mirror = np.array([int(np.argmin(np.abs(cell.nodes - x).sum(axis=1))) for x in cell.nodes[:, [1, 0, 2]]])
     return np.where(over[:, None], nodes[:, mirror], nodes)
@@ -269,8 +269,8 @@ def system_of(length_unit: str, notes: list[str]) -> tuple[float, float, str] | 
     if length_unit in SYSTEMS:
         return SYSTEMS[length_unit]
     notes.append(
-        f"materials are not taken over: with lengths in {length_unit} the units of stress and density are not "
-        f"known (they are with {' and '.join(SYSTEMS)}); give the materials yourself"
+        f"materials are not used: with lengths in {length_unit} the units of stress and density are unknown (they are "
+        f"known with {' and '.join(SYSTEMS)}); define the materials in the call"
     )
     return None
 

@@ -86,7 +86,7 @@ def numbers(words: Sequence[str] | Sequence[bytes], real: bool, what: str) -> Ar
             raise ValueError
         return np.array([float(w) for w in words]) if real else np.array([int(w) for w in words], dtype=np.int64)
     except (ValueError, OverflowError):
-        raise Fault(f"{what} holds something that is no number") from None
+        raise Fault(f"{what} contains an entry that is not a number") from None
 
 
 def raw_mesh(
@@ -104,7 +104,7 @@ def raw_mesh(
     if len(types) != len(offsets) or np.any(sizes < 0) or (len(offsets) and offsets[-1] != len(connectivity)):
         raise InputError(f"{label}: cannot be read (its cells do not fit their nodes); export it again")
     if len(connectivity) and (connectivity.min() < 0 or connectivity.max() >= len(points)):
-        raise InputError(f"{label}: a cell refers to a node that the file does not hold")
+        raise InputError(f"{label}: a cell refers to a node that the file does not contain")
     ghosts = arrays.get(GHOSTS)
     if ghosts is not None and np.any(ghosts):
         raise InputError(
@@ -120,7 +120,7 @@ def raw_mesh(
         here = np.arange(first, stop)
         vtk = int(types[first])
         if vtk not in TYPES and vtk not in OTHERS:
-            raise InputError(f"{label}: cell {first} is of VTK's type {vtk}, which is not known; export it again")
+            raise InputError(f"{label}: cell {first} is of VTK's type {vtk}, which is not supported; export it again")
         dim, count, name = (TYPES.get(vtk) or OTHERS[vtk])[:3]
         wrong = here[sizes[here] != count] if count is not None else here[:0]
         if len(wrong):

@@ -128,7 +128,7 @@ def axial_lines(low: float, high: float, cells: Any, tread: float | None, label:
 
 def _given_lines(low: float, high: float, places: Any, tread: float | None, label: str) -> np.ndarray:
     if tread is not None:
-        raise InputError(f"{label}: axial says where all cells are; leave tread out")
+        raise InputError(f"{label}: axial defines all cells; leave tread out")
     lines = require_array(places, f"{label}: axial", (None,))
     reach = SAME_END * (high - low)
     if len(lines) < 2 or abs(lines[0] - low) > reach or abs(lines[-1] - high) > reach or np.any(np.diff(lines) <= 0.0):
@@ -390,7 +390,9 @@ def _arc_lines(label: str, fine_arc: float, pitch: float) -> np.ndarray:
     fine = _fine_columns(half, pitch)
     rest = np.pi - 0.5 * fine * pitch
     if rest <= pitch:
-        raise InputError(f"{label}: fine_arc {half:g} rad leaves nothing to grow in; leave it out for equal cells")
+        raise InputError(
+            f"{label}: fine_arc {half:g} rad leaves no room for growing cells; leave it out for equal cells"
+        )
     sizes, size = [], pitch
     while sum(sizes) < rest:
         size = max(min(size * ARC_GROWTH, LARGEST_ANGLE), pitch)

@@ -136,7 +136,7 @@ class _Reader:
                 raise place.fault(f"{name!r} includes itself; remove one of the *Include lines")
             self.read(_lines(content), candidate, here)
             return
-        raise place.fault(f"the included file {name[:200]!r} does not exist; put it beside the deck")
+        raise place.fault(f"the included file {name[:200]!r} does not exist; put it next to the deck")
 
 
 def _append(lines: list[str], index: int, path: Path, blocks: list[Block]) -> None:

@@ -184,7 +184,7 @@ _SHELL_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
 _FORMULATIONS = {
     "R": "are integrated fully",
     "I": "have no incompatible modes here",
-    "H": "are hybrid where the material asks for it",
+    "H": "are hybrid where the material requires it",
     "M": "are not modified here",
     "S": "have the usual stress points here",
     "T": "have no temperatures here",
@@ -304,7 +304,7 @@ def element_table(block: Block, nodes: int) -> Table:
             have = 0
     if have:
         place = block.place_of(indices[starts[-1]])
-        raise place.fault(f"the element has {have - 1} of {nodes} nodes; is the deck cut off here?")
+        raise place.fault(f"the element has {have - 1} of {nodes} nodes; is the deck truncated here?")
     values = _integers(",".join(texts)) if texts else np.zeros(0, dtype=np.int64)
     if values is None:
         row = next(i for i, text in enumerate(texts) if _integers(text) is None)

@@ -65,7 +65,7 @@ class Parser:
                 handler(self, block)
         if self.open:
             keyword, place = self.open[-1]
-            raise place.fault(f"*{keyword} has no *End {keyword.title()}; is the deck cut off?")
+            raise place.fault(f"*{keyword} has no *End {keyword.title()}; is the deck truncated?")
         for instance in self.deck.instances.values():
             if fold(instance.part) not in self.deck.parts:
                 known = ", ".join(repr(p.name) for p in self.deck.parts.values()) or "none"
@@ -101,7 +101,7 @@ def _part(parser: Parser, block: Block) -> None:
     name = block.required("NAME")
     known = parser.deck.parts.get(fold(name))
     if known is not None:
-        raise block.place.fault(f"there is a part {name!r} already, in {known.place}")
+        raise block.place.fault(f"part {name!r} is defined already, in {known.place}")
     parser.part = parser.deck.parts[fold(name)] = Scope(name, block.place)
 
 
@@ -119,7 +119,7 @@ def _instance(parser: Parser, block: Block) -> None:
     name = block.required("NAME")
     known = parser.deck.instances.get(fold(name))
     if known is not None:
-        raise block.place.fault(f"there is an instance {name!r} already, in {known.place}")
+        raise block.place.fault(f"instance {name!r} is defined already, in {known.place}")
     placed = _placement(block)
     parser.instance = Instance(name, block.required("PART"), block.place, Scope(name, block.place), *placed)
     parser.deck.instances[fold(name)] = parser.instance
@@ -200,7 +200,7 @@ def _surface(parser: Parser, block: Block) -> None:
         return
     known = parser.scope.surfaces.get((fold(name), kind == "NODE"))
     if known is not None:
-        raise block.place.fault(f"there is a surface {name!r} already, in {known.place}")
+        raise block.place.fault(f"surface {name!r} is defined already, in {known.place}")
     items = []
     for fields, place in block.fields():
         if not fields or not fields[0]:
@@ -228,7 +228,7 @@ def _material(parser: Parser, block: Block) -> None:
     name = block.required("NAME")
     known = parser.deck.materials.get(fold(name))
     if known is not None:
-        raise block.place.fault(f"there is a material {name!r} already, in {known.place}")
+        raise block.place.fault(f"material {name!r} is defined already, in {known.place}")
     parser.material = parser.deck.materials[fold(name)] = MaterialText(name, block.place)
 
 
@@ -243,7 +243,7 @@ def _property(parser: Parser, block: Block, what: str, count: int) -> tuple[Mate
     values = model.reals(rows[0][0], rows[0][1], what, count)
     if len(rows) > 1:
         at = f", at temperature {values[count]:g}" if len(values) > count else ""
-        material.notes.append(f"of the {len(rows)} rows of *{block.keyword.title()} the first is taken{at}")
+        material.notes.append(f"of the {len(rows)} rows of *{block.keyword.title()} the first is used{at}")
     return material, values
 
 

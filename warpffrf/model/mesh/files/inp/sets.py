@@ -81,7 +81,7 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
                 notes.append(f"surface {surface.name!r}: {inside} faces inside the body are left out")
             own = body.scopes(level)
             if surface.nodal and any((fold(surface.name), False) in scope.surfaces for scope in own):
-                notes.append(f"surface {surface.name!r} of nodes is not taken over, one of element faces has that name")
+                notes.append(f"surface {surface.name!r} of nodes is not used, a surface of element faces has that name")
                 continue
             _add(found, surface.name, facets, "surface", notes)
     for name, facets in shell_sets(body, solid, faces, notes):
@@ -98,11 +98,11 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
             dropped.append(definition.name)
         elif fold(definition.name) in surfaces:
             if surfaces[fold(definition.name)] != len(facets):
-                notes.append(f"node set {definition.name!r} is not taken over, a surface has that name")
+                notes.append(f"node set {definition.name!r} is not used, a surface has that name")
         else:
             _add(found, definition.name, facets, "node set", notes)
     if dropped:
-        notes.append(f"node sets that hold no whole free face are not taken over: {listed([repr(n) for n in dropped])}")
+        notes.append(f"node sets without a complete free face are not used: {listed([repr(n) for n in dropped])}")
     return found
 
 
@@ -194,7 +194,7 @@ def _add(found: dict[str, FacetSet], name: str, facets: FacetSet, what: str, not
 
 def _second_name(name: str, what: str, notes: list[str]) -> str:
     """The name of a set of the assembly if the part has another one of that name."""
-    notes.append(f"the {what} {name!r} of the assembly is called {ASSEMBLY_PREFIX + name!r}, the part has another")
+    notes.append(f"the {what} {name!r} of the assembly is called {ASSEMBLY_PREFIX + name!r}, the part has another one")
     return ASSEMBLY_PREFIX + name
 
 
@@ -216,7 +216,9 @@ def choose(deck: Deck, part: str | None) -> Body:
         if not bodies:
             raise _no_cells(deck)
         if len(bodies) > 1:
-            raise InputError(f"mesh file {deck.file}: there are {len(bodies)} bodies, say part= one of {names}")
+            raise InputError(
+                f"mesh file {deck.file}: there are {len(bodies)} bodies, select one with part=, one of {names}"
+            )
         return next(iter(bodies.values()))
     if fold(part) in bodies:
         return bodies[fold(part)]
@@ -225,13 +227,15 @@ def choose(deck: Deck, part: str | None) -> Body:
         return bodies[fold(of_part[0].name)]
     if len(of_part) > 1:
         placed = ", ".join(repr(i.name) for i in of_part)
-        raise InputError(f"mesh file {deck.file}: part {part!r} is placed more than once, say part= one of {placed}")
+        raise InputError(
+            f"mesh file {deck.file}: part {part!r} is placed more than once, select one with part=, one of {placed}"
+        )
     empty = deck.instances.get(fold(part))
     if empty is not None:
         scopes = (empty.scope, deck.parts[fold(empty.part)])
         raise empty.place.fault(
-            f"instance {part!r} holds no solid elements (element types: {_types(scopes)}); say part= one of "
-            f"{names or 'none'}"
+            f"instance {part!r} has no solid elements (element types: {_types(scopes)}); select one with part=, one "
+            f"of {names or 'none'}"
         )
     raise InputError(f"mesh file {deck.file}: there is no body {part!r}; known: {names or 'none'}")
 
@@ -388,7 +392,7 @@ def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, not
         if material is not None:
             made[elset] = material
     if made:
-        notes.append(f"materials are read in {units}, the system that goes with lengths in {length_unit}")
+        notes.append(f"materials are read in {units}, the system of units with lengths in {length_unit}")
     return made
 
 
@@ -404,5 +408,5 @@ def _si(text: MaterialText, stress: float, density: float, notes: list[str]) -> 
                 return Material(stress * text.elastic[0], text.elastic[1], density * text.density, name=text.name)
         except InputError as error:
             faults.append(str(error))
-    notes.append(f"material {text.name!r} ({text.place}) is not taken over: {'; '.join(faults)}")
+    notes.append(f"material {text.name!r} ({text.place}) is not used: {'; '.join(faults)}")
     return None

@@ -137,13 +137,13 @@ def _uncollapsed(
             left = left_over(kind, nodes[row])
             if left is None:
                 raise InputError(
-                    f"mesh file {file}: element {own[row]} ({kind}) has nodes repeated, and what is left is no "
-                    "wedge or tetrahedron; mesh it so"
+                    f"mesh file {file}: element {own[row]} ({kind}) has repeated nodes and is neither a wedge nor a "
+                    "tetrahedron; mesh with these instead"
                 )
             moved.setdefault(left[0], []).append((int(own[row]), left[1]))
             became[int(own[row])] = face_numbers(faces_of(kind), nodes[row], faces_of(left[0]), np.array(left[1]))
         if bad.any():
-            notes.append(f"{np.sum(bad)} {kind} cells with nodes repeated are read as wedges or tetrahedra")
+            notes.append(f"{np.sum(bad)} {kind} cells with repeated nodes are read as wedges or tetrahedra")
     for kind, rows in moved.items():
         kept.setdefault(kind, []).append(np.array([nodes for _, nodes in rows], dtype=np.int64))
         labels.setdefault(kind, []).append(np.array([label for label, _ in rows], dtype=np.int64))
@@ -162,7 +162,9 @@ def _nodes(body: Body) -> tuple[np.ndarray, np.ndarray, list[str]]:
     moved = np.unique(labels[::-1][np.any(kept[inverse.ravel()] != coordinates[::-1], axis=1)])
     notes = []
     if len(moved):
-        notes.append(f"{len(moved)} node numbers are defined twice with different places, the last counts: {moved[0]}")
+        notes.append(
+            f"{len(moved)} node numbers are defined twice with different positions, the last is used: {moved[0]}"
+        )
     return unique, kept, notes
 
 
@@ -207,7 +209,7 @@ def _wanted(
             raise InputError(f"mesh file {file}: there is no element set {part!r} for part=; known: {known}")
         mask = np.isin(numbers, body.members(OWN, "elset", part, body.place))
         if not mask.any():
-            raise InputError(f"mesh file {file}: element set {part!r} holds no solid cells")
+            raise InputError(f"mesh file {file}: element set {part!r} has no solid cells")
         return mask
     found = part_labels(node_count, cells)
     order = found[np.sort(np.unique(found, return_index=True)[1])]  # parts in the order of their first cells
@@ -232,7 +234,7 @@ def _placed(body: Body, points: np.ndarray, file: str) -> np.ndarray:
     with np.errstate(over="ignore", invalid="ignore"):
         points = (points + at.translation - at.axis_point) @ at.rotation.T + at.axis_point
     if not np.isfinite(points).all():
-        raise at.place.fault("the instance lies too far away to be computed")
+        raise at.place.fault("the translation of the instance is too large")
     return points
 
 

@@ -161,7 +161,7 @@ def _dofs(A: FileMatrix, dof_map: Any, numbers: np.ndarray, what: str) -> np.nda
     label = what if A.source == what else f"{what} ({A.source})"
     if A.dofs is not None:
         if dof_map is not None:
-            raise InputError(f"{label}: the file says which dof each row is; leave dof_map out")
+            raise InputError(f"{label}: the file gives the dof of each row; leave dof_map out")
         return numbered_dofs(A.dofs, numbers, label)
     if dof_map is not None:
         return mapped_dofs(dof_map, rows, len(numbers), label)
@@ -173,7 +173,7 @@ def _numbers(node_numbers: Any, count: int) -> np.ndarray:
         return np.arange(1, count + 1)
     numbers = np.asarray(node_numbers)
     if numbers.shape != (count,) or not np.issubdtype(numbers.dtype, np.integer):
-        raise InputError(f"node_numbers must be {count} integers, one a node, got {numbers.shape} of {numbers.dtype}")
+        raise InputError(f"node_numbers must be {count} integers, one per node, got {numbers.shape} of {numbers.dtype}")
     if len(np.unique(numbers)) != count:
         raise InputError("node_numbers: a number occurs twice; each node has its own")
     return numbers.astype(np.int64)
@@ -254,7 +254,7 @@ def ordered(matrix: Any, dofs: np.ndarray, node_count: int, what: str) -> tuple[
             node, component = dofs[carrying[0]]
             raise InputError(
                 f"{what}: row {carrying[0]}, the rotation about {AXES[component - 3]} of node {node}, is not empty; "
-                "bodies here have three displacements a node: condense the rotations, or export solid elements"
+                "bodies have three displacements per node: condense the rotations, or export solid elements"
             )
     rows = np.flatnonzero(dofs[:, 1] < 3)
     target = 3 * dofs[rows, 0] + dofs[rows, 1]

@@ -180,10 +180,10 @@ def _head(file: Path, text: bytes) -> _Head:
         raise _market_fault(file, 1, "is not '%%MatrixMarket matrix LAYOUT FIELD SYMMETRY'")
     for word, known in zip(words[2:], (LAYOUTS, FIELDS, SYMMETRIES), strict=True):
         if word not in known:
-            raise _market_fault(file, 1, f"{word!r} is not read here, one of {', '.join(known)} is")
+            raise _market_fault(file, 1, f"{word!r} is not supported; known: {', '.join(known)}")
     layout, field, symmetry = words[2:]
     if layout == "array" and field == "pattern":
-        raise _market_fault(file, 1, "an array of a pattern holds nothing")
+        raise _market_fault(file, 1, "an array of a pattern has no entries")
     at = len(banner) + 1
     comments = _COMMENTS.match(text, at)
     at = comments.end() if comments else at
@@ -233,7 +233,7 @@ def _numbers(file: Path, text: bytes, head: _Head) -> np.ndarray:
     numbers = numbers.reshape(-1, len(words))
     if len(numbers) != head.entries:
         raise InputError(
-            f"matrix file {file.name}: has {len(numbers)} entries, line {head.line - 1} says {head.entries}; "
+            f"matrix file {file.name}: has {len(numbers)} entries, line {head.line - 1} declares {head.entries}; "
             "export it again"
         )
     return numbers
@@ -264,9 +264,7 @@ def _refuse_twice(file: Path, text: bytes, head: _Head, i: np.ndarray, j: np.nda
     if len(again):
         first, second = order[again[0]], order[again[0] + 1]
         lines = _line_of(text, head, int(first)), _line_of(text, head, int(second))
-        raise _market_fault(
-            file, lines[1], f"row {i[second] + 1}, column {j[second] + 1} is that of line {lines[0]} again"
-        )
+        raise _market_fault(file, lines[1], f"row {i[second] + 1}, column {j[second] + 1} repeats line {lines[0]}")
 
 
 def _array(file: Path, text: bytes, head: _Head, numbers: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -416,7 +414,9 @@ def _text_fault(content: bytes) -> str:
             width = int(head[2]) if head[2] else _WIDTH
             sizes = [abs(int(w)) for w in line[:16].split()]
             if max(sizes, default=0) > len(content):
-                return f"line {number} says a matrix of {' by '.join(map(str, sizes))}, more than fits into the file"
+                return (
+                    f"line {number} declares a matrix of {' by '.join(map(str, sizes))}, more than fits into the file"
+                )
         elif not line.strip() or _WHOLE.fullmatch(line):
             continue
         elif not _REALS.fullmatch(line) or len(line.rstrip()) % width:

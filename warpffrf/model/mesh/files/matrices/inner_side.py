@@ -289,8 +289,8 @@ def require_one_body(K: Any, M: Any) -> None:
     if count > 1:
         sizes = ", ".join(str(n) for n in np.sort(np.bincount(label))[::-1][:5])
         raise InputError(
-            f"K falls apart into {count} bodies, the largest of {sizes} nodes; a body is one part: export one, or "
-            "leave out nodes without elements"
+            f"K consists of {count} unconnected bodies, the largest of {sizes} nodes; a body is one part: export one, "
+            "or leave out nodes without elements"
         )
     foreign = heavy - heavy.multiply(stiff)
     off_diagonal = heavy.nnz - heavy.shape[0]
@@ -317,7 +317,7 @@ def plausibility(K: Any, M: Any, points: np.ndarray, mass: float) -> list[str]:
     if not USUAL_DENSITY[0] <= density <= USUAL_DENSITY[1]:
         found.append(f"mass over bounding box is {density:.3g} kg/m3: are length_unit and matrix_units right?")
     if not USUAL_SPEED[0] <= speed <= USUAL_SPEED[1]:
-        found.append(f"waves would run at about {speed:.2g} m/s: are length_unit and matrix_units right?")
+        found.append(f"the estimated wave speed is about {speed:.2g} m/s: are length_unit and matrix_units right?")
     return found
 
 
