@@ -279,7 +279,7 @@ class Stribeck(FrictionLaw):
 @dataclass(frozen=True)
 class TabulatedFriction(FrictionLaw):
     """Friction with tabulated `coefficients` (n,) [-], positive, at slip `speeds` (n,) [m/s], which rise from 0; the
-    first is the coefficient of static friction. Raises `InputError` for a table that folds over itself."""
+    first is the coefficient of static friction. Raises `InputError` for a table that is not monotonic."""
 
     speeds: tuple[float, ...]
     coefficients: tuple[float, ...]

@@ -48,7 +48,7 @@ class SceneCheck:
     redundant: dict[str, int]
     gaps: dict[str, float]
     unsupported: tuple[str, ...]
-    loose_preloads: dict[str, str] = field(default_factory=dict)  # forces whose tension has no path back, and the cure
+    loose_preloads: dict[str, str] = field(default_factory=dict)  # forces whose tension has no load path, and the cure
     redundant_rows: tuple[str, ...] = ()  # 'joint': what its redundant row would hold, axes of the joint
     refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
     velocity_defects: tuple[str, ...] = ()  # joints and drives that the initial velocities contradict, and by how much

@@ -227,7 +227,7 @@ class PowerLaw(Characteristic):
 class ForceTable(Characteristic):
     """Forces over deformation or rate: `points` (n, 2), n >= 2, of x [m, rad, m/s or rad/s], increasing, and F
     [N or N m]; linear between them, or `smooth`. A force at x = 0 is a preload, which no damper may have. Raises
-    `InputError`, of a table that folds over itself with the two points."""
+    `InputError`, of a table that is not monotonic with the two points."""
 
     points: Any
     smooth: bool = False

@@ -182,7 +182,7 @@ class NonlinearLayer(Law):
 @dataclass(frozen=True)
 class TabulatedLayer(Law):
     """A layer with tabulated pressures (n,) [Pa] at the gaps (n,) [m], which rise; the pressures must fall strictly and
-    end at zero. Raises `InputError` for a table that folds over itself."""
+    end at zero. Raises `InputError` for a table that is not monotonic."""
 
     gaps: tuple[float, ...]
     pressures: tuple[float, ...]

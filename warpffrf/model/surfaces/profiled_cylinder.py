@@ -20,7 +20,7 @@ Logarithmic profile (Lundberg 1939; the form with a finite end is that of Fujiwa
 of a roller that a load Q presses on a straight partner, A = Q/(pi L E*) with 1/E* the sum of (1 - nu^2)/E gives a
 pressure without edges in the limit of a large end drop e. Its slope is closed too, 4 A (exp(e/A) - 1)/L at the ends.
 
-Refused: z that does not increase, so that the profile folds over itself; a slope above 80 degrees; a drop of more than
+Refused: z that does not increase, so that the profile is not monotonic; a slope above 80 degrees; a drop of more than
 the radius; a hollow so narrow that normals of the profile cross within its own depth, curvature times depth above 1:
 its points would then be nearest to several points.
 """

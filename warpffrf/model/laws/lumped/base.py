@@ -152,7 +152,7 @@ class TabulatedForce(LumpedLaw):
     approach, which may be negative, there is none. For surfaces that touch in a point.
 
     shear [-]: tangential stiffness over the normal one, of friction that sticks. damping, restitution and impact_speed
-    as in `LumpedLaw`. Raises `InputError` for a table that folds over itself.
+    as in `LumpedLaw`. Raises `InputError` for a table that is not monotonic.
     """
 
     approaches: tuple[float, ...]
