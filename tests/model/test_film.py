@@ -308,7 +308,7 @@ def test_feeds_that_share_nodes(pair: Pair) -> None:
         (lambda: films.BarrelForm(1e-6, 0.0), "films.BarrelForm: length .* must be greater than zero"),
         (lambda: films.WornForm(1e-6, 0.0, 4.0), "films.WornForm: width must be at most pi"),
         (lambda: films.MeasuredForm([0.0, 0.0], [0.0], [[0.0], [0.0]]),
-        "films.MeasuredForm: theta must rise.*places 0 and 1"),
+        "films.MeasuredForm: theta must rise.*points 0 and 1"),
         (lambda: films.MeasuredForm([0.0], [0.1, 0.0], [[0.0, 0.0]]), "films.MeasuredForm: z must rise"),
         (lambda: films.MeasuredForm([0.0], [0.0], [[0.0, 0.0]]), r"values must have shape \(1, 1\)"),
         (lambda: films.MeasuredForm([0.0], [0.0], [[np.nan]]), "values .*NaN"),
