@@ -1,8 +1,8 @@
-r"""A whole ball bearing under a radial load: at rest, then its inner ring rotates and friction drives balls and cage.
+r"""A complete ball bearing under a radial load: at rest, then rotating, balls and cage driven by friction.
 
 A 209 deep-groove bearing (T. A. Harris, Rolling Bearing Analysis): nine balls between rigid rings with 15 um of
 diametral clearance, 8.9 kN radial load. The inner ring rotates at 1,500 rpm; friction on the raceways makes the balls
-roll, and these carry the cage along, a body with a pocket for each ball.
+roll, and the balls drive the cage, a body with a pocket for each ball.
 
 **Loads.** A ball at the angle phi from the load is compressed by the shift (x, z) of the inner ring by
 
@@ -15,8 +15,8 @@ load, loads and pressures are published: 4,527 N and 2,841 N on the first two ba
 rotates with w (1 - gamma)/2, and a ball relative to it with w D/(2 d) (1 - gamma^2) in the opposite sense; only loaded
 balls follow it.
 
-**Losses.** Friction here is that of slip where balls and rings touch in a point, nearly none where they roll. A real
-bearing has most of its friction from slip within the patch, from hysteresis and from oil.
+**Losses.** Friction here results from slip at point contacts of balls and rings and nearly vanishes in rolling. In a
+real bearing most friction results from slip within the patch, from hysteresis and from oil.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from warpffrf.output.plots.panels import Panel, Polar, save_panels
 STEEL = wf.Material(youngs_modulus=206e9, poisson_ratio=0.3, density=7850, name="steel")
 COUNT, BALL, PITCH, GROOVE = 9, 12.7e-3, 64.9985e-3, 6.6e-3  # balls; m: diameters, radius of the grooves
 CLEARANCE, LOAD, SPEED = 15e-6, 8900.0, 1500.0 * np.pi / 30.0  # m, N, rad/s
-PLAY, TRACTION = 0.1e-3, wf.laws.RegularisedCoulomb(0.06, 0.01)  # m of a ball in its pocket
+PLAY, TRACTION = 0.1e-3, wf.laws.RegularisedCoulomb(0.06, 0.01)  # m, clearance of a ball in its pocket
 DAMPING = 1.0  # s/m of the contacts
 NAME = "209"
 GAMMA = BALL / PITCH

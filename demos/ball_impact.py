@@ -1,14 +1,14 @@
 r"""A steel ball hits a steel half-space: Hertz's impact.
 
-A ball of 10 mm radius arrives at 0.1 m/s. One of two like bodies may stand for both: this one has half the modulus of
+A ball of 10 mm radius arrives at 0.1 m/s. One of two equal bodies may represent both: this one has half the modulus of
 steel and hits a rigid plane, so that 1/E* = 2 (1 - nu^2)/E is that of steel on steel. It has no vibration modes and
-its local modes are quasi-static: it is rigid but for the contact, as in Hertz's theory.
+its local modes are quasi-static: it is rigid except for the contact, as in Hertz's theory.
 
 What to expect, with K = (4/3) E* sqrt(R),
 
     delta_max = (5 m v^2/(4 K))^(2/5),    F_max = K delta_max^(3/2),    T = (4/5) B(2/5, 1/2) delta_max/v
 
-(K. L. Johnson, Contact Mechanics, 1985, section 11.4), the impulse 2 m v, and at the end the speed of arrival again.
+(K. L. Johnson, Contact Mechanics, 1985, section 11.4), the impulse 2 m v, and a rebound at the speed of arrival.
 A half-space behind the patch neglects what the rest of the ball adds to the approach, of order a/R = 2 %.
 """
 

@@ -1,7 +1,7 @@
 r"""A steel ball pressed on a rigid plane and pushed sideways: Hertz, then Cattaneo and Mindlin.
 
 A ball of 10 mm radius is held in a slide that lets it move down and sideways but not rotate. From the static state
-under 100 N it is pushed sideways slowly, up to half of what friction can give. The load is spread evenly over the
+under 100 N it is pushed sideways slowly, up to half of the friction limit. The load is spread evenly over the
 surface of the ball.
 
 What to expect, with 1/E* = (1 - nu^2)/E and S = (2 - nu)/G of the ball alone:

@@ -1,11 +1,12 @@
-"""The two rollers of `two_rollers`, meshed as users mesh: 4 mm tetrahedra from a mesh generator.
+"""The two rollers of `two_rollers` in a coarse mesh: 4 mm tetrahedra from a mesh generator.
 
-Half of the contact is 0.6 mm wide: one seventh of an element. The mesh comes with the package (`data/roller_4mm.msh`,
-Gmsh, second order). The lower roller rotates on a fixed axle, the upper one in a carriage on a sprung vertical guide;
-both are driven to 100 rad/s, and while they roll the force on the carriage rises from 20 to 26 kN.
+Half of the contact is 0.6 mm wide: one seventh of an element. The mesh is included in the package
+(`data/roller_4mm.msh`, Gmsh, second order). The lower roller rotates on a fixed axle, the upper one in a carriage on a
+sprung vertical guide; both are driven to 100 rad/s, and while they roll the force on the carriage rises from 20 to 26
+kN.
 
-What to expect: the contact carries what statics requires, on any mesh. Across the patch at mid-width the pressure is
-Hertz's at the line load found there: it lives on cells that travel with the patch, whose compliance is that of the
+What to expect: the contact carries the static load on any mesh. Across the patch at mid-width the pressure is Hertz's
+at the line load found there: it is discretised on cells that move with the patch, whose compliance is that of the
 half-space nearby and of the mesh at a distance (docs/method.md). The largest von Mises stress below it, in plane strain
 0.558 p0 at a depth of 0.70 a, is Hertz's as well. In the last 10 ms the rollers rotate by a radian, over a dozen
 elements: the ripple of the peak pressure is the effect of the mesh on the contact.

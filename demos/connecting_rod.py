@@ -1,18 +1,18 @@
 r"""The big end of a connecting rod on its crank pin: an oil film under the load of a four-stroke engine.
 
-A crank rotates at a constant speed; all that holds the rod to its pin is the oil film between the rod's bore and the
-pin. The rod is elastic, reduced from quadratic tetrahedra; its small end is a joint on the piston, on which the gas
-presses. All motion is in the plane x-z, crank angles count from the dead centre where the gas is exchanged; the gas
-burns after 360 degrees. The run begins at 0 with the pin in the middle of the bore and lasts two and a half
-revolutions, of which the last two, one cycle, count.
+A crank rotates at a constant speed; only the oil film between the bore and the pin connects the rod to its pin. The rod
+is elastic, reduced from quadratic tetrahedra; its small end is a joint on the piston, on which the gas presses. All
+motion is in the plane x-z, crank angles count from the dead centre where the gas is exchanged; the gas burns after 360
+degrees. The run begins at 0 with the pin in the middle of the bore and lasts two and a half revolutions, of which the
+last two, one cycle, count.
 
-What to expect. The film carries the force of the mechanism without clearance and elasticity, 26.6 kN at its peak, but
-for where the force reverses and the pin crosses the clearance, and for the vibrations of the rod. The same rod, ten
-times as stiff, shows the effect of elasticity: under the combustion the steel eye gives by nearly its clearance, in the
-middle more than at the ends, where the film is thinnest. Before the gas is exchanged the rod is pulled: its eye
+What to expect. The film carries the force of the mechanism without clearance and elasticity, 26.6 kN at its peak,
+except where the force reverses and the pin crosses the clearance, and for the vibrations of the rod. The same rod, ten
+times as stiff, shows the effect of elasticity: under the combustion the steel eye deforms by nearly its clearance, in
+the middle more than at the ends, where the film is thinnest. Before the gas is exchanged the rod is pulled: its eye
 elongates, and its sides close on the pin, 60 degrees from the load. The smallest film of the cycle is there; that of
-the stiff rod at this place is nearly three times as thick. Over a cycle gas and crank put in what the film takes, by
-shear and by flow.
+the stiff rod at this place is nearly three times as thick. Over a cycle the film dissipates the work of gas and
+crank, by shear and by flow.
 """
 
 from __future__ import annotations

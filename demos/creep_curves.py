@@ -13,10 +13,11 @@ upper roller give its surface, along and across itself, the velocity above as se
 the patch: with s, by which the roller has moved along its axle, the patch is s/2 off the fork's axis.
 
 What to expect. The scene is the wheel on a rail of the program CONTACT (E. A. H. Vollebregt) at a twenty-fifth of its
-size: relative radii of 25 and 71.08 mm, 170.7 N, like materials, friction 0.33. Forces over mu N depend on the ratio of
-the radii and on Poisson's ratio only, so that the nine published values hold here. The force is never above mu N; spin
-makes a lateral force as well. Creepages rise in stairs. On each the material runs `HELD` times through the patch, after
-which tractions are steady. Spin changes its sign from stair to stair, so that the fork remains nearly straight.
+size: relative radii of 25 and 71.08 mm, 170.7 N, equal materials, friction 0.33. Forces over mu N depend on the ratio
+of the radii and on Poisson's ratio only, so that the nine published values hold here. The force is never above mu N;
+spin makes a lateral force as well. Creepages rise in stairs. On each stair the material passes `HELD` times through the
+patch, after which tractions are steady. Spin changes its sign from stair to stair, so that the fork remains nearly
+straight.
 """
 
 from __future__ import annotations

@@ -52,7 +52,7 @@ FULL, QUICK = Size(), Size(curvatures=(0.0, 1 / 8, 1 / 2), loads=(500.0, 4000.0)
 
 @functools.cache
 def roller(length: float, curvature: float) -> Any:
-    """A roller with a crown, reduced; each worker does it once."""
+    """A reduced roller with a crown; each worker reduces it once."""
     crown = {} if curvature == 0.0 else {"crown_radius": 1.0 / curvature}
     rim = wf.surfaces.CrownedCylinder(**crown) if crown else wf.surfaces.Cylinder()
     mesh = wf.mesh.roller(

@@ -1,4 +1,4 @@
-r"""A crowned roller on a raceway, in cells five to ten times as wide as its contact: what a crown is for.
+r"""A crowned roller on a raceway, in cells five to ten times as wide as its contact: the effect of a crown.
 
 A solid steel roller (R 7.5 mm, 15 mm long, crown of 1 m) is pressed on the inner ring of a bearing (R 30 mm, bore
 20 mm) that is wider than the roller, as in every roller bearing. Its journals hang in a guide; the load rises from
@@ -7,10 +7,10 @@ contact is 0.17 to 0.46 mm wide.
 
 What to expect. At 300 N the crown carries on Hertz's ellipse in the middle of the roller, with the relative radii
 1/(1/R1 + 1/R2) across and the crown's along. At 6 kN the crown is pressed flat nearly to the ends, the contact is a
-line, and its pressure across is Hertz's of a cylinder at the line load found there. At the ends the crown carries next
-to nothing. The same machine with a straight roller shows what the crown is for: its ends are edges that press into a
-wider ring, where the pressure of a corner is infinite (docs/studies/roller_end.md), and by a third larger than in the
-middle in a row of cells at the end. While the ring rotates, neither force nor pressure follows the mesh.
+line, and its pressure across is Hertz's of a cylinder at the line load found there. At the ends the crown carries
+almost no load. The same machine with a straight roller shows the effect of the crown: its ends are edges that press
+into a wider ring, where the pressure of a corner is infinite (docs/studies/roller_end.md), and by a third larger than
+in the middle in a row of cells at the end. While the ring rotates, neither force nor pressure follows the mesh.
 """
 
 from __future__ import annotations

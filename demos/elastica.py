@@ -1,10 +1,10 @@
-r"""A cantilever bent far by a force across its tip: the elastica, in one body and in several in a row.
+r"""A cantilever under a transverse force at its tip with large deflections: the elastica, in one and in several bodies.
 
 A slender beam is clamped at one end; at the other a force grows that keeps its direction, to P L^2/EI = 4. Then the tip
 has moved by 0.67 L across and 0.33 L back to the root, and has rotated by 65 degrees (K. E. Bisshopp and D. C. Drucker,
 Large deflection of cantilever beams, Q. Appl. Math. 3, 1945, 272).
 
-What to expect. The frame of a body takes rotations of any size, modes take what remains between its ends. With
+What to expect. The frame of a body represents large rotations, modes the remaining deformation between its ends. With
 `stiffening` deflections shorten the body, to second order in the modes: a beam whose fibres do not stretch moves its
 ends towards each other by the integral of w'^2/2. What is neglected is of fourth order in the energy, and grows with
 the angle by which ends rotate from the body's mean axes. A beam cut in n bodies has 1/n of that angle in each, so that

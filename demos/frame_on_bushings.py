@@ -1,4 +1,4 @@
-r"""A flexible frame on four bushings, pushed at a seat: concentrated loads, a car body in small.
+r"""A flexible frame on four bushings, pushed at a seat: concentrated loads on a simplified car body.
 
 An aluminium cage of square bars, 1.6 x 0.8 x 0.4 m, rests on four rubber bushings (full 6 x 6 law, here diagonal)
 under the corners of its floor. Three kinds of interfaces take the loads: the *rigid* mounts hold the bushings, the

@@ -14,7 +14,7 @@ leave an error of fourth order. The energy remains that of the start,
 
     T + V = 1/2 m |omega x X|^2 + 1/2 omega.J omega + m g z = 5435.6967909 J    (z = 0 at the start),
 
-up to the small part that the numerical dissipation takes.
+except for a small numerical dissipation.
 """
 
 from __future__ import annotations

@@ -1,10 +1,10 @@
-r"""A shaft in a steel sleeve with an oil film between them: rest, unbalance, and the whirl of a shaft too heavy.
+r"""A shaft in a steel sleeve with an oil film between them: rest, unbalance, and whirl above the critical mass.
 
 The shaft rotates in the bore of a sleeve that is held outside. It moves in the plane across its axis (joint `plane`), a
 drive rotates it, a force presses it, and only the film carries it. Everything is in the frame of the bore: angles from
 the direction of the load, in the sense of rotation.
 
-**Rest.** Under 20 kN, at 56 MPa, the sleeve gives by 2.2 um, and the film is 2.4 um thick at its thinnest.
+**Rest.** Under 20 kN, at 56 MPa, the sleeve deforms by 2.2 um, and the film is 2.4 um thick at its thinnest.
 
 **Unbalance.** The shaft's centre of mass is off its axis, so that m u omega^2 rotates about a steady load. From rest,
 the orbit closes within two revolutions.

@@ -1,4 +1,4 @@
-r"""A leaf spring of four leaves, clamped in its middle: leaves that rub, a loop, and the loss of a load cycle.
+r"""A leaf spring of four leaves, clamped in its middle: friction between leaves, hysteresis, loss of a load cycle.
 
 The leaves are straight and lie flat on each other. A dowel in the middle holds them together; there they are one body,
 and the spring is cut along the leaves elsewhere (`Mesh.cut`). U-bolts, a spring with preload between the axle below and
@@ -6,7 +6,7 @@ the uppermost leaf, press 8 cm of the middle together; the axle holds the lowest
 of the car presses the ends of the longest leaf down, between a fifth and all of the load.
 
 What to expect: bent, the leaves touch at the tips of the shorter ones alone, and open in between. Pressures at the tips
-grow with the load, and with them friction, so that load against deflection is a bow: one straight line through the
+grow with the load, and with them friction, so that load against deflection is a loop: one straight line through the
 origin while the load grows, one below it while it falls. At a reversal the tips stick at first, and the spring is five
 times as stiff. Four beams that touch at the tips and are held rigidly at the edge of the clamp (derived in
 tests/references/closed_forms/leaf_spring.py) have 14.66 mm of deflection and 205, 194 and 1002 N/mm. Here the leaves

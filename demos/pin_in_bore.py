@@ -1,7 +1,7 @@
 r"""A pin in a bore of nearly its own radius: conformal contact and Persson's solution.
 
 A slice of a pin of radius R lies in a sleeve with a bore of radius R + dR, dR/R = 1e-3, and is pressed down by a force
-in its middle that rises and waits at three loads. By Persson's solution they give patches that reach 10, 30 and 60
+in its middle that rises to and is held at three loads. By Persson's solution they give patches that reach 10, 30 and 60
 degrees to both sides.
 
 What to expect: Hertz's line contact holds for small patches only; at 60 degrees his half-width is half as large again.
@@ -49,7 +49,7 @@ FULL = Size()
 
 
 def waits(count: int = len(ANGLES)) -> np.ndarray:
-    """The times at which the loads cease to wait (n,) [s]."""
+    """The times at which the loads cease to be constant (n,) [s]."""
     return (RISE + WAIT) * np.arange(1, count + 1)
 
 

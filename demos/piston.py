@@ -7,7 +7,7 @@ revolutions, of which the last two, one cycle, count. The gas burns after 360 de
 
 What to expect. The films carry the side force of the mechanism without clearance and elasticity, 3.23 kN at its peak.
 Near the dead centre of firing this force reverses, and the piston crosses the bore. The work of the gas is that of its
-force in the rigid mechanism, 560 J in a cycle, and what crank and gas put in, the films take by shear and by flow. The
+force in the rigid mechanism, 560 J in a cycle, and the films dissipate the work of crank and gas by shear and flow. The
 same piston in a rigid bore, and one ten times as stiff there, show the effect of the elastic walls: without them the
 film under the combustion is thinner and the pressure higher.
 """
@@ -29,8 +29,8 @@ STIFF = wf.Material(youngs_modulus=750e9, poisson_ratio=0.33, density=2700, name
 IRON = wf.Material(youngs_modulus=120e9, poisson_ratio=0.26, density=7200, name="cast iron")
 CRANK, ROD, BORE = 0.040, 0.140, 0.040  # m: radius of the crank, length of the rod, radius of the bore
 SKIRT = (-0.022, 0.012)  # m, along the bore, from the pin
-CLEARANCE, BARREL = 40e-6, 60e-6  # m: of the radius; missing at the skirt's ends
-OVAL = 60e-6  # m: half of what is missing where the pin's axis meets the circle of the skirt
+CLEARANCE, BARREL = 40e-6, 60e-6  # m: of the radius; removed at the skirt's ends
+OVAL = 60e-6  # m: half of what is removed where the pin's axis meets the circle of the skirt
 SPACING = 4.2e-3  # m, of each film's grid, 17 x 9 nodes
 LINER, LINER_WALL, LINER_CELLS = (0.068, 0.212), 0.006, (24, 12)  # m from the crank's axis; around and along
 OIL, AMBIENT = wf.oils.iso_vg(68, temperature=100), 1e5  # Pa
@@ -91,7 +91,7 @@ def gas() -> wf.signals.Table:
 
 
 def skirt_form() -> wf.films.Form:
-    """Barrel and oval of the skirt: nothing is missing in its middle across the pin."""
+    """Barrel and oval of the skirt; no material is removed in its middle across the pin."""
     return wf.films.BarrelForm(BARREL, SKIRT[1] - SKIRT[0], 0.5 * sum(SKIRT)) + wf.films.LobedForm(OVAL, 2)
 
 
@@ -104,7 +104,7 @@ def machine(piston_is: wf.ReducedBody, liner_is: wf.ReducedBody | None) -> wf.Sc
     """The scene around bodies that are already reduced; without a liner its bore is rigid. Bodies `crank`, `rod`,
     `piston`, `liner`, joints `axle`, `big end`, `wrist`, `plane`, `block`, films `thrust`, `anti-thrust`."""
     scene, (off, tilt) = wf.Scene(), BEGIN
-    lean = off / ROD  # the pin is off the axis of the bore, and the rod goes there
+    lean = off / ROD  # inclination of the rod; the pin is off the axis of the bore
     rate = CRANK * SPEED / (ROD * np.cos(np.arcsin(lean)))
     crank = scene.add_rigid_body(CRANK_MASS, CRANK_INERTIA, name="crank", angular_velocity=(0, -SPEED, 0))
     rod = scene.add_rigid_body(

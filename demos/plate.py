@@ -6,8 +6,9 @@ of its thickness on it stretches as well: to third order in its deflection w
     q = c_1 w + c_3 w^3,
 
 the second term from a membrane force in proportion to w^2. At w = 2 t a plate that only bends would deflect nearly
-three times as much. What stretches is held by the plate itself, and no load at an interface contains it: the rim is one
-rigid interface and does not move. So `stiffening=True` has no effect here, and `stiffening="membrane"` has all of it.
+three times as much. The stretching is constrained by the plate itself and absent from loads at interfaces: the rim is
+one rigid interface and does not move. So `stiffening=True` has no effect here, and `stiffening="membrane"` includes all
+of it.
 
 *Under pressure*, in load steps at the loads of S. Levy's table (NACA Report 740, 1942), whose series has an error of
 2 %. *Released*: higher modes are damped soon, the first one slowly, so that the plate vibrates in its nonlinear first

@@ -1,9 +1,9 @@
 r"""A roller bearing whose thin outer ring stands on two feet: its ovalisation changes which rollers carry the load.
 
 An N 209 cylindrical roller bearing: 14 rollers, 40.6 um of diametral clearance, 4,450 N on the inner ring. In a stiff
-housing the roller under the load takes the most, 1,956 N, the next ones 1,384 N, and three carry (T. A. Harris, Rolling
-Bearing Analysis). Here the outer ring, 6 mm thick, is held at two feet, 50 degrees to either side of the load. Between
-them it bends away from the load: the roller there passes its load on to the neighbours, and five carry.
+housing the roller under the load carries most, 1,956 N, the next ones 1,384 N, and three are loaded (T. A. Harris,
+Rolling Bearing Analysis). Here the outer ring, 6 mm thick, is held at two feet, 50 degrees to either side of the load.
+Between them it bends away from the load: the roller there passes its load on to the neighbours, and five are loaded.
 
 The outer ring is a flexible body of quadratic cells with distributed contact: pressures on cells that travel with each
 patch. Inner ring and rollers are rigid, with Palmgren's law between them; rollers reach over the whole width of the

@@ -2,11 +2,11 @@ r"""Two steel rollers with friction: one driven, the other carried along, then b
 
 The lower roller rotates on a fixed axle and is driven. The upper one, with a flywheel on its shaft, rotates freely in a
 carriage that is pressed down. Only friction in the contact drives it: while the lower roller speeds up from rest the
-upper one is carried along; then they roll freely; then a brake on the flywheel rises in steps and waits on each until
+upper one is carried along; then they roll freely; then a brake on the flywheel rises in stairs, held on each until
 the contact has settled; at last it exceeds the limit of friction, and the whole patch slips.
 
 What to expect. Carried along and rolling freely, the surface speeds agree but for the creepage of the tangential force.
-On every step of the brake, Q = M/R, force and creepage are on Carter's curve,
+On every stair of the brake, Q = M/R, force and creepage are on Carter's curve,
 
     xi = (mu a/R') (1 - sqrt(1 - Q/(mu P))),    1/R' = 1/R1 + 1/R2,    a^2 = 4 P' R'/(pi E*)
 
@@ -14,8 +14,8 @@ On every step of the brake, Q = M/R, force and creepage are on Carter's curve,
 these are as wide as eight patches. In gross slip the traction coefficient is mu.
 
 The rollers are meshed in elements of 4 mm, seven times half of the patch: friction is in cells that travel with the
-patch. It advances by nearly one cell per step, and on every step of the brake it runs through its own length `HELD`
-times: creep winds up the elastic shift of the surfaces against their axles, which takes that long.
+patch. It advances by nearly one cell per step, and on every stair of the brake it runs through its own length `HELD`
+times, which creep requires to build up the elastic shift of the surfaces against their axles.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ RELATIVE_RADIUS = 0.5 * OUTER_RADIUS  # m, R'
 MODULUS = STEEL.youngs_modulus / (2.0 * (1.0 - STEEL.poisson_ratio**2))  # Pa, E*
 HALF_WIDTH = float(np.sqrt(4.0 * LOAD / WIDTH * RELATIVE_RADIUS / (np.pi * MODULUS)))  # m, a
 CROSSING = 2.0 * HALF_WIDTH / (SPEED * OUTER_RADIUS)  # s, in which the material runs through the patch
-FREE, RISE, HELD, LAST = 10, 8, 14, 6  # crossings: rolling freely, the brake rises, it waits, the patch slips
+FREE, RISE, HELD, LAST = 10, 8, 14, 6  # crossings: rolling freely, the brake rises, is held, the patch slips
 SETTLED = 6  # crossings at the end of each of these parts that are averaged, three periods of the flywheel
 SHARES, BEYOND = (0.25, 0.5, 0.75), 1.1  # of the limit of friction: where the brake waits, and its end
 ADVANCE = 0.9  # cells by which the patch advances per step; above one friction is not resolved

@@ -1,8 +1,8 @@
 r"""A shallow arch that snaps through: by displacement along the whole path, by load with a jump there and one back.
 
 An arch clamped at both ends, 2.5 times as high as thick, is pushed down at its crown. As it flattens, its thrust grows
-and takes the stiffness away: at a limit load the tangent of the path F(w) is horizontal. Beyond it less and less force
-is in balance with the arch, until it hangs down like a chain and stiffens. The path falls between two limit points,
+and reduces the stiffness: at a limit load the tangent of the path F(w) is horizontal. Beyond it the equilibrium
+force decreases, until the arch hangs down like a chain and stiffens. The load decreases between two limit points,
 
     F(w):   rises to F_1 at w_1,   falls to F_2 at w_2,   rises from there on.
 
@@ -13,10 +13,10 @@ load decreases it remains on that branch as far as F_2 and jumps back. The run i
 slowly, so that it follows the equilibria between the jumps; it jumps slightly late, since the motion is slow where the
 tangent is horizontal.
 
-One flexible body with `stiffening` contains all of it: what snaps is the thrust, a load of the ends, times the
-second-order motion of ends and crown. Full finite elements of the same mesh and St. Venant-Kirchhoff's material have
-the limit loads 2472.0 N and 1737.1 N; the difference is of higher order in the angles by which the arch rotates from
-its mean axes, 0.1 before the jump and 0.2 after it.
+One flexible body with `stiffening` contains all of it: the instability is the work of the thrust, a load of the ends,
+on the second-order motion of ends and crown. Full finite elements of the same mesh and St. Venant-Kirchhoff's material
+have the limit loads 2472.0 N and 1737.1 N; the difference is of higher order in the angles by which the arch rotates
+from its mean axes, 0.1 before the jump and 0.2 after it.
 """
 
 from __future__ import annotations

@@ -178,10 +178,10 @@ def test_the_shell_can_complete(capsys: pytest.CaptureFixture) -> None:
 @pytest.mark.parametrize(
     ("said", "told"),
     [
-        ("say part= one of 'a', 'b'", "say --part one of 'a', 'b'"),
+        ("select one with part=, one of 'a', 'b'", "select one with --part, one of 'a', 'b'"),
         ("choose it with part='pad'", "choose it with --part pad"),
         ("replace it with overwrite=True (--overwrite)", "replace it with --overwrite"),
-        ("or begin anew with overwrite=True", "or begin anew with --overwrite"),
+        ("or restart with overwrite=True", "or restart with --overwrite"),
         ("max_frequency must be positive", "--max-frequency must be positive"),
         ("expected_half_width or another part of it", "--half-width or another part of it"),
         ("set 'max_frequency' is not in body.max_frequency", "set 'max_frequency' is not in body.max_frequency"),
@@ -212,7 +212,7 @@ def test_options_of_a_reduction_reach_it(tmp_path: Path, capsys: pytest.CaptureF
     body = wf.ReducedBody.load(target)
     terms = body.inertia_terms
     assert terms is not None and terms.modes == 4
-    assert "with the static response to turning" in body.info()
+    assert "with the static response to rotation" in body.info()
     assert terms.stiffening is not None and list(terms.stiffening.interfaces) == ["bore"]
 
 

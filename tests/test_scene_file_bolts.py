@@ -70,7 +70,7 @@ def test_a_bolt_from_a_scene_file() -> None:
 @pytest.mark.parametrize(
     ("old", "new", "told"),
     [
-        ('mesh = "plate"', 'mesh = "cut"', r"\[meshes.cut\] is made of itself"),
+        ('mesh = "plate"', 'mesh = "cut"', r"\[meshes.cut\] depends on itself"),
         ("point = [0, 0, 0]", "point = [0, 0, 4e-3]", r"scene.toml:\d+.*'slit': the plane goes through.*0.004 m off"),
         ('b = "plate.slit_high"', 'b = "plate.slit_low"', r"scene.toml:\d+.*take two interfaces"),
         ('kind = "prismatic"', 'kind = "revolute"', r"scene.toml:\d+.*leaves no length free; take a Prismatic joint"),

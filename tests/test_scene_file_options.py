@@ -95,7 +95,7 @@ def test_membrane_energy() -> None:
     without = BEAM.replace("inertia_modes = 5", "membrane_modes = 3\ninertia_modes = 5")
     kind = '"membrane"'
     for wrong, at, said in (
-        (without, "membrane_modes", "membrane_modes is a number of modes of stiffening='membrane'; ask for that, too"),
+        (without, "membrane_modes", "membrane_modes is a number of modes of stiffening='membrane'; set that, too"),
         (text.replace("modes = 3", "modes = 0"), "membrane_modes", "a membrane basis without bending modes"),
         (text.replace("modes = 3", "modes = 9"), "membrane_modes", "membrane_modes=9, of a body with 6 modes"),
         (text.replace('"membrane"', '"plate"'), "stiffening", "or 'membrane', got 'plate'"),
@@ -184,7 +184,7 @@ def test_characteristics_of_springs_and_dampers(tmp_path: Path) -> None:
     )
     assert wf.load_scene(tmp_path / "mount.toml").scene.content_hash() == scene.content_hash()
     for old, new, line, message in (
-        ("[1, 60]", "[-1, 60]", "damping", "folds over itself"),
+        ("[1, 60]", "[-1, 60]", "damping", "is not monotonic"),
         ('{ kind = "force_polynomial", coefficients = [800, 0, 4e5] }', '"soft"', "stiffness", "a number, got 'soft'"),
         ("force_table", "force_tabel", "force_tabel", "did you mean 'force_table'"),
         ("exponent = 1.5", "exponent = 0.5", "exponent", "at least 1, got 0.5"),

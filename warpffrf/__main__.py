@@ -1,4 +1,4 @@
-"""The command `warpffrf`, and `python -m warpffrf`: Ctrl-C and SIGTERM are taken before anything large is loaded."""
+"""The command `warpffrf`, and `python -m warpffrf`. Ctrl-C and SIGTERM are handled before large modules load."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ def main() -> int:
             from warpffrf.cli import main as run
 
             return run()
-    except KeyboardInterrupt:  # while that was loading
+    except KeyboardInterrupt:  # during the import
         print("interrupted", file=sys.stderr)
         return 130
 

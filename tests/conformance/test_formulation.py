@@ -38,7 +38,7 @@ def test_a_mixed_formulation_that_is_not_there() -> None:
     """Asked for where nothing would lock."""
     steel = Material(210e9, 0.3, 7850.0, name="rubber", formulation="mixed")
     notes, (warning,) = said("tet4", steel)
-    assert not notes and "tet4 cells have no mixed formulation and take that of displacement alone" in warning
+    assert not notes and "tet4 cells have no mixed formulation and use that of displacement alone" in warning
 
 
 def test_who_forbids_it_is_told() -> None:

@@ -95,7 +95,7 @@ def test_pockets_surround_elements() -> None:
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (lambda: ball(elements=20), r"20 elements .* overlap .* take 15 elements at most, .*0\.06392 m or more"),
+        (lambda: ball(elements=20), r"20 elements .* overlap .* use at most 15 elements, .*0\.06392 m or more"),
         (lambda: ball(pitch_diameter=0.015), "leave no inner ring on a pitch circle"),
         (lambda: ball(osculation=0.5), "osculation of the inner ring.* must be above 0.5"),
         (lambda: ball(osculation=(0.52, 0.49)), "osculation of the outer ring.* must be above 0.5"),
@@ -123,7 +123,7 @@ def test_pockets_surround_elements() -> None:
         (lambda: roller(flanges=Flanges(1e-4, end_radius=0.004)), "must exceed half the length"),
         (lambda: roller(flanges=Flanges(-1e-4)), "Flanges: clearance"),
         (lambda: roller(flanges=Flanges(1e-4, height=0.005)), "beyond the axis of the rollers"),
-        (lambda: roller(flanges=Flanges(1e-4, height=1e-3, end_radius=0.01)), "take an end_radius between"),
+        (lambda: roller(flanges=Flanges(1e-4, height=1e-3, end_radius=0.01)), "choose an end_radius between"),
     ],
 )
 def test_what_does_not_fit_is_refused(make: Any, said: str) -> None:

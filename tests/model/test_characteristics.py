@@ -100,7 +100,7 @@ def spring(stiffness: Any, damping: Any = 0.0) -> forces.SpringDamper:
 CURVE: Any = forces.PowerLaw(1.0, 2.0)
 WORD: Any = "yes"
 REFUSED: dict[str, tuple[Callable[[], Any], str]] = {
-    "folds": (lambda: forces.ForceTable([(0, 0), (2, 1), (1, 3)]), r"folds over itself.*got 2 and then 1 \(points 1"),
+    "folds": (lambda: forces.ForceTable([(0, 0), (2, 1), (1, 3)]), r"is not monotonic.*got 2 and then 1 \(points 1"),
     "jumps": (lambda: forces.ForceTable([(0, 0), (1, 1), (1, 3)]), "give a jump a little width"),
     "one point": (lambda: forces.ForceTable([(0, 0)]), "at least two points"),
     "no points": (lambda: forces.ForceTable([[0, 1, 2], [3, 4, 5]]), r"must have shape \(n, 2\)"),
@@ -185,9 +185,9 @@ def test_tables_that_are_left_are_noted() -> None:
     length = np.array([1.0, 1.15, 0.95])
     assert notes_of(table, 0.0, length) == []
     (note,) = notes_of(table, 0.0, length + 0.1)
-    assert "'s': the table of its stiffness covers -0.1 to 0.2 m, the run went from 0.05 to 0.25" in note
+    assert "'s': the table of its stiffness covers -0.1 to 0.2 m, the run had 0.05 to 0.25" in note
     (note,) = notes_of(1.0, table, length)
-    assert "the table of its damping covers -0.1 to 0.2 m/s, the run went from -0.2 to 0.15" in note
+    assert "the table of its damping covers -0.1 to 0.2 m/s, the run had -0.2 to 0.15" in note
     assert notes_of(forces.ForcePolynomial([1.0]), CURVE, 100.0 * length) == []
 
 
@@ -205,4 +205,4 @@ def test_tables_that_are_left_are_noted() -> None:
 def test_dampers_that_feed_energy_are_noted(damping: forces.Characteristic, fed: str | None) -> None:
     notes = notes_of(1.0, damping, np.array([1.0, 1.0]))
     assert len(notes) == (fed is not None)
-    assert all(f"pushes along with the motion, at {fed}" in note for note in notes)
+    assert all(f"acts in the direction of motion, for example at {fed}" in note for note in notes)

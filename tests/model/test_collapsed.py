@@ -71,15 +71,15 @@ def test_faces_of_a_collapsed_hexahedron(tmp_path: Path) -> None:
     assert set(mesh.cells) == {"wedge6"} and mesh.sets == {"TOP": 1, "SIDE": 1}
     assert np.all(mesh.points[mesh.facets("TOP").node_set][:, 2] == 1.0)
     assert np.all(mesh.points[mesh.facets("SIDE").node_set][:, 1] == -1.0)
-    assert mesh.notes[0] == "1 hex8 cells with nodes repeated are read as wedges or tetrahedra"
+    assert mesh.notes[0] == "1 hex8 cells with repeated nodes are read as wedges or tetrahedra"
     with pytest.raises(InputError, match="surface 'GONE': the cells of 'E' have no face S5"):
         wfmesh.read(deck(file, [1, 2, 3, 3, 5, 6, 7, 7], "*SURFACE,NAME=GONE\nE,S5\n"), length_unit="m")
 
 
 def test_a_pyramid_is_refused_by_its_number(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="element 7 .hex8. has nodes repeated"):
+    with pytest.raises(InputError, match="element 7 .hex8. has repeated nodes"):
         wfmesh.read(deck(tmp_path / "m.inp", [1, 2, 3, 4, 5, 5, 5, 5]), length_unit="m")
-    with pytest.raises(InputError, match="1 hex8 cell.s. have nodes repeated, the first is number 0"):
+    with pytest.raises(InputError, match="1 hex8 cell.s. have repeated nodes, the first is number 0"):
         Mesh(cell_kind("hex8").nodes, {"hex8": np.array([[0, 1, 2, 3, 4, 4, 4, 4]])}).check()
 
 

@@ -66,7 +66,7 @@ def test_what_is_left_is_told_per_joint() -> None:
     said = rf"joint 'hinge' by {defect.translation:.3g} m/s and {defect.rotation:.3g} rad/s.*project_start=True"
     with pytest.raises(InputError, match=said):
         refuse_velocities(scene)
-    assert "initial velocities pull apart: joint 'hinge'" in str(scene.check())
+    assert "initial velocities violate joints: joint 'hinge'" in str(scene.check())
 
 
 def test_drives_are_told_but_not_refused() -> None:

@@ -109,7 +109,7 @@ REFUSED = [
     (lambda: laws.NonlinearLayer(1.0, float("nan")), r"NonlinearLayer: exponent must be finite"),
     (lambda: laws.HuntCrossley(0.0, 1.5, damping=1.0), r"HuntCrossley: stiffness"),
     (lambda: laws.HuntCrossley(1.0, 1.5, damping=-1.0), r"HuntCrossley: damping .* must not be negative"),
-    (lambda: laws.HuntCrossley(1.0, 1.5), r"give damping, or restitution with the impact_speed"),
+    (lambda: laws.HuntCrossley(1.0, 1.5), r"give damping, or restitution with its impact_speed"),
     (lambda: laws.HuntCrossley(1.0, 1.5, damping=1.0, restitution=0.5), r"give damping, or restitution"),
     (lambda: laws.HuntCrossley(1.0, 1.5, restitution=0.5), r"restitution and impact_speed belong together"),
     (lambda: laws.HuntCrossley(1.0, 1.5, restitution=1.2, impact_speed=1.0), r"restitution must be at most 1"),
@@ -120,8 +120,8 @@ REFUSED = [
     (lambda: laws.ExponentialAsperities(1e6, 1e-6, cut=1.0), r"cut must be at most 300 decay lengths"),
     (lambda: laws.TabulatedLayer((0.0,), (0.0,)), r"two at least"),
     (lambda: laws.TabulatedLayer((-1e-6, 0.0), (1e6, 5e5, 0.0)), r"as many pressures as gaps"),
-    (lambda: laws.TabulatedLayer((0.0, -1e-6), (1e6, 0.0)), r"folds over itself, gaps must rise"),
-    (lambda: laws.TabulatedLayer((-2e-6, -1e-6, 0.0), (1e6, 2e6, 0.0)), r"folds over itself, pressures must fall"),
+    (lambda: laws.TabulatedLayer((0.0, -1e-6), (1e6, 0.0)), r"is not monotonic, gaps must rise"),
+    (lambda: laws.TabulatedLayer((-2e-6, -1e-6, 0.0), (1e6, 2e6, 0.0)), r"is not monotonic, pressures must fall"),
     (lambda: laws.TabulatedLayer((-1e-6, 0.0), (1e6, 1e5)), r"last pressure must be 0"),
 ]
 

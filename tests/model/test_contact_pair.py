@@ -77,7 +77,7 @@ def test_which_surfaces_make_a_pair(body_maker) -> None:
     scene.add(Contact(roller["rim"], ground["floor"], name="first"))
     scene.add(Contact(scene.body("other")["rim"], ground["floor"], name="second"))
     scene.add(Contact(roller["rim"], wheel["tread"], name="third"))
-    with pytest.raises(InputError, match="are in contact already, as 'third'.*one pair holds all their patches"):
+    with pytest.raises(InputError, match="are in contact already, as 'third'.*one contact covers all patches"):
         scene.add(Contact(roller["rim"], wheel["tread"], name="again"))
 
 

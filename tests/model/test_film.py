@@ -97,7 +97,7 @@ def test_what_is_no_option_is_named(pair: Pair) -> None:
         ),
         ({"ambient_pressure": -1.0}, r"film 'bearing': ambient_pressure \[Pa\] must not be negative"),
         ({"ambient_pressure": "1e5"}, "ambient_pressure.*must be a number"),
-        ({"ambient_pressure": 0.0}, r"would run dry.*feeds=\[films.AxialGroove.*ambient_pressure above 0"),
+        ({"ambient_pressure": 0.0}, r"the film has no supply.*feeds=\[films.AxialGroove.*ambient_pressure above 0"),
         (
             {"feeds": films.AxialGroove(0.0, 0.01, 1e5)},
             "feeds must be a list of films.AxialGroove, films.CircumferentialGroove, films.SupplyHole",
@@ -158,10 +158,10 @@ def test_surfaces_without_a_gap_name_both_radii(body_maker) -> None:
         [
             (bore, surfaces.Cylinder(radius=R, **AXIS), r"radius 0.05 m and .*radius 0.05 m leave no gap.*housing\["),
             (bore, surfaces.Cylinder(radius=0.051, **AXIS), "clearance is -0.001 m"),
-            (bore, surfaces.Cylinder(radius=0.03, **AXIS), "do not hug.*0.67 of the radius.*films between rollers"),
-            (bore, surfaces.Bore(radius=0.03, **AXIS), "both insides.*must be a shaft"),
-            (bore, FLOOR, "one is a plane and one an inside"),
-            (shaft, surfaces.Cylinder(radius=R, **AXIS), "both outsides, and films between rollers are not there yet"),
+            (bore, surfaces.Cylinder(radius=0.03, **AXIS), "are not conformal.*0.67 of the radius.*between rollers"),
+            (bore, surfaces.Bore(radius=0.03, **AXIS), "both inner surfaces.*must be a shaft"),
+            (bore, FLOOR, "one is a plane and one an inner surface"),
+            (shaft, surfaces.Cylinder(radius=R, **AXIS), "both outer surfaces, and films between rollers"),
             (shaft, surfaces.Bore(radius=0.04, **AXIS), r"leave no gap.*opposite 5\['skin'\] lies around the other"),
         ]
     ):
@@ -269,10 +269,10 @@ def test_feeds_of_an_arc(body_maker) -> None:
     arc = scene, flexible(scene, body_maker, BORE, grid), rigid(scene, SHAFT)
     found, _ = given(arc, films.AxialGroove(0.5 - np.pi, 0.001, 3e5))  # the last column, past the seam
     assert (found[-1, 1:-1] == 3e5).all() and (found[0] == 1e5).all() and (found[1:-1, 1:-1] == -1.0).all()
-    refused("feed 1, the groove at theta = 0, lies beside the grid of housing.*from theta = 2.642 to 3.642",
+    refused("feed 1, the groove at theta = 0, lies outside the grid of housing.*from theta = 2.642 to 3.642",
             *arc[1:], feeds=[films.AxialGroove(0.0, 0.01, 1e5)])  # fmt: skip
     refused(
-        r"the ring at z = 0.02, lies beside .*from z = -0.01 to 0.01 m",
+        r"the ring at z = 0.02, lies outside .*from z = -0.01 to 0.01 m",
         *arc[1:],
         feeds=[films.CircumferentialGroove(0.02, 1e-3, 1e5)],
     )
@@ -308,13 +308,13 @@ def test_feeds_that_share_nodes(pair: Pair) -> None:
         (lambda: films.BarrelForm(1e-6, 0.0), "films.BarrelForm: length .* must be greater than zero"),
         (lambda: films.WornForm(1e-6, 0.0, 4.0), "films.WornForm: width must be at most pi"),
         (lambda: films.MeasuredForm([0.0, 0.0], [0.0], [[0.0], [0.0]]),
-        "films.MeasuredForm: theta must rise.*places 0 and 1"),
+        "films.MeasuredForm: theta must rise.*points 0 and 1"),
         (lambda: films.MeasuredForm([0.0], [0.1, 0.0], [[0.0, 0.0]]), "films.MeasuredForm: z must rise"),
         (lambda: films.MeasuredForm([0.0], [0.0], [[0.0, 0.0]]), r"values must have shape \(1, 1\)"),
         (lambda: films.MeasuredForm([0.0], [0.0], [[np.nan]]), "values .*NaN"),
         (lambda: films.MeasuredForm([], [0.0], [[0.0]]), "theta is empty"),
         (lambda: films.MeasuredForm([0.0, 2.0 * np.pi], [0.0], [[0.0], [0.0]]),
-        "full turn or more; leave out the last"),
+        "full revolution or more; leave out the last"),
         (lambda: films.CompositeForm((films.LobedForm(1e-6, 2), 1e-6)), "parts must be forms"),  # pyright: ignore[reportArgumentType]
         (lambda: films.CompositeForm(()), "parts is empty"),
     ],
@@ -381,9 +381,9 @@ def test_forms_add_to_the_gap_of_their_surface(pair: Pair) -> None:
 def test_forms_that_turn_have_no_place_on_a_plane(pad: Pair) -> None:
     for form in (films.LobedForm(1e-6, 2), films.BarrelForm(1e-6, 0.02) + films.WornForm(1e-6, 0.0, 0.1)):
         refused(
-            r"form_a repeats each turn, but housing\['rim'\] is a plane; take films.BarrelForm", *pad[1:], form_a=form
+            r"form_a is periodic around the axis, but housing\['rim'\] is a plane; take films", *pad[1:], form_a=form
         )
-        refused(r"form_b repeats each turn, but ground\['floor'\]", *pad[1:], form_b=form)
+        refused(r"form_b is periodic around the axis, but ground\['floor'\]", *pad[1:], form_b=form)
     flat = films.MeasuredForm([-0.01, 0.01], [0.0], [[0.0], [1e-6]], periodic=False)
     assert Film(*pad[1:], oil=OIL, ambient_pressure=1e5, form_a=flat).form_a is flat
 
@@ -439,7 +439,7 @@ def test_a_film_holds_its_bodies_to_the_ground(pad: Pair) -> None:
 
 def test_a_film_has_its_surfaces_alone(pair: Pair, body_maker) -> None:
     scene, bore, shaft = pair
-    words = r"contact 'dry' and film 'wet' stand on the same two surfaces.*Film\(..., asperities=...\)"
+    words = r"contact 'dry' and film 'wet' act on the same two surfaces.*Film\(..., asperities=...\)"
     film, contact = Film(bore, shaft, oil=OIL, ambient_pressure=1e5, name="wet"), Contact(bore, shaft, name="dry")
     for first, second in ((film, contact), (contact, film)):
         scene.add(first)
@@ -549,7 +549,7 @@ def test_a_film_of_a_scene_file_is_that_of_python(tmp_path: Path) -> None:
         ('kind = "roughness"', 'kind = "circumferential_groove"', "circumferential_groove.*known: 'roughness'"),
         ("pattern = 3.0", "pattern = 30.0", "pattern must lie from 1/9 to 9, where flow factors are known, got 30"),
         ('kind = "supply_hole", theta = 0.0', 'kind = "supply_hole", theta = 1.0',
-        "hole at theta = 1, z = 0, lies beside"),
+        "hole at theta = 1, z = 0, lies outside"),
         ("diameter = 0.006", "diametre = 0.006", "diametre"),
         ('cavitation = "reynolds"', 'cavitation = "gumbel"', "gumbel"),
     ],

@@ -108,7 +108,7 @@ REFUSED: list[tuple[Any, str]] = [
     (lambda: laws.TabulatedFriction((0.0,), (0.3,)), r"two at least"),
     (lambda: laws.TabulatedFriction((0.0, 1.0), (0.3, 0.2, 0.1)), r"as many coefficients as speeds"),
     (lambda: laws.TabulatedFriction((0.1, 1.0), (0.3, 0.2)), r"first speed must be 0, got 0.1"),
-    (lambda: laws.TabulatedFriction((0.0, 1.0, 0.5), (0.3, 0.2, 0.1)), r"folds over itself, speeds must rise"),
+    (lambda: laws.TabulatedFriction((0.0, 1.0, 0.5), (0.3, 0.2, 0.1)), r"is not monotonic, speeds must rise"),
     (lambda: laws.TabulatedFriction((0.0, 1.0), (0.3, 0.0)), r"coefficients must be positive, got 0"),
     (lambda: cubic_pieces(Viscous(0.1, -0.5, 2.0), "contact 'a'"), r"contact 'a': viscous has a .* that is negative"),
 ]  # fmt: skip
@@ -135,5 +135,5 @@ def test_a_coefficient_with_an_extreme_that_is_not_named_is_refused() -> None:
         def coefficient_at(self, speed: Any) -> np.ndarray:
             return 0.2 + 0.1 * np.sin(np.pi * np.minimum(np.asarray(speed, float) / self.fastest, 1.0))
 
-    with pytest.raises(InputError, match="pair: the coefficient of viscous rises and falls .* name the speed"):
+    with pytest.raises(InputError, match="pair: the coefficient of viscous rises and falls .* add the speed"):
         cubic_pieces(Humped(0.2, 0.0, 2.0), "pair")

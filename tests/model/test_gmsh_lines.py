@@ -60,7 +60,7 @@ def test_a_file_that_ends_early_is_refused(tmp_path: Path) -> None:
     [
         ("\n24 ", "\n23 ", "not positive and distinct"),
         ("\n24 ", "\n0 ", "not positive and distinct"),
-        ("\n24 ", "\n2000000000 ", "refers to a node that the file does not hold"),
+        ("\n24 ", "\n2000000000 ", "refers to a node that the file does not contain"),
     ],
 )
 def test_numbers_of_nodes(tmp_path: Path, old: str, new: str, message: str) -> None:
@@ -77,7 +77,7 @@ def test_more_nodes_than_there_are(tmp_path: Path) -> None:
     blocks, total, *rest = lines[at].split()
     lines[at] = " ".join([blocks, str(int(total) + 1), *rest])
     (tmp_path / "m.msh").write_text("\n".join(lines))
-    with pytest.raises(InputError, match=f"has {total} nodes and says {int(total) + 1}"):
+    with pytest.raises(InputError, match=f"has {total} nodes and declares {int(total) + 1}"):
         wfmesh.read(tmp_path / "m.msh", length_unit="mm")
 
 

@@ -53,9 +53,9 @@ def test_the_only_instance_of_a_part_may_be_named_by_the_part() -> None:
 
 
 def test_several_bodies_must_be_told_apart() -> None:
-    with pytest.raises(InputError, match=r"3 bodies, say part= one of 'Brick-1', 'Brick-2', 'Peg-1'"):
+    with pytest.raises(InputError, match=r"3 bodies, select one with part=, one of 'Brick-1', 'Brick-2', 'Peg-1'"):
         read_inp(ASSEMBLY, length_unit="mm")
-    with pytest.raises(InputError, match=r"'brick' is placed more than once, say part= one of 'Brick-1', 'Brick-2'"):
+    with pytest.raises(InputError, match=r"'brick' is placed more than once, select one .* 'Brick-1', 'Brick-2'"):
         read_inp(ASSEMBLY, length_unit="mm", part="brick")
     with pytest.raises(InputError, match=r"no body 'wheel'; known: 'Brick-1'"):
         read_inp(ASSEMBLY, length_unit="mm", part="wheel")
@@ -99,7 +99,7 @@ def test_materials_and_notes() -> None:
         "MPa and t/mm3",
         "*BOUNDARY (1), *ENDSTEP (1), *PREPRINT (1), *STATIC (1), *STEP (1)",
         "instance 'Brick-1' of part 'Brick'",
-        "node sets that hold no whole free face are not taken over: 'Edge'",
+        "node sets without a complete free face are not used: 'Edge'",
         "'assembly.All'",
     ):
         assert said in notes, said
@@ -109,7 +109,7 @@ def test_materials_and_notes() -> None:
     assert "1 C3D10M cells are not modified here, as tet10" in notes
     assert "'Soft stuff'" in notes and "it has no *Density" in notes and "at temperature 20" in notes
     inches = read_inp(ASSEMBLY, length_unit="in", part="Brick-1")
-    assert not inches.materials and any("not taken over: with lengths in in" in note for note in inches.notes)
+    assert not inches.materials and any("not used: with lengths in in" in note for note in inches.notes)
     assert np.ptp(inches.points[:, 2]) == pytest.approx(20 * 0.0254)
 
 

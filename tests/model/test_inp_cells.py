@@ -118,7 +118,7 @@ def test_faces_of_a_curved_cell_enclose_its_volume(tmp_path: Path, element_type:
         ("C3D8R", "hex8", "integrated fully"),
         ("C3D8I", "hex8", "incompatible modes"),
         ("C3D8H", "hex8", "hybrid where the material"),
-        ("C3D20RH", "hex20", "integrated fully and are hybrid where the material asks for it"),
+        ("C3D20RH", "hex20", "integrated fully and are hybrid where the material requires it"),
         ("C3D10M", "tet10", "not modified"),
         ("C3D10MH", "tet10", "not modified here and are hybrid where"),
         ("C3D10HS", "tet10", "stress points"),

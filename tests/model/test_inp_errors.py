@@ -48,7 +48,7 @@ def part(text: str, name: str = "P") -> str:
         (NODES.replace("*NODE", "*NODE, SYSTEM=C"), "line 1: .Node with SYSTEM=C is not supported"),
         (GOOD.replace("7, 8\n", "7, 99\n").replace("7, 1, 1, 1", "70, 1, 1, 1"), "line 11: .* 1 refers to node 7"),
         (CELL, "line 2: element 1 refers to node 1, but there are none"),
-        (GOOD.replace(", 6, 7, 8\n", ",\n6, 7\n"), "line 11: the element has 7 of 8 nodes; is the deck cut off"),
+        (GOOD.replace(", 6, 7, 8\n", ",\n6, 7\n"), "line 11: the element has 7 of 8 nodes; is the deck truncated"),
         (GOOD.replace("6, 7, 8\n", "6, 7, 8, 9\n"), "line 11: .* C3D8 has a number and 8 nodes, got 10 values"),
         (GOOD.replace("6, 7, 8\n", "6, x, 8\n"), "line 11: element and node numbers are whole"),
         (GOOD + "1, 1, 2, 3, 4, 5, 6, 7, 8\n", "line 12: element 1 is defined already, in bad.inp, line 11"),
@@ -63,7 +63,7 @@ def part(text: str, name: str = "P") -> str:
         (GOOD + "*SURFACE, NAME=S\nE, S7\n", "line 13: surface 'S': 'S7' is no face"),
         (GOOD + "*SURFACE, NAME=S\n2, S1\n", "line 13: there is no element 2"),
         (GOOD + "*SURFACE, NAME=S, TYPE=NODE\n12\n", "line 13: there is no node 12"),
-        (GOOD + "*SURFACE, NAME=S\nE\n*SURFACE, NAME=s\nE\n", "line 14: .* surface 's' already, in bad.inp, line 12"),
+        (GOOD + "*SURFACE, NAME=S\nE\n*SURFACE, NAME=s\nE\n", "line 14: surface 's' is defined .* line 12"),
         (GOOD + "*SOLID SECTION, ELSET=E, MATERIAL=M\n", "line 12: there is no material 'M'; known: none"),
         (GOOD + "*MATERIAL, NAME=M\n*SOLID SECTION, ELSET=F, MATERIAL=M\n", "line 13: there is no element set 'F'"),
         (GOOD + "*ELASTIC\n1, 0.3\n", "line 12: .Elastic without a .Material"),
@@ -76,12 +76,12 @@ def part(text: str, name: str = "P") -> str:
         (GOOD + "*INCLUDE, INPUT=bad.inp\n", "line 12: 'bad.inp' includes itself"),
         (GOOD + "*INCLUDE\n", "line 12: .INCLUDE needs INPUT="),
         (GOOD + "*INCLUDE, INPUT=" + 3000 * "x", "line 12: the included file .* cannot be read"),
-        ("*PART, NAME=P\n" + GOOD, "line 1: .PART has no .End Part; is the deck cut off"),
+        ("*PART, NAME=P\n" + GOOD, "line 1: .PART has no .End Part; is the deck truncated"),
         ("*PART\n" + GOOD, "line 1: .PART needs NAME="),
         (GOOD + "*END PART\n", "line 12: .End Part without .Part"),
-        (part(GOOD) + part(GOOD, "p"), "line 14: there is a part 'p' already, in bad.inp, line 1"),
+        (part(GOOD) + part(GOOD, "p"), "line 14: part 'p' is defined already, in bad.inp, line 1"),
         ("*PART, NAME=P\n*PART, NAME=Q\n", "line 2: .PART inside the .PART of bad.inp, line 1"),
-        (part(GOOD) + part(GOOD, "Q"), "2 bodies, say part= one of 'P', 'Q'"),
+        (part(GOOD) + part(GOOD, "Q"), "2 bodies, select one with part=, one of 'P', 'Q'"),
         (part(GOOD) + "*ASSEMBLY, NAME=A\n*INSTANCE, NAME=I, PART=Q\n*END INSTANCE\n*END ASSEMBLY\n",
          "line 15: there is no part 'Q'; known: 'P'"),
         (part(GOOD) + PLACED + "0, 0\n1,0,0, 1,0,0, 5\n*END INSTANCE\n*END ASSEMBLY\n",
@@ -196,7 +196,7 @@ def test_a_surface_of_nodes_with_the_name_of_one_of_faces(tmp_path: Path) -> Non
     (tmp_path / "m.inp").write_text(text)
     mesh = read_inp(tmp_path / "m.inp", length_unit="m")
     assert mesh.sets["S"] == 1
-    assert "surface 'S' of nodes is not taken over, one of element faces has that name" in mesh.notes
+    assert "surface 'S' of nodes is not used, a surface of element faces has that name" in mesh.notes
 
 
 def test_a_step_that_generates_a_substructure_is_a_step(tmp_path: Path) -> None:

@@ -58,11 +58,11 @@ def test_surfaces_go_before_shells_and_shells_before_node_sets(tmp_path: Path) -
     more = "*NSET, NSET=SIDES\n10, 11, 12, 13\n*NSET, NSET=top\n30, 31, 32, 33\n"
     mesh = read(tmp_path, NODES + CELLS + SHELLS + "*SURFACE, NAME=TOP\n2, S3\n" + more)
     assert mesh.facets("TOP").centers(mesh.points).tolist() == [[0.5, 0.0, 1.5]] and mesh.sets["SIDES"] == 2
-    assert sum("is not taken over, a surface has that name" in note for note in mesh.notes) == 1  # SIDES has others
+    assert sum("is not used, a surface has that name" in note for note in mesh.notes) == 1  # SIDES has others
 
 
 def test_a_shell_cut_off_names_its_line(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match="deck.inp, line 23: the element has 2 of 3 nodes; is the deck cut off"):
+    with pytest.raises(InputError, match="deck.inp, line 23: the element has 2 of 3 nodes; is the deck truncated"):
         read(tmp_path, NODES + CELLS + "*ELEMENT, TYPE=S3, ELSET=A\n" + "\n" * 5 + "1, 10, 11,\n")
 
 
@@ -82,5 +82,5 @@ def test_an_instance_without_solids_is_called_so(tmp_path: Path) -> None:
     path = tmp_path / "deck.inp"
     path.write_text(parts + "*ASSEMBLY, NAME=A\n" + placed + "*END ASSEMBLY\n")
     assert read_inp(path, length_unit="m").name == "deck:P-1"
-    with pytest.raises(InputError, match="instance 'Q-1' holds no solid elements .element types: .*; say part= one of"):
+    with pytest.raises(InputError, match="'Q-1' has no solid elements .element types: .*; select one with part="):
         read_inp(path, length_unit="m", part="Q-1")

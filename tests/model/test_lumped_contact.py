@@ -180,7 +180,7 @@ def test_what_a_pose_does_not_allow() -> None:
         contact.approach()
     cup = surfaces.Cup(radius=0.009, axis_point=ORIGIN, axis_direction=Y)
     _, a, b = scene_of(ball(), cup, -0.001)
-    with pytest.raises(InputError, match="does not fit against"):
+    with pytest.raises(InputError, match="is too conformal to"):
         LumpedContact(a, b, law=HERTZ).approach()
 
 
@@ -239,10 +239,10 @@ def test_what_only_lumped_contacts_see_is_refused_by_a_contact(body_maker: Calla
     hard = scene.add_rigid_body(1.0, (1e-3,) * 3, name="hard")
     about: dict[str, Any] = {"axis_point": ORIGIN, "axis_direction": Y}
     wavy = hard.surface(surfaces.Cylinder(radius=0.01, **about), name="wavy", form=films.LobedForm(1e-6, 3))
-    with pytest.raises(InputError, match=r"hard\['wavy'\] has a form deviation, which only lumped contacts see"):
+    with pytest.raises(InputError, match=r"hard\['wavy'\] has a form deviation, which only lumped contacts support"):
         Contact(soft["rim"], wavy)
     disc = hard.surface(surfaces.Cone(radius=0.01, half_angle=1.55, **about), name="disc")
-    with pytest.raises(InputError, match=r"hard\['disc'\] is a cone so flat that only lumped contacts take it"):
+    with pytest.raises(InputError, match=r"hard\['disc'\] is a cone too flat for distributed contact"):
         Contact(soft["rim"], disc)
     losses = Losses(0.0, laws.RollingResistanceArm(1e-5, 1.0))
     with pytest.raises(InputError, match=r"soft\['rim'\] is flexible, and distributed contact has no rolling_res"):

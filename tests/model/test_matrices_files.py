@@ -169,7 +169,7 @@ def test_missing_extra_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         (
             "a.mtx",
             "%%MatrixMarket matrix coordinate real general\n3 3 2\n1 1 1.0\n",
-            "has 1 entries, line 2 says 2",
+            "has 1 entries, line 2 declares 2",
         ),
         ("a.mtx", "%%MatrixMarket matrix coordinate real general\n2 3 1\n1 1 1.0\n", r"\(2, 3\), not square"),
         (

@@ -98,7 +98,7 @@ def test_body_of_matrices() -> None:
     np.testing.assert_allclose(report.center, c, rtol=1e-13)
     np.testing.assert_allclose(report.inertia, np.trace(second) * np.eye(3) - second, rtol=1e-12, atol=1e-15)
     heavy = replace(mesh, matrices=wfmesh.Matrices(M, M * 1e9))
-    assert any("do not fit together" in w for w in heavy.report().warnings)
+    assert any("are inconsistent" in w for w in heavy.report().warnings)
 
 
 def test_quality_of_known_cells() -> None:

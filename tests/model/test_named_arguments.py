@@ -55,9 +55,9 @@ def turn(a: int, b: int = 2, *, angle: float, axis: str = "x") -> tuple:
     ("args", "options", "says"),
     [
         ((1,), {"angel": 1.0}, "turn: there is no argument 'angel'; did you mean 'angle'"),
-        ((1, 2, 3), {}, "turn: 3 arguments were given by place, it takes a, b so; the others go by name: turn(a, b, a"),
+        ((1, 2, 3), {}, "turn: 3 positional arguments were given, it takes a, b; pass the others by name: turn(a, b"),
         ((), {}, "turn: a and angle must be given; it takes a, b, angle, axis"),
-        ((1,), {"a": 2, "angle": 1.0}, "turn: a is given twice, by place and by name"),
+        ((1,), {"a": 2, "angle": 1.0}, "turn: a is given twice, by position and by name"),
         ((1,), {"angle": 1.0}, ""),
     ],
 )

@@ -123,7 +123,7 @@ def test_properties_and_materials(read: Read) -> None:
     report = mesh.report()
     assert report.mass == pytest.approx(8e-9 * (7850 + 2700))
     inches = read(deck, "in")
-    assert not inches.materials and any("not taken over" in note for note in inches.notes)
+    assert not inches.materials and any("are not used" in note for note in inches.notes)
 
 
 def test_include(read: Read, tmp_path: Path) -> None:
@@ -153,7 +153,7 @@ WEDGES = "".join(
 def test_cards_by_replication(read: Read, copies: str, count: int) -> None:
     deck = "CPENTA,1,1,1,2,3,4,5,6\n" + copies + WEDGES
     if "==" in copies:
-        with pytest.raises(InputError, match="stand on the corners of another one, the first are element 3 and 4"):
+        with pytest.raises(InputError, match="have the corners of another one, the first are element 3 and 4"):
             read(deck)
     else:
         assert read(deck).volume() == pytest.approx(0.5 * count, rel=1e-14)
@@ -167,7 +167,7 @@ def test_grid_points_by_replication(read: Read) -> None:
     cells = "CHEXA,1,1,1,2,3,4,11,12\n,13,14\n=,*1,=,*10,*10,*10,*10,*10,*10\n,*10,*10\n=2\n"
     mesh = read(grid + cells)
     assert mesh.cell_count == 4 and mesh.volume() == pytest.approx(4.0, rel=1e-14)
-    with pytest.raises(InputError, match="it says 8 of the 10 fields of CHEXA; write == for the rest"):
+    with pytest.raises(InputError, match="it gives 8 of the 10 fields of CHEXA; write == for the rest"):
         read(grid + cells.replace(",*10,*10\n=2", "=2"))
 
 
@@ -189,7 +189,7 @@ def test_cells_of_either_hand(read: Read, kind: str) -> None:
     card = f"{kind},7,1,{','.join(map(str, row[:6]))}\n" + (f",{row[6]},{row[7]}\n" if len(row) > 6 else "")
     right, left = read(grids(nodes) + card), read(grids(nodes * [1.0, 1.0, -1.0]) + card)
     assert left.volume() == pytest.approx(right.volume(), rel=1e-14)
-    assert not right.notes and "turn round the other way are turned over" in left.notes[0]
+    assert not right.notes and "with nodes in reversed order are corrected" in left.notes[0]
     # a cell that is no cell either way is named by its number
     with pytest.raises(InputError, match="inverted .* the first is element 7"):
         read(grids(nodes * [1.0, 1.0, 0.0]) + card)
@@ -199,7 +199,7 @@ def test_names_of_continuations_are_compared(read: Read) -> None:
     card = "CHEXA,1,3,10,20,30,40,50,60,{}\n{},70,80\n"
     for behind, before in (("+A", "+A"), ("", "+"), ("+A", "+"), ("", "+A")):
         assert read(grids(CUBE) + card.format(behind, before)).cell_count == 1
-    with pytest.raises(InputError, match="deck.bdf, line 10: continuation '.B' stands where '.A' .* is expected"):
+    with pytest.raises(InputError, match="deck.bdf, line 10: continuation '.B' is found where '.A' .* is expected"):
         read(grids(CUBE) + card.format("+A", "+B"))
     fixed = "CHEXA   1       3       10      20      30      40      50      60      {}\n{}70      80\n"
     assert read(grids(CUBE) + fixed.format("+A", "+A      ")).cell_count == 1
@@ -232,9 +232,9 @@ def test_other_solids_are_not_passed_over(read: Read) -> None:
         ("+A,1,2\n", "line 1: a continuation without a card"),
         (
             grids(CUBE) + "GRID,20,,9.,0.,0.\n" + cube(),
-            "line 9: GRID: grid point 20 is given already, at another place",
+            "line 9: GRID: grid point 20 is defined twice, at different positions",
         ),
-        (grids(CUBE) + cube() + cube(), "line 11: CHEXA: element 1 is given already"),
+        (grids(CUBE) + cube() + cube(), "line 11: CHEXA: element 1 is defined twice"),
     ],
 )
 def test_bad_decks(read: Read, text: str, message: str) -> None:

@@ -27,7 +27,7 @@ def test_what_is_no_ordinary_file(tmp_path: Path, suffix: str, behind: str) -> N
         path.mkdir()
     else:
         path.symlink_to(behind)
-    with pytest.raises(InputError, match=rf"name\{suffix}: .*(is no ordinary file|Is a directory)"):
+    with pytest.raises(InputError, match=rf"name\{suffix}: .*(is not a regular file|Is a directory)"):
         read_matrix(path) if suffix in MATRICES else wfmesh.read(path, length_unit="m")
 
 
@@ -48,7 +48,7 @@ def test_includes_end(tmp_path: Path, suffix: str) -> None:
         wfmesh.read(tmp_path / f"c0{suffix}", length_unit="m")
     os.mkfifo(tmp_path / "pipe.inc")
     (tmp_path / f"m{suffix}").write_text(line.format("pipe.inc"))
-    with pytest.raises(InputError, match="cannot be read .is no ordinary file"):
+    with pytest.raises(InputError, match="cannot be read .is not a regular file"):
         wfmesh.read(tmp_path / f"m{suffix}", length_unit="m")
 
 

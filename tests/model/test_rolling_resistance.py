@@ -113,12 +113,12 @@ def test_spin_on_a_circle() -> None:
             "must be one of laws.RollingResistanceArm, laws.RollingHysteresis, or None, got 0.001",
         ),
         ({"spin": 1}, "spin must be True or False, got 1"),
-        ({"spin": True}, "spin=True needs friction that answers the velocity"),
+        ({"spin": True}, "spin=True requires friction that depends on the velocity"),
         ({"spin": True, "friction": 0.1}, "laws.RegularisedCoulomb or laws.TractionCurve"),
         ({"spin": True, "friction": CREEP, "law": laws.PowerForce(1e9)}, "that of laws.HertzPoint"),
         (
             {"rolling_resistance": laws.RollingHysteresis(0.1, 1.0), "law": laws.PowerForce(1e9)},
-            "only laws.HertzPoint, laws.PalmgrenLine and laws.IsoLamina know; take one of these, or "
+            "only laws.HertzPoint, laws.PalmgrenLine and laws.IsoLamina define; use one of these, or "
             "laws.RollingResistanceArm",
         ),
     ],

@@ -62,7 +62,7 @@ def waves(form: Any, shape: Any = RING) -> Any:
         (lambda: waves(3), "form must be one of films.LobedForm"),
         (lambda: waves(films.BarrelForm(1e-6, 0.01)), "changes along the axis"),
         (lambda: waves(films.WornForm(1e-6, 0.0, 1e-4)), "too short or edges too sharp"),
-        (lambda: waves(films.LobedForm(1e-6, 2), BALL), "has no axis that a form"),
+        (lambda: waves(films.LobedForm(1e-6, 2), BALL), "has no axis of revolution for a form"),
         (lambda: waves(films.LobedForm(20 * UM, 120)), "have hollows of 320.9 1/m, which .* bridges"),
     ],
 )

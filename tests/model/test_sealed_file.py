@@ -107,7 +107,7 @@ def test_a_file_that_holds_up_the_library(file: Path, monkeypatch: pytest.Monkey
         hdf5_parts.probe(file, "file x", "write it again")
 
     probe()  # the library comes back
-    for script, words in (("while True: pass", "does not come back"), ("import os; os.abort()", "breaks down")):
+    for script, words in (("while True: pass", "does not return"), ("import os; os.abort()", "crashes")):
         monkeypatch.setattr(hdf5_parts, "_LOOK", script)
         monkeypatch.setattr(hdf5_parts, "SECONDS", 1.0)
         with pytest.raises(InputError, match=f"^file x is damaged .*{words}.*; write it again$"):

@@ -183,7 +183,7 @@ def test_the_other_side_is_noticed(shape) -> None:
     theta, z = np.meshgrid(np.linspace(-0.5, 0.5, 9), np.linspace(-0.009, 0.009, 5), indexing="ij")
     points, normals = shape.point(theta, z).reshape(-1, 3), shape.normal(theta, z).reshape(-1, 3)
     shape.fitted(points, normals)
-    with pytest.raises(InputError, match="look away from the free space.*Bore"):
+    with pytest.raises(InputError, match="point to the wrong side of this surface.*Bore"):
         shape.fitted(points, -normals)
 
 
@@ -202,7 +202,7 @@ def test_a_plane_lies_as_its_facets_do() -> None:
         np.testing.assert_allclose(plane.outward, [0, 0, sign], atol=1e-15)
         np.testing.assert_allclose(plane.origin, [0.5, 0.2, 0.2], atol=1e-12)
         np.testing.assert_allclose(plane.e_1, [1, 0, 0], atol=1e-15)  # theta runs along x
-    with pytest.raises(InputError, match="which side the material is on; give outward"):
+    with pytest.raises(InputError, match="determine the side of the material; give outward"):
         surfaces.Plane().fitted(points)
     np.testing.assert_allclose(surfaces.Plane(outward=(0, 0, 3)).fitted(points).origin, [0.5, 0.2, 0.2], atol=1e-12)
 
@@ -270,10 +270,10 @@ def test_profile_numbers_are_the_shape() -> None:
         (lambda: surfaces.ProfiledCylinder(table=([0, 1], [0, 1, 2])), "one length, got 2 of z and 3 of drop"),
         (lambda: surfaces.ProfiledCylinder(table=([0, 1], [0, 1], [0])), "2 of z and 2 of drop and 1 of slope"),
         (lambda: surfaces.ProfiledCylinder(table=([0, 1], ["a", "b"])), "table must be an array"),
-        (lambda: surfaces.ProfiledCylinder(table=([0.0], [0.0])), "at least two places"),
+        (lambda: surfaces.ProfiledCylinder(table=([0.0], [0.0])), "at least two points"),
         (
             lambda: surfaces.ProfiledCylinder(table=([-0.01, 0.002, 0.001, 0.01], [0, 0, 0, 0])),
-            "folds over itself: z must increase, but entry 3 is 0.001 m after 0.002 m",
+            "is not monotonic: z must increase, but entry 3 is 0.001 m after 0.002 m",
         ),
         (lambda: surfaces.ProfiledCylinder(table=([0.0, 0.01, 0.0101], [0, 0, 0.01])), "too steep at z"),
         (
@@ -282,7 +282,7 @@ def test_profile_numbers_are_the_shape() -> None:
         ),
         (
             lambda: surfaces.ProfiledCylinder(table=([-2e-3, -1e-4, 0.0, 1e-4, 2e-3], [0.0, 1e-3, 1.05e-3, 1e-3, 0.0])),
-            "folds over itself: near z = .* its normals cross",
+            "intersects itself: near z = .* its normals cross",
         ),
         (lambda: surfaces.ProfiledCylinder.logarithmic(length=0.0, amplitude=1e-5, end_drop=1e-4), "length"),
         (
@@ -331,9 +331,9 @@ def test_nodes_that_do_not_determine_or_do_not_fit() -> None:
     wide = surfaces.ProfiledCylinder(radius=0.05, table=([-0.005, 0.0, 0.005], [0.0, 0.0, 0.0]), **PLACED)
     with pytest.raises(InputError, match="the facets reach from .* the table only"):
         wide.fitted(cylinder)
-    with pytest.raises(InputError, match="not known yet; call fitted"):
+    with pytest.raises(InputError, match="not determined yet; call fitted"):
         surfaces.Plane().point(0.0, 0.0)
-    with pytest.raises(InputError, match="half_angle is not known yet"):
+    with pytest.raises(InputError, match="half_angle is not determined yet"):
         surfaces.Cone(radius=1.0, **PLACED).radius_at(0.0)
     with pytest.raises(InputError, match="surface 'ball' does not exist; known: 'cylinder'"):
         surfaces.from_description({"kind": "ball"})

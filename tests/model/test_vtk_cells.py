@@ -69,8 +69,8 @@ def test_pixels_and_voxels(tmp_path: Path) -> None:
         ("10 42", "0 1 2 3 0 1 2 3 4", "4 9", "1 polyhedron cells are not supported"),
         ("10 1", "0 1 2 3 1 2 3 4", "4 8", "cell 1 of type points has 4 nodes, not 1"),
         ("10 12", "0 1 2 3 1 2 3 4", "4 8", "cell 1 of type hex8 has 4 nodes, not 8"),
-        ("10 99", "0 1 2 3 1 2 3 4", "4 8", "type 99, which is not known"),
-        ("10 10", "0 1 2 3 1 2 3 5", "4 8", "a node that the file does not hold"),
+        ("10 99", "0 1 2 3 1 2 3 4", "4 8", "type 99, which is not supported"),
+        ("10 10", "0 1 2 3 1 2 3 5", "4 8", "a node that the file does not contain"),
         ("10 10", "0 1 2 3 1 2 3", "4 8", "connectivity has 7 numbers, not 8"),
         ("10 10", "0 1 2 3 1 2 3 4", "8 4", "offsets do not ascend"),
     ],
@@ -120,7 +120,7 @@ def test_compressed_arrays_and_their_sizes(tmp_path: Path) -> None:
     assert sets(read(tmp_path, two(data), head=head)) == {"grp_1": [0], "grp_2": [1]}
     for values, said in ((good, 2**31), (good, 4), (bytes(10**6), 8), (good[:6], 8)):
         lie = array("Int32", "grp", packed(values, said=said), 'format="binary"')
-        with pytest.raises(InputError, match="array 'grp' has not 8 bytes"):
+        with pytest.raises(InputError, match="array 'grp' does not have 8 bytes"):
             read(tmp_path, two(lie), head=head)
     with pytest.raises(InputError, match="vtkLZ4DataCompressor, which is not read: save it with vtkZLib"):
         read(tmp_path, two(data), head='compressor="vtkLZ4DataCompressor"')

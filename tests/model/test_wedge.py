@@ -80,7 +80,7 @@ def test_a_roller_between_planes(body_maker, shift: float) -> None:
         refuse_overlap(scene)
     for said in (
         " ground['floor'] and ground['ceiling'], an overlap of 0.002 m",
-        "move the partners apart",
+        "move the bodies apart",
         "0.0005 m",
     ):
         assert said in str(caught.value)
@@ -118,7 +118,9 @@ def test_a_pin_larger_than_its_bore(body_maker) -> None:
 @pytest.mark.parametrize("kind", [joints.Fixed, hinge])
 def test_an_overlap_that_joints_hold(body_maker, kind: Any) -> None:
     scene = under_roller(body_maker(RADIUS), -1e-3, kind)
-    with pytest.raises(InputError, match="'nip'.*overlap by 0.001 m, and joints and drives let neither give way"):
+    with pytest.raises(
+        InputError, match="'nip'.*overlap by 0.001 m, and joints and drives prevent both from moving apart"
+    ):
         refuse_overlap(scene)
 
 
@@ -149,7 +151,7 @@ def test_radii_in_millimetres_are_named(body_maker) -> None:
 def test_joints_that_hold_a_pair_apart_are_named(body_maker, kind: Any) -> None:
     """A turn about its own axis brings a roller no nearer."""
     found = under_roller(body_maker(RADIUS), 1e-3, kind).check().out_of_reach
-    assert len(found) == 1 and "0.001 m apart, and the joints let neither body move" in found[0]
+    assert len(found) == 1 and "0.001 m apart, and the joints allow neither body to move" in found[0]
 
 
 @pytest.mark.parametrize("kind", [slide, eccentric])

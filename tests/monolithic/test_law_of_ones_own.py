@@ -98,8 +98,8 @@ def refused(name: str) -> Any:
     ("name", "message"),
     [
         ("no curve", r"'pair': the law odd has no curve, .*; return one of laws.curves, or None"),
-        ("bent down", r"'pair': the law odd is damped, which needs a curve whose slope never falls"),
-        ("folded", r"Table: .* folds over itself, .*; depths and pressures must rise"),
+        ("bent down", r"'pair': the law odd is damped, which requires a curve whose slope never falls"),
+        ("folded", r"Table: .* is not monotonic .*; depths and pressures must rise"),
     ],
 )
 def test_what_is_refused(name: str, message: str, fine_roller: ReducedBody) -> None:

@@ -231,7 +231,7 @@ def test_inertia_terms_reach_the_modes_that_hold_the_response(small_roller):
     """Beyond the usual number where it is left out; a number that cuts them off is kept, and reported."""
     whole = free_of_contact(small_roller, modes=100, centrifugal=True)
     assert 60 < whole.report["inertia"]["modes"] <= len(whole.frequencies)
-    assert any("that they hold the response to turning" in note for note in whole.report["notes"])
+    assert any("so that they contain the response to rotation" in note for note in whole.report["notes"])
     cut = free_of_contact(small_roller, modes=100, centrifugal=True, inertia_modes=6)
     usual = free_of_contact(small_roller, modes=100)
     assert cut.report["inertia"]["modes"] < 10 and usual.report["inertia"]["modes"] < 70

@@ -216,7 +216,7 @@ def test_a_resumed_run_gives_the_same_bits(mesh, tmp_path, monkeypatch, small_bl
     assert not path.exists()
     with monkeypatch.context() as patch:
         first = stop_after(patch, 5, KeyboardInterrupt())
-        with pytest.raises(KeyboardInterrupt, match=f"6 finished parts are kept in {path}.*same input to go on"):
+        with pytest.raises(KeyboardInterrupt, match=f"6 finished parts are kept in {path}.*same input to continue"):
             with Checkpoint(path, seconds=0.0) as checkpoint:
                 general(mesh, checkpoint=checkpoint)
     assert path.exists() and len(first) == 5
@@ -303,7 +303,7 @@ def test_a_cut_file_keeps_what_is_whole(tmp_path, caplog):
     path.write_bytes(content[:-20] + b"x" * 20)
     with caplog.at_level(logging.WARNING):
         assert again(path).found == 3
-    assert "damaged behind 3 parts" in caplog.text
+    assert "damaged after 3 parts" in caplog.text
 
 
 @pytest.mark.parametrize("content", [b"", b"rubbish", b"WFP1" + bytes(200), bytes(range(256)) * 12])
@@ -312,7 +312,7 @@ def test_a_damaged_file_is_dropped_with_a_warning(tmp_path, caplog, content):
     path.write_bytes(content)
     with caplog.at_level(logging.WARNING):
         assert again(path).found == 0
-    assert "starts anew" in caplog.text and not path.exists()
+    assert "restarts from the beginning" in caplog.text and not path.exists()
 
 
 def test_another_solver_starts_anew(tmp_path, caplog):
@@ -361,7 +361,7 @@ def test_reduce_goes_on_after_an_interruption(tmp_path, monkeypatch):
 
     with monkeypatch.context() as patch:
         patch.setattr(Checkpoint, "put", interrupted)
-        with pytest.raises(KeyboardInterrupt, match="call reduce with the same input to go on"):
+        with pytest.raises(KeyboardInterrupt, match="call reduce with the same input to continue"):
             reduce(mesh, STEEL, progress=False, **given)
     assert list((tmp_path / "cut").glob("*.part"))
     with monkeypatch.context() as patch:

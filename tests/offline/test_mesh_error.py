@@ -59,7 +59,7 @@ def pressed(growth: float, order: int, expected: float | None):
 def test_layers_that_grow_are_named() -> None:
     for expected, words in (
         (None, "force at a given approach is about 5% too high"),
-        (4e-3, "alone err by about 0.05"),
+        (4e-3, "alone cause an error of about 0.05"),
     ):
         fast, slow, quadratic = (pressed(*args, expected) for args in ((2.0, 1), (1.2, 1), (2.0, 2)))
         (said,) = (w for w in fast.report["warnings"] if "cells behind" in w)

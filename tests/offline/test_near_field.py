@@ -290,7 +290,7 @@ def test_a_plane_has_a_far_field() -> None:
 def test_facets_that_cannot_be_laid_flat_are_refused() -> None:
     mesh = roller(sectors=4, layers=1, axial=2)
     with pytest.raises(
-        InputError, match="no contact-fixed grid: its facets .* too large beside the curvature.*three or more"
+        InputError, match="no contact-fixed grid: its facets .* too large compared with the radius.*three or more"
     ):
         reduced(mesh, contact_fixed=True)
 

@@ -401,4 +401,4 @@ def test_hats_have_none() -> None:
     body = reduced(mesh, modes=0, tangential="hats", contact_fixed=True)
     far = body.contact_surfaces["rim"].far
     assert far is not None and far.tangential is None
-    assert any("knows normal pressures only" in note for note in body.report["notes"])
+    assert any("supports normal pressures only" in note for note in body.report["notes"])

@@ -89,7 +89,7 @@ def test_the_path_is_reported_with_its_reason(small_roller):
     points[100, 1] += 1e-9  # a nanometre breaks the periodicity
     moved = type(small_roller)(points, small_roller.cells, small_roller.facet_sets, small_roller.cyclic)
     body = reduced(moved)
-    assert body.report["path"] == "general" and "turned sectors differ" in body.report["path_reason"]
+    assert body.report["path"] == "general" and "rotated sectors differ" in body.report["path_reason"]
     assert body.contact_surfaces["rim"].lags.shape[0] == 1
 
 

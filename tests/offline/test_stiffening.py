@@ -191,7 +191,7 @@ def test_periodic_body_goes_the_general_way(small_roller) -> None:
     body = reduced(small_roller, modes=6, stiffening=True)
     assert body.report["path"] == "general" and "stiffening=True" in body.report["path_reason"]
     assert any("stiffening" in note for note in body.report["notes"])
-    assert "stiffened by turning, loads on bore" in body.info()
+    assert "stiffened by rotation, loads on bore" in body.info()
     terms = body.inertia_terms
     assert terms is not None and terms.stiffening is not None
     # about the roller's axis (y): both modes of a pair alike, and hoop tension stiffens

@@ -117,9 +117,9 @@ def test_reduce_with_joint_modes_says_what_they_leave_out(sheets):
     assert joint.frequencies[:6] == pytest.approx(plain.frequencies[:6], rel=1e-8)
     many = bases.TrialVectorDerivatives(first=LOWER, second=UPPER, normal=4000, tangential=0)
     body = reduce(sheets, STEEL, interfaces=kinds, modes=2, basis=many, cache=False, progress=False)
-    assert any("normal=4000: the derivatives hold" in note for note in body.report["notes"])
+    assert any("normal=4000: the derivatives span" in note for note in body.report["notes"])
     elsewhere = bases.TrialVectorDerivatives(first=LOWER, second="top")
     with pytest.raises(InputError, match="facet set 'top' does not exist"):
         reduce(sheets, STEEL, basis=elsewhere, modes=2, cache=False, progress=False)
-    with pytest.raises(InputError, match="there is no mode to take derivatives of"):
+    with pytest.raises(InputError, match="there is no mode to differentiate"):
         reduce(sheets, STEEL, basis=options, cache=False, progress=False)

@@ -498,7 +498,7 @@ def refused() -> dict[str, tuple[Any, str]]:
         "no coordinate": (lambda: forces.TorsionalSpringDamper(ball, 1.0), "has none"),
         "which": (lambda: forces.JointSpringDamper(slide, 1.0), "coordinate="),
         "unknown coordinate": (lambda: forces.JointSpringDamper(slide, 1.0, coordinate="twist"), "translation"),
-        "torque on ground": (lambda: forces.PointTorque(scene.ground, (0, 0, 1)), "does nothing"),
+        "torque on ground": (lambda: forces.PointTorque(scene.ground, (0, 0, 1)), "has no effect"),
         "no surface": (lambda: forces.SurfaceLoad(port, 1.0), "contact surface of a flexible body"),
         "no nodes": (lambda: forces.NodalLoad(port, (0, 0, 1)), "keeps no nodes"),
     }  # fmt: skip

@@ -96,4 +96,4 @@ def test_a_ring_that_only_its_balls_hold_is_named(load: float, free: str, held: 
         scene.add(joints.Fixed(scene.ground, scene.body(f"b {free} ring").at((0, 0, 0))))
     rest = find_equilibrium(scene)
     assert rest.status == ("completed" if held else "no_equilibrium"), rest.message
-    assert held or f"body 'b {free} ring' is held by nothing but the elements of bearing 'b'" in rest.message
+    assert held or f"body 'b {free} ring' is supported by nothing but the elements of bearing 'b'" in rest.message

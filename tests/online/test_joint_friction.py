@@ -482,7 +482,7 @@ def test_what_cannot_rub_is_refused() -> None:
         forces.PrismaticFriction(pin, 0.3)
     with pytest.raises(InputError, match="acts on a revolute joint, got 0.3"):
         forces.RevoluteFriction(0.3, pin)  # pyright: ignore
-    with pytest.raises(InputError, match="nothing rubs"):
+    with pytest.raises(InputError, match="it has no friction"):
         forces.RevoluteFriction(pin, 0.3)
     with pytest.raises(InputError, match="in m/s; give it the pin_radius"):
         forces.RevoluteFriction(pin, RegularisedCoulomb(0.3, 0.01), preload=1.0)

@@ -135,4 +135,4 @@ def test_rough_walls_and_their_asperities(speed: float) -> None:
 def test_heights_that_the_law_tells_otherwise_are_named() -> None:
     law = GreenwoodTripp.from_products(0.8e-6, 0.08, 0.02, 115e9)
     found = find_equilibrium(bearing((20e3, 0.0), asperities=law, roughness_a=Roughness(0.5e-6)))
-    assert any("deviation 5e-07 m together, those of its law of asperities 8e-07 m" in note for note in found.notes)
+    assert any("standard deviation 5e-07 m, those of its law of asperities 8e-07 m" in note for note in found.notes)

@@ -69,7 +69,7 @@ def test_a_wedge_that_is_too_deep_is_named(plain_body: ReducedBody, depth: float
     """By a note where linear elasticity has an answer all the same, else by the message."""
     rest = find_equilibrium(between_planes(plain_body, depth))
     told = [text for text in (*rest.notes, rest.message) if "'roller' is wedged between ground['floor'] and" in text]
-    assert told and f"an overlap of {depth:g} m" in told[0] and "move the partners apart" in told[0]
+    assert told and f"an overlap of {depth:g} m" in told[0] and "move the bodies apart" in told[0]
     assert rest.status == "completed" or told[-1] == rest.message
     assert "weak spring" not in rest.message
 

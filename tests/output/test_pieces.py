@@ -45,7 +45,7 @@ def test_what_exists_is_replaced_only_if_asked_and_only_what_is_ours(tmp_path: P
     notes = b"# What I did with warpffrf\nimport warpffrf as wf\n"
     for content in (target.read_bytes(), notes, b"x" * 100_000 + notes, b"\x89PNG\r\n" + notes, b"%PDF-1.4\n" + notes):
         target.write_bytes(content)
-        with pytest.raises(InputError, match="was not written by warpffrf and stays"):
+        with pytest.raises(InputError, match="was not written by warpffrf and is not replaced"):
             checked_output_path(target, "results", overwrite=True)
 
 

@@ -101,7 +101,7 @@ def test_info_writes_the_page_and_refuses_it_for_other_files(body: ReducedBody, 
     assert page.is_file() and f"quality page written to {page}" in text
     mesh = tmp_path / "mesh.msh"
     mesh.write_text("")
-    with pytest.raises(InputError, match="no reduced body"):
+    with pytest.raises(InputError, match="neither a reduced body nor a sweep"):
         describe_file(mesh, length_unit="m", density=1.0, page=page)
     with pytest.raises(InputError, match="quality page"):
         body.quality_page(tmp_path / "page.nonsense")

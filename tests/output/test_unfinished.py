@@ -150,7 +150,7 @@ def test_a_script_hears_what_a_signal_ends(
             assert "ends where it would begin another run (SIGTERM)" in caplog.text
             with pytest.raises(SystemExit) as ended:
                 simulate("plain", None, steps=100)
-            assert ended.value.code == 143 and "before another one begins" in caplog.text
+            assert ended.value.code == 143 and "before the next run" in caplog.text
     finally:
         signal.signal(signal.SIGINT, before)
 

@@ -37,7 +37,7 @@ MESHES = (
     Mistake(
         "mm for m",
         lambda w: reduce_roller(mesh=wf.mesh.roller(50, 15, 20, sectors=12, layers=1, axial=1, order=1)),
-        ("largest dimension is 100 m", "mm were perhaps taken for m"),
+        ("largest dimension is 100 m", "mm were perhaps read as m"),
     ),
     Mistake("radii swapped", lambda w: wf.mesh.roller(0.015, 0.05, 0.02), ("inner_radius",)),
     Mistake(

@@ -209,7 +209,11 @@ CONTACTS = (
         lambda w: w.scene.close_gap(w.scene.add(wf.Contact(w.lower["rim"], w.floor)), along=(1, 0, 0)),
         ("never brings the gap", "direction"),
     ),
-    Mistake("two bodies for a gap", lambda w: untyped(w.scene).close_gap(w.lower, w.slider), ("by place", "along=...")),
+    Mistake(
+        "two bodies for a gap",
+        lambda w: untyped(w.scene).close_gap(w.lower, w.slider),
+        ("positional arguments", "along=..."),
+    ),
     Mistake("a body for a contact", lambda w: untyped(w.scene).close_gap(w.lower), ("a contact pair is needed",)),
 )
 

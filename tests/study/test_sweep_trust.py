@@ -80,7 +80,7 @@ def test_a_body_under_the_name_of_another_is_refused(folder: Path) -> None:
         Reference(stream).dump(Digest(long.content_hash()))
     content = job.read_bytes()
     parcel = Parcel(content, hashlib.sha256(content).hexdigest(), str(folder), versions())
-    with pytest.raises(InputError, match="another body than its name says"):
+    with pytest.raises(InputError, match="is not the body of its name"):
         opened(parcel)
     long.save(folder / f"{long.content_hash()}.h5", overwrite=True)
     reopened = opened(parcel)

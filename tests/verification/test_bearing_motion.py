@@ -82,7 +82,7 @@ def test_bodies_begin_to_roll(control: str) -> None:
 
 def test_rolling_that_cannot_be_is_named() -> None:
     _, bearing = preloaded(PrescribedCage())
-    with pytest.raises(InputError, match="the outer ring is the ground, which stands still"):
+    with pytest.raises(InputError, match="the outer ring is the ground, which is fixed"):
         bearing.roll(10.0, 5.0)
     with pytest.raises(InputError, match='control must be "inner" or "outer"'):
         bearing.roll(10.0, control="both")

@@ -175,4 +175,4 @@ def test_loads_that_nothing_carries_are_named() -> None:
     scene.add(forces.PointForce(bearing.inner.at((0, 0, 0)), (1e3, 0.0, 300.0), name="load"))
     history = find_equilibrium(scene)
     assert history.status == "no_equilibrium"
-    assert "bearing 'b' has no cage, and loads squeeze its elements out of their zone; give it" in history.message
+    assert "bearing 'b' has no cage, and loads push its elements out of the load zone; give it" in history.message

@@ -278,7 +278,7 @@ def test_a_preload_without_a_load_path_is_named(column: ReducedBody) -> None:
     cap = scene.add_rigid_body(0.1, (1e-5, 1e-5, 1e-5), name="cap", position=b["head"].world_point())
     axis = scene.add(joints.Prismatic(b["head"], cap.at((0, 0, 0)), axis=(0, 0, 1), name="axis"))
     spring = scene.add(forces.JointSpringDamper(axis, BOLT, preload=-TIGHT, name="spring"))
-    told = r"spring.*no path back, nothing but joint 'axis' connects 'clamp' and 'cap'; add the contact or joint"
+    told = r"spring.*no load path, only joint 'axis' connects 'clamp' and 'cap'; add the contact or joint"
     assert re.search(told, scene.check().loose_preloads["spring"])
     assert re.search(told, str(scene.check()))
     assert find_equilibrium(scene).status == "completed"  # the spring alone finds its length
@@ -289,7 +289,7 @@ def test_a_preload_without_a_load_path_is_named(column: ReducedBody) -> None:
     rest = find_equilibrium(scene)
     assert rest.joints["axis"].coordinate[-1] == pytest.approx(-TIGHT / BOLT, rel=EXACT)
     spring.stiffness, spring.damping = 0.0, 1.0  # a damper holds nothing at rest
-    with pytest.raises(InputError, match="equilibrium: pretension 'bolt': its tension has no path back"):
+    with pytest.raises(InputError, match="equilibrium: pretension 'bolt': its tension has no load path"):
         find_equilibrium(scene)
     scene.add(forces.Bushing(b["nut"], cap.at((0, 0, 0)), [COLUMN] * 6, point=b["head"].world_point()))
     assert not scene.check().loose_preloads

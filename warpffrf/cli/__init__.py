@@ -1,4 +1,4 @@
-"""The command line, `warpffrf ...`: a file for each group of commands, put together in `program`."""
+"""The command line, `warpffrf ...`: one module per group of commands, assembled in `program`."""
 
 from warpffrf.cli.program import app, main
 

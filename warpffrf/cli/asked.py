@@ -1,4 +1,4 @@
-"""What the main command was asked for, which the others read."""
+"""Options of the main command, which the subcommands read."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import Literal
 
 
 class Asked:
-    """Options that stand before the name of a command."""
+    """Options before the name of a subcommand."""
 
-    quiet = False  # neither progress nor reports
+    quiet = False  # print neither progress nor reports
     pairs: Literal["folded", "all"] = "folded"  # of reports

@@ -1,4 +1,4 @@
-"""The command `warpffrf reduce`: a mesh becomes a reduced body."""
+"""The command `warpffrf reduce`: reduction of a mesh to a reduced body."""
 
 from __future__ import annotations
 
@@ -23,26 +23,28 @@ def reduce_mesh(
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="File to write, for example roller.h5.")],
     youngs_modulus: Annotated[
-        float | None, typer.Option(help="Young's modulus in Pa, for steel 210e9. Left out: the materials of the file.")
+        float | None, typer.Option(help="Young's modulus in Pa, for steel 210e9. Default: the materials of the file.")
     ] = None,
     poisson_ratio: Annotated[float | None, typer.Option(help="Poisson's ratio, for steel 0.3.")] = None,
     density: Annotated[float | None, typer.Option(help="Density in kg/m3, for steel 7850.")] = None,
     part: Annotated[
         str | None,
-        typer.Option(help="Which body of several: instance, part or group, or the number of a connected part from 0."),
+        typer.Option(
+            help="Body to read of several: instance, part or group, or the number of a connected part from 0."
+        ),
     ] = None,
     interface: Annotated[
         list[str] | None,
         typer.Option(
             metavar="SET",
-            help="Named set of facets that a joint holds: as one rigid piece, SET, by its mean motion, SET=average, or "
-            "node by node, SET=free. Repeat for more.",
+            help="Named set of facets for joints: rigid, SET, by its mean motion, SET=average, or node by node, "
+            "SET=free. Repeat for more.",
         ),
     ] = None,
     contact: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="SET", help="Named set of facets that touches others; a cylinder is fitted to it. Repeat for more."
+            metavar="SET", help="Named set of facets for contact; a cylinder is fitted to it. Repeat for more."
         ),
     ] = None,
     max_frequency: Annotated[
@@ -53,7 +55,7 @@ def reduce_mesh(
     ] = "free_free",
     modes: Annotated[int | None, typer.Option(help="Keep at most this many vibration modes.")] = None,
     traction_spacing: Annotated[
-        float | None, typer.Option(help="Spacing of the contact grid in m; left out: that of the mesh.")
+        float | None, typer.Option(help="Spacing of the contact grid in m; default: that of the mesh.")
     ] = None,
     half_width: Annotated[
         float | None,
@@ -61,31 +63,29 @@ def reduce_mesh(
     ] = None,
     stress: Annotated[
         list[str] | None,
-        typer.Option(metavar="SET", help="Set of facets, skin or all, where stresses are wanted. Repeat for more."),
+        typer.Option(metavar="SET", help="Set of facets, skin or all, where stresses are computed. Repeat for more."),
     ] = None,
     inertia_modes: Annotated[
         int | None,
-        typer.Option(help="How many of the global modes, the lowest, get inertia terms; left out: all up to 60."),
+        typer.Option(help="Number of global modes, from the lowest, with inertia terms; default: all up to 60."),
     ] = None,
     stiffening: Annotated[
         bool,
-        typer.Option(
-            "--stiffening", help="Also what turning and loads on interfaces add to the stiffness of the modes."
-        ),
+        typer.Option("--stiffening", help="Geometric stiffness of the modes by rotation and by loads on interfaces."),
     ] = False,
     membrane: Annotated[
         bool,
         typer.Option(
-            "--membrane", help="As --stiffening, with the membrane energy of plates and frames that deflect far."
+            "--membrane", help="As --stiffening, with the membrane energy of plates and frames at large deflections."
         ),
     ] = False,
     membrane_modes: Annotated[
-        int | None, typer.Option(help="How many modes, the lowest, have membrane energy; left out: up to 20.")
+        int | None, typer.Option(help="Number of modes, from the lowest, with membrane energy; default: up to 20.")
     ] = None,
     centrifugal: Annotated[
         bool,
         typer.Option(
-            "--centrifugal", help="Also modes for the static response to turning: for rotors, discs, rings and blades."
+            "--centrifugal", help="Also modes for the static response to rotation: for rotors, discs, rings and blades."
         ),
     ] = False,
     local_dynamics: Annotated[
@@ -93,16 +93,16 @@ def reduce_mesh(
         typer.Option("--local-dynamics", help="Also the mass of the local modes, for runs that give them inertia."),
     ] = False,
     cache: Annotated[
-        bool, typer.Option(help="Take an unchanged body from the cache instead of reducing again.")
+        bool, typer.Option(help="Read an unchanged body from the cache instead of reducing again.")
     ] = True,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a reduced body that is there.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing reduced body.")] = False,
 ) -> None:
-    """Turn a finite-element mesh into a reduced body that a simulation can use.
+    """Reduce a finite-element mesh to a body for simulations.
 
     Example: warpffrf reduce roller.msh --length-unit mm --youngs-modulus 210e9 --poisson-ratio 0.3 --density 7850
     --interface bore --contact rim --max-frequency 20e3 -o roller.h5
 
-    The names of the sets in a mesh are listed by: warpffrf info MESH --length-unit mm
+    Names of the sets in a mesh: warpffrf info MESH --length-unit mm
     """
     with one_line_errors():
         from warpffrf.model.files.paths import check_ending, checked_output_path, size_text
@@ -136,7 +136,7 @@ def reduce_mesh(
 
 
 def _material(mesh: Any, E: float | None, nu: float | None, rho: float | None) -> Any:
-    """The material of the options, all three of them, or those of the mesh's file."""
+    """The material of the three options, or the materials of the mesh file."""
     given = [value for value in (E, nu, rho) if value is not None]
     if len(given) == 3:
         return warpffrf.Material(*given)
@@ -144,6 +144,6 @@ def _material(mesh: Any, E: float | None, nu: float | None, rho: float | None) -
         raise warpffrf.InputError("--youngs-modulus, --poisson-ratio and --density belong together; give all three")
     if not mesh.materials:
         raise warpffrf.InputError(
-            f"mesh {mesh.name}: the file says no material; add --youngs-modulus, --poisson-ratio and --density"
+            f"mesh {mesh.name}: the file defines no material; add --youngs-modulus, --poisson-ratio and --density"
         )
     return mesh.materials

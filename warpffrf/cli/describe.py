@@ -1,4 +1,4 @@
-"""What `warpffrf info FILE` says about a mesh, a reduced body, the results of a run, or a sweep."""
+"""Output of `warpffrf info FILE` for a mesh, a reduced body, the results of a run, or a sweep."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from warpffrf.output.report.fold import Pairs
 
 STEEL_DENSITY = 7850.0  # kg/m3
-ROUND_OFF = 1e-12  # of the largest moment of inertia: products below it are rounding and printed as zero
+ROUND_OFF = 1e-12  # of the largest moment of inertia: smaller products are round-off and printed as zero
 HDF5_SIGNATURE = b"\x89HDF\r\n\x1a\n"
 
 
@@ -28,14 +28,14 @@ def describe_file(
     overwrite: bool = False,
     pairs: Pairs = "folded",
 ) -> str:
-    """Readable lines about the file: sizes, bounding box, mass, inertia, and warnings.
+    """Summary of the file as text: sizes, bounding box, mass, inertia, and warnings.
 
-    length_unit, part, density [kg/m3]: used for meshes only; without a density that of the file's materials, else of
-    steel. page: for a reduced body, where to write the picture of its quality, for a sweep its HTML page. pairs: as of
+    length_unit, part, density [kg/m3]: used for meshes only; the default density is that of the file's materials, else
+    of steel. page: file for the picture of a reduced body's quality, or for the HTML page of a sweep. pairs: as in
     `Result.report`.
 
-    Raises `InputError` for a file that is missing or of no known kind, for a mesh without `length_unit` or with several
-    bodies and no `part`, and for a page that cannot be written or of what is neither a reduced body nor a sweep.
+    Raises `InputError` for a file that is missing or of unknown kind, for a mesh without `length_unit` or with several
+    bodies and no `part`, for a page that cannot be written, and for a page of another kind of file.
     """
     from warpffrf.output.files.unfinished import is_unfinished
 
@@ -65,12 +65,14 @@ def _mesh(path: Path, length_unit: str | None, part: int | str | None, density: 
 
     if length_unit is None:
         units = ", ".join(LENGTH_UNITS)
-        raise InputError(f"{path.name}: a mesh file does not say its unit of length; add --length-unit, one of {units}")
+        raise InputError(
+            f"{path.name}: a mesh file does not define its unit of length; add --length-unit, one of {units}"
+        )
     mesh = meshes.read(path, length_unit=length_unit, part=part)
     if density is None and mesh.report().mass is not None:
         return str(mesh.report())
     rho = STEEL_DENSITY if density is None else density
-    # the mass needs the density alone; the moduli are those of steel, so that no warning is about them
+    # the mass depends on the density alone; the moduli of steel avoid warnings about them
     return str(mesh.report(Material(210e9, 0.3, rho))) + f"\n  note: mass at {rho:g} kg/m3"
 
 
@@ -97,7 +99,9 @@ def _hdf5(path: Path, page: Path | None, overwrite: bool, pairs: Pairs) -> str:
 
 def _no_page(page: Path | None, path: Path) -> None:
     if page is not None:
-        raise InputError(f"{path.name} is no reduced body and no sweep, and only those have a page; leave out --page")
+        raise InputError(
+            f"{path.name} is neither a reduced body nor a sweep, and only those have a page; leave out --page"
+        )
 
 
 def _reduced_body(path: Path, page: Path | None, overwrite: bool) -> str:
@@ -126,7 +130,7 @@ def _results(path: Path, pairs: Pairs) -> str:
 
 
 def _sweep(path: Path, page: Path | None, overwrite: bool) -> str | None:
-    """Of the folder of a sweep; None of another folder."""
+    """Report of the sweep in a folder; None for another folder."""
     from warpffrf.study import open_sweep
     from warpffrf.study.sweeps.folder import is_sweep
 
@@ -149,7 +153,7 @@ def _box(points: np.ndarray) -> str:
 
 
 def _inertia(inertia: np.ndarray) -> list[str]:
-    """The full tensor: the principal moments alone would hide a tilted body."""
+    """The full tensor; principal moments alone would not show that a body is tilted."""
     head = "  inertia about the centre [kg m2]"
     inertia = np.where(np.abs(inertia) > ROUND_OFF * np.abs(inertia).max(), inertia, 0.0)
     return [head, *("    " + "".join(f"{v:>14.6g}" for v in row) for row in inertia)]

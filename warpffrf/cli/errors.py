@@ -1,7 +1,7 @@
-"""How a command ends where something goes wrong: a line on stderr, in words of the command line, and an exit code.
+"""Errors of commands: one line on stderr, in terms of the command line, and an exit code.
 
-The package speaks of arguments, as `part=` or `traction_spacing`; whoever uses the command line knows `--part` and
-`--traction-spacing`. So the names of a command's own options are put in their place.
+Messages of the package name arguments, such as `part=` or `traction_spacing`. They are replaced with the options of the
+command, `--part` and `--traction-spacing`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any
 
 import typer
 
-INTERRUPTED = 130  # exit code, as shells have it
+INTERRUPTED = 130  # exit code, as in shells
 OTHER_NAMES = {"interfaces": "interface", "expected_half_width": "half_width", "laps": "lap"}  # argument -> option
 
 log = logging.getLogger("warpffrf")
@@ -24,7 +24,7 @@ log = logging.getLogger("warpffrf")
 
 @contextmanager
 def one_line_errors() -> Iterator[None]:
-    """Wrong input, files that cannot be had and interruptions end the command inside with a line and a code."""
+    """End the enclosed command with one line and an exit code on wrong input, file errors and interruptions."""
     from warpffrf.model.errors import InputError
     from warpffrf.model.messages.progress import terminated_as_interrupted
     from warpffrf.model.messages.reprs import printable
@@ -32,12 +32,12 @@ def one_line_errors() -> Iterator[None]:
     try:
         with terminated_as_interrupted():
             yield
-    except BrokenPipeError:  # the reader of the output, such as head, has left: nothing more to say to it
+    except BrokenPipeError:  # the reader of the output, such as head, has closed the pipe
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         raise typer.Exit(0) from None
     except (InputError, OSError) as error:
         if log.isEnabledFor(logging.DEBUG):
-            log.debug("where it happened:", exc_info=True)
+            log.debug("traceback:", exc_info=True)
         print(printable(f"error: {in_options(str(error), _options)}"), file=sys.stderr)
         raise typer.Exit(1) from None
     except KeyboardInterrupt:
@@ -49,8 +49,8 @@ _options: dict[str, str] = {}
 
 
 def know_options(context: typer.Context) -> None:
-    """From now on errors speak of the options of the command that `context`, of the main command, leads to, or of all
-    commands below it: argument -> what the user writes."""
+    """Set the options that error messages name: those of the command that `context`, of the main command, invokes, or
+    of all its subcommands."""
     group: Any = context.command
     chosen = group.commands.get(context.invoked_subcommand)
     commands = getattr(chosen, "commands", {"": chosen}).values() if chosen is not None else ()
@@ -60,8 +60,8 @@ def know_options(context: typer.Context) -> None:
 
 
 def in_options(text: str, options: dict[str, str]) -> str:
-    """`text` with the arguments of `options` as options: `part='pad'` becomes `--part pad`, `overwrite=True` with or
-    without its option behind it `--overwrite`. Names that are words as well are meant only where `=` follows."""
+    """`text` with arguments replaced by `options`: `part='pad'` becomes `--part pad`; `overwrite=True`, with or without
+    its option after it, becomes `--overwrite`. Names that are also words are replaced only before `=`."""
     known = options | {name: options[other] for name, other in OTHER_NAMES.items() if other in options}
     for name, option in known.items():
         text = re.sub(rf"\b{name}=True( \({option}\))?", option, text)

@@ -1,9 +1,8 @@
-"""The command `warpffrf info`: what is in a file.
+"""The command `warpffrf info`: contents of a file.
 
-Demos. `warpffrf demo NAME`: runs a script of the folder demos/, which a wheel has within the package.
+Demos. `warpffrf demo NAME` runs a script of the folder demos/, which is inside the package in a wheel.
 
-Examples. The commands that a user begins with: `warpffrf example`, and `warpffrf scene-file`, the reference of scene
-files.
+Examples. `warpffrf example` lists and copies examples; `warpffrf scene-file` prints the reference of scene files.
 """
 
 from __future__ import annotations
@@ -30,11 +29,13 @@ def info(
     ] = None,
     part: Annotated[
         str | None,
-        typer.Option(help="For a mesh: which body of several: instance, part or group, or a number from 0."),
+        typer.Option(
+            help="For a mesh: body to read, if there are several: instance, part or group, or a number from 0."
+        ),
     ] = None,
     density: Annotated[
         float | None,
-        typer.Option(help="For a mesh: density in kg/m3; left out: that of the file's materials, or steel."),
+        typer.Option(help="For a mesh: density in kg/m3; default: that of the file's materials, or steel."),
     ] = None,
     page: Annotated[
         Path | None,
@@ -43,9 +44,9 @@ def info(
             help="Also write a page here: a picture of a reduced body's quality, of a sweep .html with its pictures.",
         ),
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing picture.")] = False,
 ) -> None:
-    """Say what is in a file: size, mass, inertia, named sets, modes, or how a run or a sweep went."""
+    """Describe a file: size, mass, inertia, named sets, modes, or the report of a run or a sweep."""
     with one_line_errors():
         from warpffrf.cli.describe import describe_file
 
@@ -63,7 +64,7 @@ def info(
 
 
 def part_of(text: str | None) -> int | str | None:
-    """`--part`: a number is that of a connected part, anything else a name."""
+    """Value of `--part`: the number of a connected part, or a name."""
     return int(text) if text is not None and text.isdecimal() else text
 
 
@@ -87,11 +88,11 @@ def about(script: Path) -> str:
 
 
 def demo(
-    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Of a demo; without it: list them.")] = None,
-    out: Annotated[Path | None, typer.Option("--out", help="Folder for the results; without it: out/NAME.")] = None,
+    name: Annotated[str | None, typer.Argument(metavar="NAME", help="Name of a demo; default: list them.")] = None,
+    out: Annotated[Path | None, typer.Option("--out", help="Folder for the results; default: out/NAME.")] = None,
     quick: Annotated[bool, typer.Option("--quick", help="A coarser, shorter version.")] = False,
 ) -> None:
-    """Run a complete example, print its figures and write results, recording and picture to a folder."""
+    """Run a complete example, print its results and write results, recording and picture to a folder."""
     scripts = names()
     if name is None:
         for known, script in scripts.items():
@@ -104,7 +105,7 @@ def demo(
             raise unknown_name("demo", name, list(scripts))
         results = out or Path("out") / scripts[name].stem
         try:
-            results.mkdir(parents=True, exist_ok=True)  # refused before the run, not after it
+            results.mkdir(parents=True, exist_ok=True)  # fails before the run, not after it
         except OSError as error:
             raise InputError(f"demo: cannot write to {results}: {error}; choose another folder with --out") from None
         sys.path.insert(0, str(folder()))  # as with `python demos/NAME.py`; workers of a sweep get this path as well
@@ -117,7 +118,7 @@ def demo(
     raise typer.Exit(1 if failed else 0)
 
 
-ABOUT = "List files to begin with (scene files, a deck, meshes) and the commands that use them, or copy them."
+ABOUT = "List the examples (scene files, a deck, meshes) and the commands that use them, or copy them."
 
 
 def add_example_commands(app: typer.Typer) -> None:
@@ -132,13 +133,13 @@ def add_example_commands(app: typer.Typer) -> None:
 
     @example.command("copy")
     def copy_example(
-        name: Annotated[str, typer.Argument(metavar="NAME", help="Which example; warpffrf example lists them.")],
+        name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the example; warpffrf example lists them.")],
         folder: Annotated[
-            Path, typer.Argument(metavar="FOLDER", help="Where to copy its files; made if missing.")
+            Path, typer.Argument(metavar="FOLDER", help="Folder for its files; created if missing.")
         ] = Path(),
         overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the files of an earlier copy.")] = False,
     ) -> None:
-        """Copy the files of an example into this folder, or another one, and say how they are run.
+        """Copy the files of an example into this folder, or another one, and print the commands that run them.
 
         Example: warpffrf example copy press
         """
@@ -150,7 +151,7 @@ def add_example_commands(app: typer.Typer) -> None:
 
     @app.command("scene-file")
     def scene_file_reference() -> None:
-        """Print what may stand in a scene file: tables, values, --set, stages, what a run writes, errors."""
+        """Print the reference of scene files: tables, values, --set, stages, output files, errors."""
         with one_line_errors():
             from warpffrf.scene_file import reference
 
@@ -158,10 +159,10 @@ def add_example_commands(app: typer.Typer) -> None:
 
 
 def listed_examples() -> str:
-    """Every example: its name, one sentence, its files, and the commands to run where they lie."""
+    """Every example: its name, one sentence, its files, and the commands to run in its folder."""
     from warpffrf import examples
 
-    lines = ["warpffrf example copy NAME [FOLDER] copies the files of an example; the commands run where they lie."]
+    lines = ["warpffrf example copy NAME [FOLDER] copies the files of an example; the commands run in that folder."]
     for name in examples.names():
         example = examples.get(name)
         lines += ["", f"{name}: {example.about}", f"  files: {', '.join(example.files)}"]

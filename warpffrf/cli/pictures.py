@@ -1,4 +1,4 @@
-"""The commands `warpffrf view` and `warpffrf picture`: the bodies of a run, on the screen and as pictures."""
+"""The commands `warpffrf view` and `warpffrf picture`: bodies of a run, on screen and as pictures."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ FIELD = typer.Option(
     metavar="FIELD",
     help="What surfaces are coloured by: displacement, pressure, traction, slip, state, wear or von_mises.",
 )
-OVERWRITE = typer.Option("--overwrite", help="Replace a file that is there.")
+OVERWRITE = typer.Option("--overwrite", help="Replace an existing file.")
 
 
 def add_picture_commands(app: typer.Typer) -> None:
@@ -26,7 +26,7 @@ def add_picture_commands(app: typer.Typer) -> None:
         file: Annotated[Path, typer.Argument(metavar="FILE", help="Results (.h5) or recording (.rrd).")],
         field: Annotated[str, FIELD] = "displacement",
         every: Annotated[
-            int | None, typer.Option(help="Of results: draw every so many saved steps; left out: at most 300 of them.")
+            int | None, typer.Option(help="Of results: draw every n-th saved step; default: at most 300 of them.")
         ] = None,
         out: Annotated[
             Path | None,
@@ -37,11 +37,11 @@ def add_picture_commands(app: typer.Typer) -> None:
         ] = False,
         bind: Annotated[
             str,
-            typer.Option(metavar="ADDRESS", help="Of --serve: who is listened to; 0.0.0.0: the whole network."),
+            typer.Option(metavar="ADDRESS", help="Of --serve: address to listen on; 0.0.0.0: the whole network."),
         ] = "127.0.0.1",
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
-        """Open a run in the rerun viewer; of results the recording is made first.
+        """Open a run in the rerun viewer; results are recorded first.
 
         Example: warpffrf view press.h5 --field von_mises
         """
@@ -51,12 +51,12 @@ def add_picture_commands(app: typer.Typer) -> None:
 
             if file.suffix.lower() == viewer.ENDING:
                 if out is not None or every is not None or field != "displacement":
-                    raise InputError("a recording is shown as it is; --field, --every and --out are for results (.h5)")
+                    raise InputError("a recording is shown unchanged; --field, --every and --out are for results (.h5)")
                 _show(file, serve, bind)
                 return
             if out is None and not serve and not viewer.has_screen():
                 raise InputError(
-                    "there is no screen for the viewer; --serve lets a browser open the recording, --out FILE.rrd "
+                    "there is no screen for the viewer; --serve opens the recording in a browser, --out FILE.rrd "
                     "writes it for another machine, and warpffrf picture draws without a screen"
                 )
             if out is not None:
@@ -78,21 +78,22 @@ def add_picture_commands(app: typer.Typer) -> None:
         ],
         field: Annotated[str, FIELD] = "displacement",
         time: Annotated[
-            float | None, typer.Option(metavar="SECONDS", help="Draw the saved step next to this time, not the last.")
+            float | None,
+            typer.Option(metavar="SECONDS", help="Draw the saved step nearest to this time; default: the last."),
         ] = None,
         every: Annotated[
             int | None,
-            typer.Option(help="Of a .gif or .mp4: a frame for every so many saved steps; left out: at most 100."),
+            typer.Option(help="Of a .gif or .mp4: a frame for every n-th saved step; default: at most 100."),
         ] = None,
-        fps: Annotated[float, typer.Option(help="Of a .gif or .mp4: frames a second.")] = 15.0,
+        fps: Annotated[float, typer.Option(help="Of a .gif or .mp4: frames per second.")] = 15.0,
         deformation_factor: Annotated[
-            float | None, typer.Option(help="Magnification of elastic displacements; left out: what suits them.")
+            float | None, typer.Option(help="Magnification of elastic displacements; default: chosen automatically.")
         ] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
         """Draw the bodies of a run, still or moving; results need neither screen nor viewer.
 
-        A recording is drawn as it opens in the viewer, on a server by xvfb and mesa-vulkan-drivers.
+        A recording is drawn as it opens in the viewer; a server requires xvfb and mesa-vulkan-drivers.
 
         Example: warpffrf picture press.h5 press.gif --field von_mises
         """
@@ -120,7 +121,7 @@ def add_picture_commands(app: typer.Typer) -> None:
 
 
 def _show(recording: Path, serve: bool, bind: str) -> None:
-    """Open the viewer of a recording, or serve it and say where."""
+    """Open the viewer of a recording, or serve it and print the address."""
     from warpffrf.output.recording import viewer
 
     command = viewer.viewer_command(recording, serve=serve, bind=bind)
@@ -130,7 +131,7 @@ def _show(recording: Path, serve: bool, bind: str) -> None:
 
 
 def _recorded(file: Path, out: Path, field: str, every: int | None, overwrite: bool, is_quiet: bool) -> str:
-    """Make the recording of a results file; what was made."""
+    """Record a results file; returns a summary."""
     import time
 
     from warpffrf.output.recording.recorder import record

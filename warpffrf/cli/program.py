@@ -1,10 +1,10 @@
 """The command line: `warpffrf demo | example | run | modes | campbell | reduce | info | compare | plot | spectrum |
 view | picture | study | sweep`.
 
-Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM where nothing
-is to be kept with exit code 130; no traceback for any. What a command finds goes to stdout, progress and warnings go to
-stderr. With --quiet there is no report either: the exit code says how it went, and only `info` and `modes`, which do
-nothing but tell, print what they are asked for.
+Wrong input ends with one line on stderr and exit code 1, wrong usage with exit code 2, Ctrl-C or SIGTERM with exit
+code 130 if no results are kept; none prints a traceback. Results are printed to stdout, progress and warnings to
+stderr. With --quiet there is no report either: the exit code states the outcome. Commands that only print information,
+such as `info` and `modes`, print it in any case.
 """
 
 from __future__ import annotations
@@ -30,8 +30,8 @@ from warpffrf.cli.scenes import campbell_of_scene_file, modes_of_scene_file, run
 from warpffrf.cli.study import add_sweep_command, add_sweep_plot_command, study_app
 from warpffrf.model.messages.reprs import printable
 
-# Set before anything loads NumPy: on the many small matrices of a reduction the threads of a BLAS wait for each other
-# (on two busy cores 16 times longer than one thread alone).
+# Set before NumPy is loaded: on the many small matrices of a reduction, the threads of a BLAS wait for each other (on
+# two busy cores 16 times slower than a single thread).
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
@@ -39,14 +39,14 @@ log = logging.getLogger("warpffrf")
 
 
 class Printable(TextIOBase):
-    """A stream of text that hands on to `stream` what is printable."""
+    """A text stream that passes printable text on to `stream`."""
 
     def __init__(self, stream: TextIO) -> None:
         self.stream = stream
 
     def write(self, text: str) -> int:
         if not isinstance(text, str):
-            raise TypeError(f"text is written here, got {type(text).__name__}")
+            raise TypeError(f"a text is required, got {type(text).__name__}")
         self.stream.write(printable(text))
         return len(text)
 
@@ -62,7 +62,8 @@ class Printable(TextIOBase):
 
 app = typer.Typer(
     name="warpffrf",
-    help="Simulate machines of flexible bodies that touch. Start with: warpffrf demo two-rollers, or warpffrf example",
+    help="Simulate machines of flexible bodies with contact. Start with: warpffrf demo two-rollers, or warpffrf "
+    "example",
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
@@ -84,14 +85,14 @@ def options(
         typer.Option(
             "--verbose",
             "-v",
-            help="Say more: the scene, times, where faults are, each of alike contacts.",
+            help="Print more: the scene, times, tracebacks, every contact of a group.",
         ),
     ] = False,
     quiet: Annotated[
         bool, typer.Option("--quiet", "-q", help="Print neither progress nor reports, only warnings and errors.")
     ] = False,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and exit.")
     ] = False,
 ) -> None:
     Asked.quiet, Asked.pairs = quiet, "all" if verbose else "folded"
@@ -101,7 +102,7 @@ def options(
     for old in [h for h in log.handlers if isinstance(h, Lines)]:
         log.removeHandler(old)
     handler = Lines("[%(relativeCreated)7.0f ms] %(message)s" if verbose else "%(message)s")
-    handler.addFilter(lambda record: record.name != notes.name)  # the report has them
+    handler.addFilter(lambda record: record.name != notes.name)  # they are in the report
     log.addHandler(handler)
     log.setLevel(logging.DEBUG if verbose else logging.WARNING if quiet else logging.INFO)
 
@@ -125,7 +126,7 @@ add_sweep_plot_command(app)
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line with `arguments` (None: those of the process); returns the exit code.
 
-    What commands print passes through `printable`: names in files, and of files, may hold what a terminal obeys.
+    Output of commands passes through `printable`: names in files, and of files, may contain control sequences.
     """
     try:
         with redirect_stdout(Printable(sys.stdout)):

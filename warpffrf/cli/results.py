@@ -1,4 +1,4 @@
-"""The commands `warpffrf compare`, `warpffrf plot` and `warpffrf spectrum`: what is made of results files."""
+"""The commands `warpffrf compare`, `warpffrf plot` and `warpffrf spectrum`: evaluation of results files."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import typer
 
 from warpffrf.cli.errors import one_line_errors
 
-OVERWRITE = typer.Option("--overwrite", help="Replace a picture that is there.")
+OVERWRITE = typer.Option("--overwrite", help="Replace an existing picture.")
 
 
 def add_result_commands(app: typer.Typer) -> None:
@@ -28,18 +28,18 @@ def add_result_commands(app: typer.Typer) -> None:
             typer.Option(
                 "--history",
                 metavar="NAME",
-                help="For the picture: a history as the table names it; left out: the six that differ most. Repeat for "
-                "more.",
+                help="For the picture: a history by its name in the table; default: the six that differ most. Repeat "
+                "for more.",
             ),
         ] = None,
         every: Annotated[
-            bool, typer.Option("--all", help="List all that differs, not only the first twenty of each.")
+            bool, typer.Option("--all", help="List all differences, not only the first twenty of each.")
         ] = False,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
-        """List the settings in which two runs differ, and how far each history of B is from that of A.
+        """List the settings in which two runs differ, and the deviation of each history of B from that of A.
 
-        Relative L2 is over the time that both runs have, on the times of A.
+        The relative L2 norm is over the common time of both runs, at the times of A.
 
         Example: warpffrf compare fine.h5 coarse.h5 --out both.png
         """
@@ -48,7 +48,7 @@ def add_result_commands(app: typer.Typer) -> None:
             from warpffrf.output.comparison import LISTED
 
             if drawn and out is None:
-                raise warpffrf.InputError("--history names what is drawn; say where with --out PNG")
+                raise warpffrf.InputError("--history selects what is drawn; give the file with --out PNG")
             found = warpffrf.compare(first, second)
             print(found.report(None if every else LISTED))
             if out is not None:
@@ -62,21 +62,21 @@ def add_result_commands(app: typer.Typer) -> None:
             Path | None, typer.Option("--out", metavar="PNG", help="The picture to write: .png, .pdf or .svg.")
         ] = None,
         listed: Annotated[
-            bool, typer.Option("--list", help="List the kinds of plots, of FILE those that it has data for.")
+            bool, typer.Option("--list", help="List the kinds of plots; with FILE those that it has data for.")
         ] = False,
         contact: Annotated[
-            str | None, typer.Option(metavar="NAME", help="Contact pair to draw; left out: the first.")
+            str | None, typer.Option(metavar="NAME", help="Contact to draw; default: the first.")
         ] = None,
-        film: Annotated[str | None, typer.Option(metavar="NAME", help="Oil film to draw; left out: the first.")] = None,
+        film: Annotated[str | None, typer.Option(metavar="NAME", help="Oil film to draw; default: the first.")] = None,
         lap: Annotated[str | None, typer.Option(metavar="NAME", help="Lap to draw; left out: the first.")] = None,
         row: Annotated[
-            int | None, typer.Option(help="Saved step of maps of films and laps, from 0; left out: the last.")
+            int | None, typer.Option(help="Saved step of maps of films and laps, from 0; default: the last.")
         ] = None,
         channel: Annotated[
             str | None,
             typer.Option(
                 metavar="HISTORY",
-                help="Of spectrum and waterfall: what to draw, as columns of to_csv are called: 'contact_force_z[a on "
+                help="Of spectrum and waterfall: history to draw, by its column name in to_csv: 'contact_force_z[a on "
                 "b]'.",
             ),
         ] = None,
@@ -86,7 +86,7 @@ def add_result_commands(app: typer.Typer) -> None:
         ] = None,
         overwrite: Annotated[bool, OVERWRITE] = False,
     ) -> None:
-        """Draw one kind of plot of a run into a picture; without KIND a page with all that the run has data for.
+        """Draw one kind of plot of a run into a picture; without KIND, a page with all kinds that the run has data for.
 
         Example: warpffrf plot press.h5 force --out force.png
         """
@@ -97,7 +97,7 @@ def add_result_commands(app: typer.Typer) -> None:
             from warpffrf.output.result import Result
 
             if file is None and not listed:
-                raise InputError("say which results file (.h5) to draw; --list lists the kinds of plots")
+                raise InputError("give the results file (.h5) to draw; --list lists the kinds of plots")
             result = None if file is None else Result.load(file)
             if listed:
                 known = about_kinds()
@@ -106,7 +106,7 @@ def add_result_commands(app: typer.Typer) -> None:
                 print("\n".join(f"{name:{width}}  {known[name]}" for name in kinds))
                 return
             if out is None:
-                raise InputError("say where to write the picture with --out, as in --out force.png")
+                raise InputError("give the file of the picture with --out, as in --out force.png")
             written = write_plot(
                 result, kind, out, contact=contact, film=film, lap=lap, row=row, channel=channel, speed=speed,
                 overwrite=overwrite,
@@ -117,13 +117,13 @@ def add_result_commands(app: typer.Typer) -> None:
     def spectrum_of_results(
         file: Annotated[Path, typer.Argument(metavar="FILE", help="Results file (.h5).")],
         history: Annotated[
-            str, typer.Argument(metavar="HISTORY", help="As columns of to_csv are called: 'contact_force_z[a on b]'.")
+            str, typer.Argument(metavar="HISTORY", help="Column name in to_csv: 'contact_force_z[a on b]'.")
         ],
         orders_of: Annotated[
             str | None,
             typer.Option(metavar="BODY", help="By orders of the rotation of this body instead of by frequency."),
         ] = None,
-        peaks: Annotated[int, typer.Option(help="How many peaks to list, the largest first.")] = 5,
+        peaks: Annotated[int, typer.Option(help="Number of peaks to list, the largest first.")] = 5,
         out: Annotated[
             Path | None, typer.Option("--out", metavar="PNG", help="Also draw it here: .png, .pdf or .svg.")
         ] = None,

@@ -1,4 +1,4 @@
-"""The commands `warpffrf run`, `modes` and `campbell`: what is done with a scene file."""
+"""The commands `warpffrf run`, `modes` and `campbell`, which act on scene files."""
 
 from __future__ import annotations
 
@@ -11,8 +11,8 @@ import warpffrf
 from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import one_line_errors
 
-SCENE = typer.Argument(metavar="SCENE", help="Scene file, .toml; what may stand in it: warpffrf scene-file.")
-EQUILIBRIUM = "equilibrium"  # the state that modes are about if nothing else is said
+SCENE = typer.Argument(metavar="SCENE", help="Scene file, .toml; reference: warpffrf scene-file.")
+EQUILIBRIUM = "equilibrium"  # default state of the modes
 
 
 def run_scene_file(
@@ -26,23 +26,23 @@ def run_scene_file(
         ),
     ] = None,
     out: Annotated[
-        Path | None, typer.Option("--out", help="Folder for the results; left out: out/NAME of the file NAME.toml.")
+        Path | None, typer.Option("--out", help="Folder for the results; default: out/NAME of the file NAME.toml.")
     ] = None,
     anywhere: Annotated[
-        bool, typer.Option("--anywhere", help="Let the file name results and recordings outside of the folder, too.")
+        bool, typer.Option("--anywhere", help="Allow results and recordings outside the folder.")
     ] = False,
     check: Annotated[bool, typer.Option("--check", help="Build the scene and describe it, but do not run it.")] = False,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace the files of an earlier run.")] = False,
     resume: Annotated[
         bool,
-        typer.Option("--resume", help="Go on where a run into the same folder was stopped, or read it if it ended."),
+        typer.Option("--resume", help="Continue an interrupted run in the same folder, or read it if it is complete."),
     ] = False,
 ) -> None:
     """Run the scene of a TOML file: bodies, joints, drives, forces, contacts, and how to simulate them.
 
-    Writes the results (.h5), the recording where the file asks for one (.rrd, open it with: rerun FILE), and the scene
-    as it was run (.toml) into a folder, and prints a report. Exit code 1 where a solver gave up or a file could not be
-    written; results are kept. Ctrl-C ends a run early and keeps what there is; --resume goes on.
+    Writes the results (.h5), a recording if requested (.rrd, open it with: rerun FILE), and the scene as run
+    (.toml) into a folder, and prints a report. Exit code 1 if a solver failed or a file could not be written; results
+    are kept. Ctrl-C stops a run and keeps its results; --resume continues it.
 
     Example: warpffrf run press.toml --set upper.load=2000 --set simulate.step=5e-5 --out out/press
     """
@@ -71,18 +71,18 @@ def modes_of_scene_file(
             "--set", metavar="NAME=VALUE", help="Another value for a parameter or a key, as in run. Repeat for more."
         ),
     ] = None,
-    count: Annotated[int, typer.Option(help="How many modes, from the lowest on.")] = 20,
+    count: Annotated[int, typer.Option(help="Number of modes, from the lowest.")] = 20,
     about: Annotated[
         str,
         typer.Option(
             metavar="STATE",
-            help="equilibrium, initial, or a results file (.h5) of this scene, whose last state is meant.",
+            help="equilibrium, initial, or a results file (.h5) of this scene, of which the last state is used.",
         ),
     ] = EQUILIBRIUM,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="PNG", help="Also draw their shapes here: .png, .pdf or .svg.")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing picture.")] = False,
 ) -> None:
     """List frequencies, damping and moving bodies of the lowest modes of a machine, joints and contacts included.
 
@@ -102,21 +102,19 @@ def modes_of_scene_file(
 
 def campbell_of_scene_file(
     scene_file: Annotated[Path, SCENE],
-    speed: Annotated[
-        str, typer.Argument(metavar="NAME", help="The key that the speed [rad/s] is put into, as --set of run has it.")
-    ],
+    speed: Annotated[str, typer.Argument(metavar="NAME", help="The key of the speed [rad/s], as in --set of run.")],
     last: Annotated[float, typer.Argument(metavar="LAST", help="The largest speed, rad/s.")],
     first: Annotated[float, typer.Option(metavar="SPEED", help="The smallest speed, rad/s.")] = 0.0,
-    steps: Annotated[int, typer.Option(help="How many steps from the smallest to the largest.")] = 12,
+    steps: Annotated[int, typer.Option(help="Number of steps from the smallest to the largest speed.")] = 12,
     settings: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="NAME=VALUE", help="Another value for a parameter or a key. Repeat for more."),
     ] = None,
-    count: Annotated[int, typer.Option(help="How many modes at each speed, from the lowest on.")] = 12,
+    count: Annotated[int, typer.Option(help="Number of modes at each speed, from the lowest.")] = 12,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="PNG", help="Also draw the diagram here: .png, .pdf or .svg.")
     ] = None,
-    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing picture.")] = False,
 ) -> None:
     """List natural frequencies about the initial state of a machine against the speed of its rotation.
 
@@ -140,7 +138,7 @@ def campbell_of_scene_file(
 
 
 def _state(about: str) -> Any:
-    """What `--about` means to `eigenmodes`."""
+    """Argument `about` of `eigenmodes` for the option `--about`."""
     if about in (EQUILIBRIUM, "initial"):
         return None if about == EQUILIBRIUM else about
     if Path(about).suffix.lower() not in (".h5", ".hdf5"):

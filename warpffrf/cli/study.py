@@ -1,6 +1,6 @@
 """The commands `warpffrf study ...`.
 
-Sweep. The commands `warpffrf sweep` and `warpffrf sweep-plot`: a sweep, and pictures of one that has been run.
+Sweep. The commands `warpffrf sweep` and `warpffrf sweep-plot`: a sweep, and pictures of its results.
 """
 
 from __future__ import annotations
@@ -15,11 +15,11 @@ import typer
 from warpffrf.cli.asked import Asked
 from warpffrf.cli.errors import INTERRUPTED, one_line_errors
 
-IN_FILE = "simulate."  # before an option of the run, as `--set` names it
+IN_FILE = "simulate."  # prefix of options of the run in `--set`
 
 
 def choice_of(text: str) -> tuple[str, list[Any]]:
-    """`NAME=V1,V2` as a name and values: numbers and truth values as TOML has them, else texts. Raises `InputError`."""
+    """`NAME=V1,V2` as a name and values: numbers and Booleans as in TOML, else texts. Raises `InputError`."""
     from warpffrf.model.errors import InputError
 
     name, equals, values = text.partition("=")
@@ -32,8 +32,8 @@ def choice_of(text: str) -> tuple[str, list[Any]]:
 
 
 def choices_of(texts: Sequence[str]) -> dict[str, list[Any]]:
-    """All `--choice` of a command. Options of the run may be written as the scene file has them, `simulate.step`, and
-    integrators and local treatments as its kinds: `hht`, `{kind="hht", alpha=-0.3}`. Raises `InputError`."""
+    """All `--choice` of a command. Options of the run may be named as in the scene file, `simulate.step`; integrators
+    and treatments of local modes as its kinds: `hht`, `{kind="hht", alpha=-0.3}`. Raises `InputError`."""
     from warpffrf.model.errors import InputError
     from warpffrf.study.speed_against_error.choices import RUN
 
@@ -48,7 +48,7 @@ def choices_of(texts: Sequence[str]) -> dict[str, list[Any]]:
 
 
 def _made(name: str, value: Any) -> Any:
-    """The object that a kind of scene files stands for; other values as they are."""
+    """The object of a kind of the scene file; other values unchanged."""
     from warpffrf.model.errors import InputError, unknown_name
     from warpffrf.model.integrators import INTEGRATORS
     from warpffrf.scene_file.forms import value_kinds
@@ -67,7 +67,7 @@ def _made(name: str, value: Any) -> Any:
 
 
 def study_app() -> typer.Typer:
-    """The commands."""
+    """The commands `study ...`."""
     app = typer.Typer(help="Speed against error.", no_args_is_help=True, rich_markup_mode=None)
     app.callback()(lambda: None)
 
@@ -79,12 +79,12 @@ def study_app() -> typer.Typer:
             list[str] | None,
             typer.Option("--choice", metavar="NAME=V1,V2", help="Values to combine, coarse to fine. Repeat for more."),
         ] = None,
-        measure: Annotated[list[str] | None, typer.Option("--measure", help="Errors to measure; all if none.")] = None,
-        rounds: Annotated[int, typer.Option(help="How often every setting is run.")] = 3,
-        out: Annotated[Path | None, typer.Option("--out", help="Folder; left out: out/NAME_speed_error.")] = None,
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew.")] = False,
+        measure: Annotated[list[str] | None, typer.Option("--measure", help="Errors to measure; default: all.")] = None,
+        rounds: Annotated[int, typer.Option(help="Number of runs of every setting.")] = 3,
+        out: Annotated[Path | None, typer.Option("--out", help="Folder; default: out/NAME_speed_error.")] = None,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Restart and replace the results.")] = False,
     ) -> None:
-        """Run a scene with many settings beside a reference. A study that was stopped goes on in its folder."""
+        """Run a scene with many settings and compare with a reference. An interrupted study continues in its folder."""
         with one_line_errors():
             from warpffrf.study import speed_error as run
 
@@ -100,7 +100,7 @@ def study_app() -> typer.Typer:
 
 
 def named(texts: Sequence[str], option: str, example: str) -> dict[str, str]:
-    """`NAME=VALUE` of all `texts` as name -> value. Raises `InputError` for other texts and names given twice."""
+    """`NAME=VALUE` of all `texts` as name -> value. Raises `InputError` for other texts and repeated names."""
     from warpffrf.model.errors import InputError
 
     found: dict[str, str] = {}
@@ -115,12 +115,12 @@ def named(texts: Sequence[str], option: str, example: str) -> dict[str, str]:
 
 
 def outputs_of(texts: Sequence[str]) -> dict[str, str]:
-    """Outputs by name: `NAME=WHAT`, or WHAT alone, which is its own name. Raises `InputError`."""
+    """Outputs by name: `NAME=WHAT`, or WHAT alone, which is also the name. Raises `InputError`."""
     return named([text if "=" in text else f"{text}={text}" for text in texts], "--output", "peak=max(energy[kinetic])")
 
 
 def add_sweep_command(app: typer.Typer) -> None:
-    """The command."""
+    """Add `sweep` to `app`."""
 
     @app.command("sweep")
     def sweep(
@@ -139,7 +139,7 @@ def add_sweep_command(app: typer.Typer) -> None:
             typer.Option(
                 "--output",
                 metavar="[NAME=]WHAT",
-                help="What to keep of each run: a history by its name, or taken over time, 'max(HISTORY)', min, mean, "
+                help="Outputs of each run: a history by its name, or a value over time, 'max(HISTORY)', min, mean, "
                 "last, rms, amplitude. Repeat for more.",
             ),
         ],
@@ -147,35 +147,33 @@ def add_sweep_command(app: typer.Typer) -> None:
         sample: Annotated[
             str | None,
             typer.Option(
-                metavar="KIND:COUNT", help="Not all combinations, but latin:64, sobol:64, random:64, saltelli:64."
+                metavar="KIND:COUNT", help="Instead of all combinations: latin:64, sobol:64, random:64, saltelli:64."
             ),
         ] = None,
-        seed: Annotated[int, typer.Option(help="Of the sample.")] = 0,
-        only_equilibrium: Annotated[
-            bool, typer.Option("--equilibrium", help="Find equilibria, and simulate nothing.")
-        ] = False,
+        seed: Annotated[int, typer.Option(help="Seed of the sample.")] = 0,
+        only_equilibrium: Annotated[bool, typer.Option("--equilibrium", help="Find equilibria only.")] = False,
         workers: Annotated[int, typer.Option(help="Processes of this machine.")] = 1,
         scheduler: Annotated[
             str | None, typer.Option(metavar="ADDRESS", help="Instead, a scheduler of dask: tcp://HOST:8786.")
         ] = None,
         device: Annotated[
-            list[str] | None, typer.Option(help="cpu or cuda:0. Repeat to give workers several in turn.")
+            list[str] | None, typer.Option(help="cpu or cuda:0. Repeat to distribute workers over several.")
         ] = None,
         worlds: Annotated[
             int,
-            typer.Option(help="Run so many rows at once, as worlds of one graph, where they differ in numbers only."),
+            typer.Option(help="Number of rows run at once, as worlds of one graph, if they differ in numbers only."),
         ] = 1,
         error_budget: Annotated[
-            bool, typer.Option("--error-budget", help="Also the error budget of each run.")
+            bool, typer.Option("--error-budget", help="Also compute the error budget of each run.")
         ] = False,
-        out: Annotated[Path | None, typer.Option("--out", help="Folder; left out: out/NAME.sweep.")] = None,
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Begin anew.")] = False,
-        resume: Annotated[bool, typer.Option("--resume", help="Go on with a sweep that was stopped.")] = False,
+        out: Annotated[Path | None, typer.Option("--out", help="Folder; default: out/NAME.sweep.")] = None,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Restart and replace the results.")] = False,
+        resume: Annotated[bool, typer.Option("--resume", help="Continue an interrupted sweep.")] = False,
     ) -> None:
-        """Run a scene at many values of its parameters; keep what is wanted of each run in one table, table.h5.
+        """Run a scene at many values of its parameters; save the outputs of each run in one table, table.h5.
 
-        Rows that cannot be run are rows with their message. Ctrl-C keeps what has been run; --resume goes on. Exit code
-        1 where a row has failed.
+        Rows that fail keep their message. Ctrl-C keeps the completed rows; --resume continues. Exit code 1 if a row has
+        failed.
 
         Example: warpffrf sweep pendulum.toml --vary arm=0.2:0.4:5 --output "min(body_position_z[bob])"
         """
@@ -205,16 +203,18 @@ def add_sweep_plot_command(app: typer.Typer) -> None:
         folder: Annotated[Path, typer.Argument(metavar="SWEEP", help="Folder of a sweep.")],
         output: Annotated[str, typer.Argument(metavar="OUTPUT", help="What to draw; `info SWEEP` lists outputs.")],
         out: Annotated[Path, typer.Option("--out", metavar="PNG", help="The picture to write: .png, .pdf or .svg.")],
-        x: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter along; left out: the first.")] = None,
-        y: Annotated[str | None, typer.Option(metavar="NAME", help="Draw a map; parameter upwards.")] = None,
-        hue: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter by colour.")] = None,
-        style: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter by dashes.")] = None,
-        col: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter with a panel a value.")] = None,
+        x: Annotated[
+            str | None, typer.Option(metavar="NAME", help="Parameter of the x axis; default: the first.")
+        ] = None,
+        y: Annotated[str | None, typer.Option(metavar="NAME", help="Draw a map; parameter of the y axis.")] = None,
+        hue: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter shown by colour.")] = None,
+        style: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter shown by line style.")] = None,
+        col: Annotated[str | None, typer.Option(metavar="NAME", help="Parameter with one panel per value.")] = None,
         component: Annotated[str | None, typer.Option(help="Of a vector: x, y or z.")] = None,
         where: Annotated[
-            list[str] | None, typer.Option("--where", metavar="NAME=VALUE", help="These rows alone. Repeat for more.")
+            list[str] | None, typer.Option("--where", metavar="NAME=VALUE", help="Only these rows. Repeat for more.")
         ] = None,
-        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace a picture that is there.")] = False,
+        overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace an existing picture.")] = False,
     ) -> None:
         """Draw an output of a sweep over a parameter, over time, or as a map of two parameters.
 

@@ -1,4 +1,4 @@
-"""Files to begin with: scenes as TOML, a deck of Abaqus, a mesh of Gmsh and one of VTK, each with commands that use it.
+"""Example files: scenes as TOML, a deck of Abaqus, a mesh of Gmsh and one of VTK, each with commands that use it.
 
     import warpffrf as wf
 
@@ -6,7 +6,7 @@
     wf.examples.copy("press", "folder")            # the files, ready to be changed
     wf.mesh.read(wf.examples.path("roller") / "roller.msh", length_unit="mm")
 
-One folder beside this file is one example; the first line of each of its files says what it is. On the command line:
+Each folder next to this file is one example; the first line of each of its files describes it. On the command line:
 `warpffrf example` and `warpffrf example copy NAME`.
 """
 
@@ -26,10 +26,10 @@ __all__ = ["Example", "copy", "get", "names", "path"]
 
 @dataclass(frozen=True)
 class Example:
-    """Files that belong together.
+    """The files of one example.
 
-    name: what it is asked for by; about: one sentence; files: their names, the one to begin with first; commands: what
-    to run where they lie, in this order.
+    name: identifier; about: one sentence; files: their names, the main one first; commands: to be run in the folder of
+    the files, in this order.
     """
 
     name: str
@@ -113,13 +113,13 @@ _EXAMPLES = (
 
 @named_arguments
 def names() -> tuple[str, ...]:
-    """What examples there are, by name."""
+    """Names of the examples."""
     return tuple(example.name for example in _EXAMPLES)
 
 
 @named_arguments
 def get(name: str) -> Example:
-    """The example called `name`. Raises `InputError` with the nearest name where there is none."""
+    """The example called `name`. Raises `InputError` with the nearest name for an unknown one."""
     for example in _EXAMPLES:
         if example.name == name:
             return example
@@ -128,19 +128,19 @@ def get(name: str) -> Example:
 
 @named_arguments
 def path(name: str) -> Path:
-    """The folder of the installed package with the files of an example, to read and not to write in.
+    """The folder of the installed package with the files of an example; read only.
 
-    Raises `InputError` with the nearest name where there is none.
+    Raises `InputError` with the nearest name for an unknown one.
     """
     return Path(__file__).with_name(get(name).name.replace("-", "_"))
 
 
 @named_arguments
 def copy(name: str, folder: str | os.PathLike[str] = ".", *, overwrite: bool = False) -> tuple[Path, ...]:
-    """Copy the files of an example into a folder, made where it is missing; returns where they lie.
+    """Copy the files of an example into a folder, which is created if missing; returns their paths.
 
-    overwrite: also replace files of these names that are of warpffrf. A file with the same content is left as it is.
-    Raises `InputError` for an example that there is not, and, before anything is copied, for a file that exists.
+    overwrite: also replace files of these names that warpffrf wrote. A file with the same content is left unchanged.
+    Raises `InputError` for an unknown example and, before anything is copied, for a file that exists.
     """
     source, target = path(name), Path(folder).expanduser()
     if target.exists() and not target.is_dir():

@@ -343,7 +343,7 @@ def require_relative_motion(a: Port, b: Port, label: str) -> None:
     if a.body.mode_count == 0:
         what = "does not deform" if a.body.reduced is None else "was reduced without modes"
         raise InputError(
-            f"{label}: both ports are on {a.body.name!r}, which {what}: nothing moves between them; take a port of "
+            f"{label}: both ports are on {a.body.name!r}, which {what}: there is no relative motion; use a port of "
             "another body, or two interfaces of one flexible body"
         )
     if a.interface_name == b.interface_name:

@@ -86,8 +86,8 @@ class Contact(reprs.Item):
         if a.rigid and b.rigid:
             raise InputError(
                 f"{label}: {a.label} and {b.label} are both rigid, and without any compliance there is no pressure "
-                f"between them; take LumpedContact({a.label}, {b.label}, ...), a force against their "
-                "approach, or make one of the two a flexible body, scene.add_body(reduce(...)), and name it first"
+                f"between them; use LumpedContact({a.label}, {b.label}, ...), a force against their approach, or make "
+                "one of the two a flexible body, scene.add_body(reduce(...)), and name it first"
             )
         if a.rigid:
             raise InputError(
@@ -98,7 +98,7 @@ class Contact(reprs.Item):
             refuse_form(b, label)
             if getattr(b.surface.shape, "steep", False):
                 raise InputError(
-                    f"{label}: {b.label} is a cone so flat that only lumped contacts take it; use surfaces.Plane, or "
+                    f"{label}: {b.label} is a cone too flat for distributed contact; use surfaces.Plane, or "
                     "LumpedContact between rigid bodies"
                 )
         self.law = law
@@ -147,8 +147,8 @@ class Contact(reprs.Item):
             raise unknown_name(f"{self._label}: evaluation", value, EVALUATIONS)
         if value == "hyper" and self.a.surface.sampling is None:
             raise InputError(
-                f"{self._label}: evaluation='hyper' needs points chosen offline, body {self.a.body.name!r} was reduced "
-                "without them; reduce(..., sampling_error=0.01), or take evaluation='semi'"
+                f"{self._label}: evaluation='hyper' needs points chosen offline, body {self.a.body.name!r} was "
+                "reduced without them; reduce(..., sampling_error=0.01), or use evaluation='semi'"
             )
         self._evaluation = str(value)
         self._check_patch()
@@ -186,8 +186,8 @@ class Contact(reprs.Item):
         error = require_number(value, f"{self._label}: cell_error", positive=True)
         if not CELL_ERRORS[0] <= error <= CELL_ERRORS[1]:
             raise InputError(
-                f"{self._label}: cell_error must lie between {CELL_ERRORS[0]:g} and {CELL_ERRORS[1]:g}, got {error:g}; "
-                "cells=(strips across, rows along) takes other grids"
+                f"{self._label}: cell_error must lie between {CELL_ERRORS[0]:g} and {CELL_ERRORS[1]:g}, got "
+                f"{error:g}; cells=(strips across, rows along) allows other grids"
             )
         self._cell_error = error
 
@@ -269,7 +269,7 @@ class Contact(reprs.Item):
             if (long := _longer_than_wide(port.surface)) > LONGEST:
                 return (
                     f"the contact grid of {port.label}, body {port.body.name!r}, is {long:.0f} times as long as wide, "
-                    f"more than the {LONGEST:g} up to which cells that travel are known to be right; use a mesh with "
+                    f"more than the {LONGEST:g} up to which contact-fixed cells are validated; use a mesh with "
                     "shorter facets along, or wider ones across"
                 )
             tangential = far.tangential if self.friction.acts else None
@@ -278,8 +278,8 @@ class Contact(reprs.Item):
                 return (
                     f"the half-space on the mesh of {port.label}, body {port.body.name!r}, is not symmetric "
                     f"({asymmetry:.0%}, {UNUSABLE:.0%} is allowed), so that its far field is wrong: its cells are too "
-                    "long beside their width, or too coarse; reduce it with squarer cells at the surface, finer along "
-                    "the longer side, or quadratic ones"
+                    "long compared with their width, or too coarse; reduce it with squarer cells at the surface, "
+                    "finer along the longer side, or quadratic ones"
                 )
         if self.evaluation != "semi":
             return (

@@ -170,8 +170,8 @@ def cubic_pieces(law: FrictionLaw, label: str) -> np.ndarray:
             raise InputError(f"{label}: {law.kind} has a coefficient of friction that is negative or no number")
         if np.any(values > most) or np.any(values < least):
             raise InputError(
-                f"{label}: the coefficient of {law.kind} rises and falls between {low:g} and {high:g} m/s; name the "
-                "speed of its extreme in `breaks`"
+                f"{label}: the coefficient of {law.kind} rises and falls between {low:g} and {high:g} m/s; add the "
+                "speed of its extreme to `breaks`"
             )
         if np.abs(_value(piece, at) - values).max() <= room:
             found.append(np.concatenate([[low], piece]))
@@ -279,7 +279,7 @@ class Stribeck(FrictionLaw):
 @dataclass(frozen=True)
 class TabulatedFriction(FrictionLaw):
     """Friction with tabulated `coefficients` (n,) [-], positive, at slip `speeds` (n,) [m/s], which rise from 0; the
-    first is the coefficient of static friction. Raises `InputError` for a table that folds over itself."""
+    first is the coefficient of static friction. Raises `InputError` for a table that is not monotonic."""
 
     speeds: tuple[float, ...]
     coefficients: tuple[float, ...]
@@ -301,7 +301,7 @@ class TabulatedFriction(FrictionLaw):
         if np.any(folds):
             i = int(np.argmax(folds))
             raise InputError(
-                f"TabulatedFriction: the table folds over itself, speeds must rise strictly, got {speeds[i]:g} and "
+                f"TabulatedFriction: the table is not monotonic, speeds must rise strictly, got {speeds[i]:g} and "
                 f"then {speeds[i + 1]:g} (points {i} and {i + 1})"
             )
         if np.any(coefficients <= 0.0):
@@ -373,7 +373,8 @@ class TractionCurve(FrictionLaw):
 FRICTION_LAWS = {law.kind: law for law in (Coulomb, RegularisedCoulomb, Stribeck, TabulatedFriction, TractionCurve)}
 
 RUBBED_REST = (
-    "equilibrium(scene, friction=True) has it, from where the scene begins, of surfaces from where they are pressed"
+    "equilibrium(scene, friction=True) includes it, starting from the initial pose, of surfaces from where they are "
+    "pressed"
 )
 
 __all__ = [
@@ -424,14 +425,14 @@ def as_pair_friction(value: Any, label: str) -> FrictionLaw:
     law = as_friction(value, label)
     if law.breaks and law.creep_limit:
         raise InputError(
-            f"{label}: laws.{type(law).__name__} is a law of lumped contacts, LumpedContact(...); take "
-            "laws.Stribeck or laws.RegularisedCoulomb between surfaces with a pressure"
+            f"{label}: laws.{type(law).__name__} is a law of lumped contacts, LumpedContact(...); use laws.Stribeck "
+            "or laws.RegularisedCoulomb between surfaces with a pressure"
         )
     return law
 
 
 _TAKERS = (
-    "only contact pairs of surfaces take, and of lumped contacts laws.TractionCurve; give a coefficient, or "
+    "only contacts of surfaces support, and of lumped contacts laws.TractionCurve; give a coefficient, or "
     "laws.RegularisedCoulomb"
 )
 
@@ -448,10 +449,10 @@ def friction_notes(scene: Any, state: str, cure: str = "") -> list[str]:
     names = ", ".join(map(repr, rubbing(scene)))
     if not names:
         return []
-    return [f"friction of {names} does not act in {state}: it has no slip to answer{cure and f'; {cure}'}"]
+    return [f"friction of {names} does not act in {state}, which has no slip{cure and f'; {cure}'}"]
 
 
 def rolling_notes(scene: Any, state: str) -> list[str]:
     """Notes on the lumped contacts whose rolling resistance a static `state` (text for the reader) neglects."""
     names = [repr(contact.name) for contact in scene.lumped_contacts if contact.rolling_resistance is not None]
-    return [f"rolling resistance of {', '.join(names)} does not act in {state}: nothing turns"] if names else []
+    return [f"rolling resistance of {', '.join(names)} does not act in {state}, which has no rolling"] if names else []

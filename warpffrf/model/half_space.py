@@ -9,12 +9,12 @@ Traction. Cerruti's integrals: tangential surface displacement of a half-space u
 and under pressure.
 
 V. Cerruti (1882), J. Boussinesq (1885); K. L. Johnson, "Contact Mechanics", 1985, section 3.6. With x, z from the
-loaded place to the one that sees it, r^2 = x^2 + z^2, the shear modulus G and per unit force
+loaded point to the field point, r^2 = x^2 + z^2, the shear modulus G and per unit force
 
     along x by a force along x: ((1 - nu)/r + nu x^2/r^3)/(2 pi G),      along z: nu x z/r^3/(2 pi G),
     along x by a force pushed into the material: -(1 - 2 nu)/(4 pi G) x/r^2,
 
-and the last, with the other sign, is what a force along x pushes the surface into the material. Over a rectangle they
+and the last, with the other sign, is the displacement into the material by a force along x. Over a rectangle they
 are sums over its corners of
 
     1/r: x asinh(z/|x|) + z asinh(x/|z|),    x^2/r^3: z asinh(x/|z|),    z^2/r^3: x asinh(z/|x|),    x z/r^3: -r,
@@ -32,7 +32,7 @@ has boxes:
 Quarter surface. The surface of a quarter space: the contribution of a free end face in addition to the half-space under
 a load near it and its mirror image, from a table computed by `warpffrf.offline.near_field.quarter_space`.
 
-With `|x| = hypot(s, zeta)`, zeta the distance of a place and d that of the load from the end face, s along the edge,
+With `|x| = hypot(s, zeta)`, zeta the distance of a point and d that of the load from the end face, s along the edge,
 
     w(s, zeta; d) = g(t, theta)/(d + |x|),    t = |x|/(d + |x|),    theta = atan2(zeta, |s|),
 
@@ -62,7 +62,7 @@ two.
 Forces go the other way: a force at (theta, z) is a force B_j(theta) B_k(z) on each spline, and Q^T maps it to the nodal
 loads. With nodal coefficients a of displacements and nodal forces f (`ContactSurface`), and m = diag(1/area) M a,
 
-    splines = Z a,   hat forces = Z^T spline forces,   Z = Q diag(1/area) M,   D among splines = Z D Z^T,
+    splines = Z a,   nodal forces = Z^T spline forces,   Z = Q diag(1/area) M,   D among splines = Z D Z^T,
 
 and Z = Q of cells, whose Gram matrix M is diag(area).
 """
@@ -220,7 +220,7 @@ def require_inside(*distances: Array) -> None:
 
 
 SPLINE_DEGREE = 2
-# Of functions around a full turn, in pitches: second moment about the middle, and the row of the Gram matrix.
+# Of functions around a full revolution, in pitches: second moment about the middle, and the row of the Gram matrix.
 VARIANCE = {"hats": 1.0 / 6.0, "cells": 1.0 / 12.0}
 OVERLAP = {"hats": ((-1, 1.0 / 6.0), (0, 2.0 / 3.0), (1, 1.0 / 6.0)), "cells": ((0, 1.0),)}
 TAPS = 5  # 3 reproduce parabolas, but see what alternates, with five times the ripple on hex8; 7 smooth more
@@ -242,8 +242,8 @@ class FarSplines:
 
     @cached_property
     def theta_knots(self) -> Array:
-        """Knots (columns + degree + 1,) [rad, on a plane m] between two ends. On a full turn those of column j begin
-        1.5 pitches before it."""
+        """Knots (columns + degree + 1,) [rad, on a plane m] between two ends. On a full revolution those of column j
+        begin 1.5 pitches before it."""
         return _knots(self.grid.theta)
 
     def around(self, theta: Any) -> Array:
@@ -274,7 +274,7 @@ class FarSplines:
 
     @cached_property
     def theta_transform(self) -> Array:
-        """Z (columns, columns) around; where the grid is an arc of a full turn, of its columns alone."""
+        """Z (columns, columns) around; where the grid is an arc of a full revolution, of its columns alone."""
         g = self.grid
         if self.turn == g.columns:
             row = self._turn_row
@@ -290,7 +290,7 @@ class FarSplines:
 
     @cached_property
     def _turn_row(self) -> Array:
-        """First column (turn,) of the circulant Z of the full turn."""
+        """First column (turn,) of the circulant Z of the full revolution."""
         taps = min(TAPS, self.turn - (self.turn + 1) % 2)
         near = np.arange(taps) - taps // 2
         Q = _functionals(np.arange(-1.5, 2.0), (near.astype(float), near**2 + VARIANCE[self.grid.kind]))[0]
@@ -300,7 +300,7 @@ class FarSplines:
         return row
 
     def of_hats(self, values: Array) -> Array:
-        """`of_functions` of a grid of hats."""
+        """`of_functions` of a grid of bilinear functions."""
         return self.of_functions(values)
 
     def of_functions(self, values: Array) -> Array:
@@ -384,8 +384,8 @@ def _moments(at: Array, weight: Array, functions: Array) -> tuple[Array, Array]:
 
 
 def _function_points(kind: str, nodes: Array) -> tuple[Array, Array, Array]:
-    """Points (q,), weights (q,) and values (q, nodes) of hats on `nodes` or of cells around them, of a rule without
-    kinks or jumps between its points."""
+    """Points (q,), weights (q,) and values (q, nodes) of linear functions on `nodes` or of cells around them, of a rule
+    without kinks or jumps between its points."""
     x, w = np.polynomial.legendre.leggauss(GAUSS_PER_ROW)
     lines = cell_edges(nodes) if kind == "cells" else nodes
     step = np.diff(lines)

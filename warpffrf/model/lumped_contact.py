@@ -75,9 +75,8 @@ class LumpedContact(reprs.Item):
         for port in self.ports:
             if not port.rigid:
                 raise InputError(
-                    f"{label}: {port.label} is a surface of a flexible body, whose deformation is no matter of a "
-                    "single force against approach; use Contact(...) with the flexible body first, or a rigid body in "
-                    "its place"
+                    f"{label}: {port.label} is a surface of a flexible body, whose deformation is not a function of a "
+                    "single approach; use Contact(...) with the flexible body first, or a rigid body in its place"
                 )
         self.law: LumpedLaw = as_lumped_law(law, label)
         self.friction = as_lumped_friction(friction, label)
@@ -151,14 +150,13 @@ class LumpedContact(reprs.Item):
         small, large = self.nearest().curvatures
         if large <= 0.0 or small < -STRAIGHT * large:
             raise InputError(
-                f"{self.label}: {self.a.label} does not fit against {self.b.label} where they are nearest: one curves "
-                "away less than the other follows, and they would touch in two places or all around; make the inner "
-                "radius of curvature the smaller one"
+                f"{self.label}: {self.a.label} is too conformal to {self.b.label} where they are nearest: they would "
+                "touch at two points or all around; make the inner radius of curvature the smaller one"
             )
         if small < STRAIGHT * large:
             raise InputError(
                 f"{self.label}: {self.a.label} and {self.b.label} touch along a line, where a point law has no single "
-                "place; take laws.PalmgrenLine or laws.IsoLamina with the roller first, or give one of them a crown"
+                "point; use laws.PalmgrenLine or laws.IsoLamina with the roller first, or give one of them a crown"
             )
         return small, large
 
@@ -173,15 +171,15 @@ class LumpedContact(reprs.Item):
                 raise InputError(
                     f"{self.label}: the waves of {one.label} have hollows of {hollow:.4g} 1/m, which {other.label} "
                     f"bridges: it curves by {ideal:.4g} 1/m more than the ideal surface follows, and touches on both "
-                    "sides; take lower waves, or fewer"
+                    "sides; use lower or fewer waves"
                 )
 
     def _require_shapes(self) -> None:
         planar = [port.surface.shape.profile().planar for port in self.ports]
         if all(planar):
             raise InputError(
-                f"{self.label}: {self.a.label} and {self.b.label} are both planes, which meet in no single place; put "
-                "balls or rollers between them, or use a joint"
+                f"{self.label}: {self.a.label} and {self.b.label} are both planes, which have no single contact "
+                "point; put balls or rollers between them, or use a joint"
             )
         if not self.law.by_laminae:
             return

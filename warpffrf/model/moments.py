@@ -32,10 +32,10 @@ A roller of mass m, radius r and moment of inertia J that rolls out on a plane s
 
     dv/dt = -(e/r) g/(1 + J/(m r^2)),
 
-as e F of the moment turns it and a friction force F e/(r (1 + J/(m r^2))) holds it back. e/r is the coefficient of
+as the moment e F and a friction force F e/(r (1 + J/(m r^2))) decelerate it. e/r is the coefficient of
 rolling resistance of handbooks. In a bearing Palmgren's torque M_1 = f_1 F d_m that grows with the load (A. Palmgren,
-Ball and Roller Bearing Engineering, 1959) is that of a lever: an element of the diameter D that turns with w_e
-against the one ring and the other takes e Q w_e at either contact from the shaft.
+Ball and Roller Bearing Engineering, 1959) is that of a lever: an element of the diameter D that rotates with w_e
+relative to both rings dissipates e Q w_e at each contact.
 
 Spin. Friction of a patch that pivots about its normal: the moment of Coulomb's friction over Hertz's ellipse.
 
@@ -94,8 +94,8 @@ class RollingResistance(ABC):
     """A law of resistance to rolling, a frozen dataclass listed in `warpffrf.model.moments.ROLLING_LAWS`: a moment
     against the relative angular velocity of both bodies across the normal.
 
-    rolling_speed [rad/s]: of that velocity, below which the moment is proportional to it; far below what the machine
-    turns at.
+    rolling_speed [rad/s]: of that velocity, below which the moment is proportional to it; far below the
+    speeds of the machine.
     """
 
     kind: ClassVar[str] = ""
@@ -133,7 +133,7 @@ class RollingHysteresis(RollingResistance):
     def __post_init__(self) -> None:
         alpha = require_number(self.loss, "RollingHysteresis: loss", non_negative=True)
         if alpha > 1.0:
-            raise InputError(f"RollingHysteresis: loss must be at most 1, the whole work, got {alpha:g}")
+            raise InputError(f"RollingHysteresis: loss must be at most 1, all of the work, got {alpha:g}")
         speed = require_number(self.rolling_speed, "RollingHysteresis: rolling_speed [rad/s]", positive=True)
         object.__setattr__(self, "loss", alpha)
         object.__setattr__(self, "rolling_speed", speed)
@@ -142,7 +142,7 @@ class RollingHysteresis(RollingResistance):
         if patch is None:
             raise InputError(
                 f"{label}: laws.RollingHysteresis needs the size of the patch, which only laws.HertzPoint, "
-                "laws.PalmgrenLine and laws.IsoLamina know; take one of these, or laws.RollingResistanceArm"
+                "laws.PalmgrenLine and laws.IsoLamina define; use one of these, or laws.RollingResistanceArm"
             )
         return self.loss * patch.ahead * patch.short, 1.0 + patch.growth
 
@@ -175,8 +175,8 @@ def spin_resistance(friction: FrictionLaw, patch: Patch | None, label: str) -> R
     naming `label` for friction that sticks, which has no velocity to answer, and for patches that are no ellipse."""
     if not friction.acts or not friction.creep_limit:
         raise InputError(
-            f"{label}: spin=True needs friction that answers the velocity of the surfaces, laws.RegularisedCoulomb or "
-            "laws.TractionCurve"
+            f"{label}: spin=True requires friction that depends on the velocity of the surfaces, "
+            "laws.RegularisedCoulomb or laws.TractionCurve"
         )
     if patch is None or patch.long is None:
         raise InputError(

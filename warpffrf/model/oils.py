@@ -261,7 +261,7 @@ class Roelands(Oil):
         if self.viscosity <= POLE_VISCOSITY:
             raise InputError(
                 f"{self.label}: viscosity must be above {POLE_VISCOSITY:g} Pa s, the least that an oil of Roelands "
-                f"has, got {self.viscosity:g}; take oils.Barus"
+                f"has, got {self.viscosity:g}; use oils.Barus"
             )
         if self.exponent > LARGEST:
             usual = 0.6 * self.rise / POLE_PRESSURE
@@ -305,7 +305,7 @@ def temperature_of(value: float, label: str) -> float:
     if not COLDEST <= T <= HOTTEST:
         raise InputError(
             f"{label}: temperature must lie between {COLDEST:g} and {HOTTEST:g} degrees Celsius, got {T:g}; from "
-            "kelvins take 273.15"
+            "kelvins subtract 273.15"
         )
     return T
 
@@ -338,7 +338,9 @@ def walther(temperature: float, *, points: Sequence[tuple[float, float]], densit
     if at[0] == at[1]:
         raise InputError(f"{label}: points must be at two temperatures, both are at {at[0]:g} degrees Celsius")
     if max(nu) > 1.0:
-        raise InputError(f"{label}: kinematic viscosity {max(nu):g} m2/s is none of an oil; 46 mm2/s are 46e-6 m2/s")
+        raise InputError(
+            f"{label}: kinematic viscosity {max(nu):g} m2/s is not that of an oil; 46 mm2/s are 46e-6 m2/s"
+        )
     if (nu[1] - nu[0]) * (at[1] - at[0]) >= 0.0:
         raise InputError(f"{label}: the viscosity must fall with the temperature, got points {points!r}")
     if min(nu) * TO_MM2_S + SHIFT <= 1.0:

@@ -81,7 +81,7 @@ def _of_matrix(A: np.ndarray, name: str) -> np.ndarray:
             f"{name}: the matrix is no rotation, its columns are not unit vectors at right angles ({off:.3g})"
         )
     if np.linalg.det(A) < 0.0:
-        raise InputError(f"{name}: the matrix is a reflection, its determinant is -1; turn the sign of one axis")
+        raise InputError(f"{name}: the matrix is a reflection, its determinant is -1; reverse the sign of one axis")
     return quaternion(A)
 
 

@@ -411,8 +411,8 @@ def _inertia(value: Any, name: str) -> np.ndarray:
         raise InputError(f"{label}: principal moments must be greater than zero, the smallest is {moments[0]:g} kg m2")
     if moments[2] > (moments[0] + moments[1]) * (1.0 + SYMMETRY_TOLERANCE):
         raise InputError(
-            f"{label}: the principal moments {moments[0]:g}, {moments[1]:g}, {moments[2]:g} kg m2 belong to no body: "
-            "the largest exceeds the sum of the other two; is it about the centre of mass?"
+            f"{label}: the principal moments {moments[0]:g}, {moments[1]:g}, {moments[2]:g} kg m2 are impossible: the "
+            "largest exceeds the sum of the other two; is it about the centre of mass?"
         )
     return J
 

@@ -67,7 +67,7 @@ class Signal:
 
     def polynomial(self) -> tuple[np.ndarray, np.ndarray]:
         """Breaks (n+1,) [s] and coefficients (n, 8) in ascending powers of (t - breaks[i]); see the module."""
-        raise TypeError(f"{type(self).__name__} does not say what its pieces are")
+        raise TypeError(f"{type(self).__name__} does not define its pieces")
 
     def samples(self, begin: float = -np.inf, end: float = np.inf) -> tuple[np.ndarray, np.ndarray]:
         """Values and slopes [1/s], both (pieces, SAMPLES), at equidistant times of each piece that overlaps `begin` to
@@ -347,7 +347,7 @@ class Harmonics(Signal):
     def _require_few(self, pieces: float) -> None:
         if not pieces <= MOST_PIECES:
             raise InputError(
-                f"{type(self).__name__}: {self.duration:g} s take more than {MOST_PIECES} pieces; shorten duration"
+                f"{type(self).__name__}: {self.duration:g} s require more than {MOST_PIECES} pieces; shorten duration"
             )
 
 
@@ -461,7 +461,7 @@ def as_signal(value: Any, name: str) -> Signal:
     if isinstance(value, Signal):
         return value
     if isinstance(value, type) and issubclass(value, Signal):
-        raise InputError(f"{name} is the class {value.__name__}; make a signal of it, signals.{value.__name__}(...)")
+        raise InputError(f"{name} is the class {value.__name__}; create an instance, signals.{value.__name__}(...)")
     if isinstance(value, (str, bytes)) or callable(value) or np.ndim(value):
         raise InputError(f"{name} must be a number or a signal, got {value!r}; {_cure(value)}")
     return Constant(require_number(value, name))

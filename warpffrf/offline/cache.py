@@ -57,7 +57,7 @@ def load_cached(key: str) -> ReducedBody | None:
     try:
         body = ReducedBody.load(path)
         if body.provenance.get("key") != key:
-            raise InputError(f"reduced body: {path} is of another input than its name says")
+            raise InputError(f"reduced body: {path} is not of the input of its name")
         return body
     except InputError as error:
         logger.warning("cache entry dropped: %s", error)

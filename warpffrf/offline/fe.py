@@ -140,24 +140,24 @@ def formulation_notes(assignment: Assignment, stresses: bool) -> tuple[list[str]
         count = {kind: int(np.sum(number == i)) for kind, number in assignment.of_cell.items()}
         able = [f"{n} {kind}" for kind, n in count.items() if n and kind in PROJECTED]
         unable = [f"{n} {kind}" for kind, n in count.items() if n and kind not in PROJECTED]
-        lock = f"lock {ratio}, the body is too stiff, maybe by several times"
+        lock = f"lock {ratio}, the body is too stiff, possibly several times"
         if able and material.mixed:
             notes.append(
-                f"{label}: {', '.join(able)} cells take the mixed formulation of displacement and pressure, which does "
+                f"{label}: {', '.join(able)} cells use the mixed formulation of displacement and pressure, which does "
                 f"not lock {ratio}"
             )
         if able and nearly and not material.mixed:
             warnings.append(f"{label}: {', '.join(able)} cells {lock}; leave out formulation='displacement'")
         if unable and (nearly or material.mixed):
-            meanwhile = lock if nearly else "take that of displacement alone"
+            meanwhile = lock if nearly else "use that of displacement alone"
             warnings.append(
                 f"{label}: {', '.join(unable)} cells have no mixed formulation and {meanwhile}; "
                 f"{', '.join(PROJECTED)} cells have one"
             )
         if stresses and count.get(WAVERING) and is_mixed(WAVERING, material):
             warnings.append(
-                f"{label}: the mean stress in {count[WAVERING]} {WAVERING} cells wavers from cell to cell {ratio}, "
-                "maybe by some tenths; use hex8, hex20 or hex27 cells for stresses"
+                f"{label}: the mean stress in {count[WAVERING]} {WAVERING} cells oscillates from cell to cell "
+                f"{ratio}, possibly by some tenths; use hex8, hex20 or hex27 cells for stresses"
             )
     return notes, warnings
 

@@ -235,7 +235,7 @@ def _axis_fault(mesh: Mesh, name: str, shape: Any) -> str | None:
     if mesh.cyclic is None:
         return "the mesh is not marked as rotationally periodic"
     if shape.profile().planar:
-        return f"contact surface {name!r} is a plane, which no turn about an axis maps onto its next sector"
+        return f"contact surface {name!r} is a plane, which no rotation about an axis maps onto its next sector"
     axis = mesh.cyclic.axis_direction
     radius = largest_radius(shape, shape.chart(mesh.points[mesh.facets(name).node_set])[1])
     offset = shape.axis_point - mesh.cyclic.axis_point

@@ -255,17 +255,17 @@ def _truncated(body: ReducedBody, limits: Limits, frequencies: dict[str, Any]) -
     """The parts of the FE model that the reduced body omits, and the reasons."""
     texts = []
     if limits.none:
-        texts.append("all vibration modes, because neither max_frequency nor modes asked for any")
+        texts.append("all vibration modes, because neither max_frequency nor modes requested any")
     elif frequencies["covered"] is None:
         texts.append("vibration modes as such: the basis is of another kind and states no range of frequencies")
     elif frequencies["covered"] == frequencies["max_frequency"]:
-        texts.append(f"vibration modes above {frequencies['covered']:.6g} Hz, the max_frequency asked for")
+        texts.append(f"vibration modes above {frequencies['covered']:.6g} Hz, the requested max_frequency")
     elif limits.count is not None and frequencies["vibration_modes"] >= limits.count:
         texts.append(
-            f"vibration modes above {frequencies['covered']:.6g} Hz, because modes={limits.count} was asked for"
+            f"vibration modes above {frequencies['covered']:.6g} Hz, because modes={limits.count} was requested"
         )
     if dropped := body.report.get("dependent_directions_dropped", 0):
-        texts.append(f"{dropped} direction(s) of the global basis, because the others hold them already")
+        texts.append(f"{dropped} direction(s) of the global basis, because the others contain them already")
     if left_out := body.report.get("basis", {}).get("derivatives_left_out"):
         texts.append(
             "of the trial vector derivatives of the joint, in energy norm, {:.2%} of the normal and {:.2%} of the "

@@ -291,7 +291,7 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
         if too_coarse and surfaces[name].far is None:
             report["warnings"].append(too_coarse)
         elif too_coarse:
-            report["notes"].append(f"{too_coarse}; pressures on cells that travel with the patch do not need that")
+            report["notes"].append(f"{too_coarse}; pressures on contact-fixed cells do not require that")
     report["notes"] += _between_surfaces(product, settings)
     if product.laps is not None:
         report["laps"] = {name: {"cells": s.cells, **s.facts()} for name, s in product.laps.surfaces.items()}
@@ -310,8 +310,8 @@ def _reduced(given: Mesh, settings: Settings, checkpoint: Checkpoint, stages: Pr
     axial = {name: axial_error(s.shape, s.grid, materials[name]) for name, s in surfaces.items()}
     report["warnings"] += [said for name, error in axial.items() if (said := axial_warning(name, error))]
     report["notes"] += [
-        f"contact {name!r}: {100.0 * share:.3g} % of the facets are of another material than the one that stands for "
-        "the surface in comparisons with Hertz"
+        f"contact {name!r}: {100.0 * share:.3g} % of the facets are of another material than the one used for the "
+        "surface in comparisons with Hertz"
         for name in settings.contact
         if (share := other_material(mesh, mesh.facets(name), assignment)) > 0.0
     ]
@@ -398,7 +398,7 @@ def _product(
         if limits.count is not None and limits.count > most:
             raise InputError(
                 f"basis {settings.basis.kind!r}: {limits.count} vibration modes are more than the model has ({most}); "
-                "ask for fewer, or refine the mesh"
+                "request fewer, or refine the mesh"
             )
         cyclic = [(name, shape, choice.patterns[name]) for name, shape in choice.shapes.items()]
         return reduce_cyclic(mesh, assignment, joints, cyclic, limits, spacing, stages, **how)
@@ -468,8 +468,8 @@ def _judged(
     warnings = [held] if held else []
     if not residual > INDEPENDENCE and not held:
         warnings.append(
-            f"contact {name!r}: the global modes hold nearly all that the mesh can do, too little is left to "
-            f"the local modes (eigenvalue ratio {residual:.2g}); use fewer modes or a finer mesh"
+            f"contact {name!r}: the global modes span nearly all deformations of the mesh, too few are left to the "
+            f"local modes (eigenvalue ratio {residual:.2g}); use fewer modes or a finer mesh"
         )
     if text := depth_warning(name, depth, in_spacings):
         warnings.append(text)
@@ -498,13 +498,13 @@ def _between_surfaces(product: PathProduct, settings: Settings) -> list[str]:
         )
     if product.cross and settings.local_dynamics:
         notes.append(
-            "local_dynamics=True: the mass of local modes is that of each contact surface alone; where they move with "
-            "inertia, loads on one surface move the others through the global modes only"
+            "local_dynamics=True: the mass of local modes is that of each contact surface alone; with inertia, loads "
+            "on one surface move the others through the global modes only"
         )
     if product.cross and any(s.slope_lags is not None for s in product.surfaces):
         notes.append(
-            "normals that lean under load change the compliance of each contact surface alone, not that of one surface "
-            "under loads on another"
+            "normals that rotate under load change the compliance of each contact surface alone, not that of one "
+            "surface under loads on another"
         )
     return notes
 
@@ -515,8 +515,8 @@ def _not_used(settings: Settings, cyclic: bool) -> list[str]:
         return []
     given = {"solver": settings.solver, "memory_limit": settings.memory_limit}
     return [
-        f"{name} was not used: a periodic body is reduced harmonic by harmonic, with factors of its own; "
-        "periodic=False forbids that"
+        f"{name} was not used: a periodic body is reduced harmonic by harmonic, with separate factors; periodic=False "
+        "disables that"
         for name, value in given.items()
         if value is not None
     ]
@@ -529,8 +529,8 @@ def _other_spacing(name: str, shape: Any, s: SurfaceProduct, settings: Settings)
     if wanted is None or abs(actual - wanted) <= SPACING_NOTED * wanted:
         return []
     return [
-        f"contact {name!r}: columns are {actual:.3g} m apart, traction_spacing={wanted:g}: they divide a full turn, or "
-        "a sector, evenly"
+        f"contact {name!r}: columns are {actual:.3g} m apart, traction_spacing={wanted:g}: they divide a full "
+        "revolution, or a sector, evenly"
     ]
 
 
@@ -545,8 +545,8 @@ def _report(
     covered = 0 if product.inertia_terms is None else product.inertia_terms.modes
     if settings.centrifugal and settings.inertia_modes is None and covered > MODES:
         notes.append(
-            f"centrifugal=True: {covered} modes have inertia terms, that they hold the response to turning; "
-            f"inertia_modes={MODES} would be faster, and leave some of it out"
+            f"centrifugal=True: {covered} modes have inertia terms, so that they contain the response to rotation; "
+            f"inertia_modes={MODES} would be faster, and omit part of it"
         )
     return {
         "path": "general" if choice.patterns is None else "cyclic",

@@ -196,7 +196,7 @@ class Settings:
         if self.stiffening:
             return f"stiffening={self.stiffening!r}: geometric stiffness is computed on the general path"
         if self.basis.kind not in CYCLIC_BASES or self.basis != type(self.basis)():
-            return f"basis {self.basis.kind!r} with these options is made on the general path"
+            return f"basis {self.basis.kind!r} with these options is computed on the general path"
         other = [name for name, kind in self.interfaces.items() if kind != "rigid"]
         if other:
             return f"interface {other[0]!r} is not rigid"
@@ -253,7 +253,7 @@ def _refuse_sampling(error: float, traction: str) -> None:
 def _membrane_modes(modes: Any, stiffening: bool | str) -> int:
     """The number of modes with membrane energy; raises `InputError` for zero, and without membrane stiffening."""
     if stiffening != MEMBRANE:
-        raise InputError(f"reduce: membrane_modes is a number of modes of stiffening={MEMBRANE!r}; ask for that, too")
+        raise InputError(f"reduce: membrane_modes is a number of modes of stiffening={MEMBRANE!r}; set that, too")
     count = _count(modes, "membrane_modes")
     if not count:
         raise InputError(
@@ -299,13 +299,13 @@ def _half_width_doubts(mesh: Mesh, settings: Settings) -> list[str]:
         if half_width > HALF_WIDTH * size:
             what = "half the size of the surface" if flat else "the radius"
             found.append(
-                f"{said} beside {what}, {size:.3g} m, is no small contact; lengths are in m, {half_width:g} mm is "
+                f"{said} is not small compared with {what}, {size:.3g} m; lengths are in m, {half_width:g} mm is "
                 f"{half_width * 1e-3:g}"
             )
         elif half_width * FACETS < edge:
             found.append(
                 f"{said} is {edge / half_width:.0f} times smaller than the facets of the mesh, {edge:.3g} m; lengths "
-                "are in m; if it is meant, refine the mesh (half_width=), or let pressures stand on cells that travel "
+                "are in m; if it is meant, refine the mesh (half_width=), or use contact-fixed cells "
                 "(contact_fixed=True)"
             )
     return found

@@ -1,4 +1,4 @@
-"""Scenes as TOML files: the same calls and names as from Python; `reference()` says what may stand in one."""
+"""Scenes as TOML files, with the calls and names of the Python API; `reference()` returns the reference page."""
 
 from warpffrf.scene_file.load import LoadedScene, load_scene, run_scene
 from warpffrf.scene_file.manual import reference

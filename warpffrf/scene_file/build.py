@@ -1,7 +1,7 @@
-"""From a document to a `Scene`: every table is checked, then every call is made, in the order of a program.
+"""Construction of a `Scene` from a document: all tables are checked, then the calls are made in order.
 
-Checking comes first and whole, references too, because reducing a body takes time. What a call itself refuses is told
-with the line of the key that the message speaks of, or of the table.
+All checks, those of references included, precede the calls, because the reduction of a body takes time. An error that
+a call raises is reported with the line of the key that its message names, or of the table.
 """
 
 from __future__ import annotations
@@ -32,22 +32,22 @@ from warpffrf.scene_file.numbers import read_numbers
 from warpffrf.scene_file.source import Path, Source
 
 TITLE = "title"
-FITTED = "fitted"  # a contact surface whose shape is found
+FITTED = "fitted"  # a contact surface whose shape is fitted
 FILE_KEYS = {"file", "column"}
-FIRST_ITEMS = ("joints", "contacts")  # others refer to them
+FIRST_ITEMS = ("joints", "contacts")  # other items refer to them
 WHOLE = ("interface", "point", "surface")
 
 
 class Builder:
-    """One document on its way to a scene; `scene` after `build()`."""
+    """Builder of the scene of one document; `scene` is set by `build()`."""
 
     def __init__(self, source: Source, kept: Kept | None = None) -> None:
-        """kept: meshes and reduced bodies of scenes before, of which those that are the same are taken."""
+        """kept: meshes and reduced bodies of earlier scenes, reused where their definition is unchanged."""
         self.source, self.kept = source, kept
         self.fixed, self.items, self.values = fixed_forms(), item_kinds(), value_kinds()
         self.made: dict[str, dict[str, Any]] = {}  # section -> name -> object
-        self.making: set[tuple[str, str]] = set()  # section and name of what is made of others, while it is made
-        self.files: dict[Path, FilePath] = {}  # input files, where they are
+        self.making: set[tuple[str, str]] = set()  # section and name of the objects under construction
+        self.files: dict[Path, FilePath] = {}  # input files and their locations
         self.scene: Any = None
         self._check()
 
@@ -123,7 +123,7 @@ class Builder:
                 self._check_table(where, whole, self._form(("forces", name), whole))
 
     def _overridden(self, path: Path, name: str, changes: Any) -> dict[str, Any]:
-        """The table of a force with a stage's changes."""
+        """The table of a force with the overrides of a stage."""
         self._named(path, name, "forces")
         if not isinstance(changes, dict):
             raise InputError(f"{self.source.place(path)}: {shown(path)} must be a table, got {brief(changes)}")
@@ -157,8 +157,8 @@ class Builder:
             except InputError:
                 signals = tuple(self.source.values.get("signals", {}))
                 raise InputError(
-                    f"{self.source.place(path)}: {value!r} names no signal and no place on a body"
-                    f"{suggestion(value, signals)}"
+                    f"{self.source.place(path)}: {value!r} names no signal and no port of a "
+                    f"body{suggestion(value, signals)}"
                 ) from None
 
     def _named(self, path: Path, name: Any, section: str) -> str:
@@ -171,13 +171,13 @@ class Builder:
         return name
 
     def _check_port(self, path: Path, value: Any) -> None:
-        """Raises `InputError` for a place that does not exist, as far as it can be known before a body is made."""
+        """Raises `InputError` for a port that does not exist, as far as this is known before bodies are constructed."""
         body, part, _ = self._port_parts(path, value)
         known = tuple(self.source.values.get("ground", {}))
         if body == "ground" and part is not None and part not in known:
             raise InputError(
                 f"{self.source.place(path)}: the ground has no surface {part!r}{suggestion(part, known)}; a table "
-                "[ground.NAME] makes one"
+                "[ground.NAME] defines one"
             )
 
     def _port_parts(self, path: Path, value: Any) -> tuple[str, str | None, Any]:
@@ -207,7 +207,7 @@ class Builder:
         return body, value[len(body) + 1 :], None
 
     def _bodies_of_bearings(self) -> Iterator[str]:
-        """Names of the bodies that [bearings] will make."""
+        """Names of the bodies that the tables [bearings] create."""
         for name, table in self.source.values.get("bearings", {}).items():
             if not isinstance(table, dict):
                 continue
@@ -219,7 +219,7 @@ class Builder:
     # --- building
 
     def build(self) -> Any:
-        """The scene. Raises `InputError` with the line of what cannot be used."""
+        """Build the scene. Raises `InputError` with the line of the invalid entry."""
         from warpffrf.model.scene import Scene
 
         values = self.source.values
@@ -262,7 +262,7 @@ class Builder:
         return form.call(**self._arguments(path, table, form), name=name)
 
     def run_arguments(self, section: str) -> dict[str, Any] | None:
-        """Arguments of `simulate` or `equilibrium`, None where the document has no such table; paths as written."""
+        """Arguments of `simulate` or `equilibrium`, None if the document has no such table; paths as written."""
         if section not in self.source.values:
             return None
         table = self.source.values[section]
@@ -274,7 +274,7 @@ class Builder:
         return arguments
 
     def document(self) -> dict[str, Any]:
-        """The values of the document, input files by their whole paths: the same from any folder."""
+        """The values of the document, with absolute paths of input files, so that they hold in any folder."""
         values = copy.deepcopy(self.source.values)
         for path, file in self.files.items():
             parent: Any = values
@@ -285,7 +285,7 @@ class Builder:
         return values
 
     def _file(self, path: Path, name: str) -> FilePath:
-        """An input file, named relative to the file that names it."""
+        """An input file; its path is relative to the file that names it."""
         self.files[path] = self.source.place(path).folder / FilePath(name).expanduser()
         return self.files[path]
 
@@ -294,11 +294,11 @@ class Builder:
         return thing
 
     def _object(self, section: str, name: str) -> Any:
-        """The material, mesh, reduced body or signal of a name, made when first asked for."""
+        """The material, mesh, reduced body or signal of this name, constructed on first use."""
         if name in self.made.get(section, {}):
             return self.made[section][name]
         if (section, name) in self.making:
-            raise InputError(f"[{section}.{name}] is made of itself; name another one in its table")
+            raise InputError(f"[{section}.{name}] depends on itself; name another one in its table")
         if self.kept is not None and section in SECTIONS and (found := self.kept.find(self._recipe(section, name))):
             thing, files = found
             self.files |= files
@@ -311,12 +311,12 @@ class Builder:
         return thing
 
     def _recipe(self, section: str, name: str) -> str:
-        """What tells an object from others: its name, and all tables that it may be made of."""
+        """Cache key of an object: its name, and all tables that may define it."""
         tables = {part: self.source.values.get(part) for part in MADE_OF[: MADE_OF.index(section) + 1]}
         return json.dumps([section, name, str(self.source.place((section, name)).folder), tables], default=str)
 
     def _made(self, section: str, name: str) -> Any:
-        """The object of a name, made."""
+        """Construct the object of this name."""
         path, table = (section, name), self.source.values[section][name]
         form = self._form(path, table)
         with self._blamed(path, table):
@@ -345,7 +345,7 @@ class Builder:
             return self._object(role, value)
         if role in self.sections:
             if value not in self.made.get(role, {}):
-                raise InputError(f"{path[-1]}: {value!r} comes later in [{role}]; write it first")
+                raise InputError(f"{path[-1]}: {value!r} is defined later in [{role}]; write it first")
             return self.made[role][value]
         if role == "stages":
             return [self._stage((*path, index), table) for index, table in enumerate(value)]
@@ -363,7 +363,7 @@ class Builder:
         return self.values[value].call() if isinstance(value, str) else self._value(path, value, "shapes")
 
     def _value(self, path: Path, value: Any, role: str) -> Any:
-        """A value with the objects, files and references in it put in."""
+        """A value with its objects, files and references resolved."""
         if isinstance(value, dict):
             if "kind" in value:
                 form = choose(self.source, path, value, self.values)
@@ -399,7 +399,7 @@ class Builder:
 
     @contextmanager
     def running(self, section: str) -> Iterator[None]:
-        """Put the line in front of what `simulate` or `equilibrium` refuses."""
+        """Prefix errors of `simulate` or `equilibrium` with the line in the file."""
         try:
             yield
         except InputError as error:
@@ -415,7 +415,7 @@ class Builder:
 
     @contextmanager
     def _blamed(self, path: Path, table: Any) -> Iterator[None]:
-        """Put the line in front of what a call refuses."""
+        """Prefix errors of a call with the line in the file."""
         try:
             yield
         except Refused:

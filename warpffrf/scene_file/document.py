@@ -1,16 +1,15 @@
-"""The document behind a scene file: includes merged, `--set` applied, parameters put in.
+"""The document of a scene file: includes merged, `--set` applied, parameters substituted.
 
-    include = ["steel.toml"]           other files, relative to this one; what this file says stands above what they say
+    include = ["steel.toml"]           other files, relative to this one; values in this file override included values
     [parameters]                       free values, used by expressions "= name" anywhere else
     upper.load = 20e3
 
-Tables are merged key by key, lists and values replaced whole; a table whose `kind` changes is another thing and is
-replaced whole too. `--set upper.load=2000` names a parameter or a key of the document; where there is a value already,
-the new one must be of its type (an integer will do for a float).
+Tables are merged key by key; lists and values are replaced as a whole, and so is a table whose `kind` changes.
+`--set upper.load=2000` names a parameter or a key of the document; a new value must have the type of the value that it
+replaces (an integer is accepted for a float).
 
-Refused line. Which line of a scene file a refusal speaks of.
-
-What a call refuses is told in its own words; the line is found by the name in them that the file wrote, or the key.
+Lines of errors. An error of a call keeps its message; its line in the scene file is found from the first name or key of
+the file that the message contains.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from warpffrf.scene_file.numbers import evaluate, is_expression
 from warpffrf.scene_file.source import LARGEST_INTEGER, Path, Place, Source, parse, read_source
 
 MOST_FILES = 100
-MOST_VALUES = 1_000_000  # in a document, its parameters put in
+MOST_VALUES = 1_000_000  # in a document, with parameters substituted
 TYPES = {
     bool: "true or false",
     int: "a whole number",
@@ -39,7 +38,7 @@ TYPES = {
 
 
 def dotted(path: Path) -> str:
-    """A path as it is written with --set."""
+    """A path in the notation of --set."""
     return ".".join(str(key) for key in path)
 
 
@@ -49,12 +48,12 @@ def read_document(path: FilePath, settings: Sequence[str] = ()) -> Source:
 
 
 def merged_document(path: FilePath, settings: Sequence[str] = ()) -> Source:
-    """The same with its parameters and expressions as they stand: what all settings have in common."""
+    """As `read_document`, with parameters and expressions not yet evaluated."""
     return with_settings(_with_includes(path, path.name, (), [0]), settings)
 
 
 def with_settings(source: Source, settings: Sequence[str]) -> Source:
-    """A merged document with `settings` ("name=value") applied; `source` stays as it is. Raises `InputError`."""
+    """A copy of a merged document with `settings` ("name=value") applied. Raises `InputError`."""
     changed = Source(deepcopy(source.values), dict(source.places))
     for setting in settings:
         _set(changed, setting)
@@ -62,7 +61,7 @@ def with_settings(source: Source, settings: Sequence[str]) -> Source:
 
 
 def document_of(text: str, folder: FilePath, settings: Sequence[str] = (), name: str = "scene.toml") -> Source:
-    """`read_document` of a text whose relative paths start from `folder`."""
+    """`read_document` of a text; its relative paths start from `folder`."""
     return resolved(with_settings(_included(parse(text, name, folder), (), [0]), settings))
 
 
@@ -87,9 +86,9 @@ def _included(source: Source, above: tuple[FilePath, ...], count: list[int]) -> 
             file = (place.folder / entry).resolve()
             exists = file.is_file()
         except (OSError, ValueError, RuntimeError) as error:
-            raise InputError(f"{place}: include {entry!r} is no file name ({error})") from None
+            raise InputError(f"{place}: include {entry!r} is not a file name ({error})") from None
         if not exists:
-            raise InputError(f"{place}: include {entry!r} does not exist; it is looked for in {place.folder}")
+            raise InputError(f"{place}: include {entry!r} does not exist; it is searched in {place.folder}")
         if file in above:
             raise InputError(f"{place}: include {entry!r} includes itself")
         _merge(base, _with_includes(file, entry, above, count))
@@ -98,7 +97,7 @@ def _included(source: Source, above: tuple[FilePath, ...], count: list[int]) -> 
 
 
 def _merge(into: Source, other: Source) -> None:
-    """Put what `other` says above what `into` says."""
+    """Merge `other` into `into`; values of `other` override."""
     replaced: set[Path] = set()
     _put_above(into, other, (), replaced)
     into.places = {p: place for p, place in into.places.items() if not _below(p, replaced)}
@@ -106,7 +105,7 @@ def _merge(into: Source, other: Source) -> None:
 
 
 def _put_above(into: Source, other: Source, path: Path, replaced: set[Path]) -> None:
-    """The same for what is at `path`; paths whose values are those of `other` are added to `replaced`."""
+    """Merge the tables at `path`; paths whose values are taken from `other` are added to `replaced`."""
     below, above = _at(into.values, path), _at(other.values, path)
     for key, value in above.items():
         old, here = below.get(key), (*path, key)
@@ -140,19 +139,21 @@ def _set(source: Source, setting: str) -> None:
     try:
         path = max(parse(f"{name} = 0", "--set", FilePath.cwd()).places, key=len)
     except InputError:
-        raise InputError(f"{place}: {name!r} is no dotted name") from None
+        raise InputError(f"{place}: {name!r} is not a dotted name") from None
     for candidate in (("parameters", *path), path):
         if _exists(source.values, candidate):
             _replace(source, candidate, text.strip(), place)
             return
     parent = path[:-1]
     if path[0] != "parameters" and parent and isinstance(_get(source.values, parent), dict):
-        _replace(source, path, text.strip(), place)  # a key left out so far; the schema judges it
+        _replace(source, path, text.strip(), place)  # a key that the file omits; checked later against the schema
         return
     known = [dotted(p) for p in _leaves(source.values.get("parameters", {}), ())]
     known += [dotted(p) for p in _leaves(source.values, ()) if p[0] != "parameters"]
     close = get_close_matches(dotted(path), known, n=3)
-    hint = f"did you mean {', '.join(map(repr, close))}?" if close else "parameters are made in the table [parameters]"
+    hint = (
+        f"did you mean {', '.join(map(repr, close))}?" if close else "parameters are defined in the table [parameters]"
+    )
     raise InputError(f"{place}: there is no parameter or key {dotted(path)!r}; {hint}")
 
 
@@ -183,7 +184,7 @@ def _kept_type(value: Any, old: Any, text: str, place: Place) -> Any:
         floats = any(isinstance(entry, float) for entry in old)
         return [float(v) if floats and type(v) is int else v for v in value]
     if type(value) is not type(old):
-        raise InputError(f"{place}: {text!r} is not {TYPES[type(old)]}, which the file has there ({old!r})")
+        raise InputError(f"{place}: {text!r} is not {TYPES[type(old)]}, the type of the value in the file ({old!r})")
     return value
 
 
@@ -209,7 +210,7 @@ def _leaves(values: Any, path: Path) -> list[Path]:
 
 
 def resolved(source: Source) -> Source:
-    """The document without its parameters and with every expression worked out."""
+    """The document without its parameters and with every expression evaluated."""
     parameters = source.values.pop("parameters", {})
     if not isinstance(parameters, dict):
         raise InputError(f"{source.place(('parameters',))}: parameters must be a table")
@@ -232,7 +233,7 @@ def resolved(source: Source) -> Source:
             done[name] = worked_out(value, ("parameters", *path))
             busy.pop()
             if _size(done[name], sizes) > MOST_VALUES:
-                raise InputError(f"parameter {name!r} holds more than {MOST_VALUES} values")
+                raise InputError(f"parameter {name!r} contains more than {MOST_VALUES} values")
         return done[name]
 
     def worked_out(value: Any, path: Path) -> Any:
@@ -247,7 +248,7 @@ def resolved(source: Source) -> Source:
         except RecursionError:
             raise InputError(f"{source.place(path)}: parameters depend on each other too deeply") from None
         except InputError as error:
-            if len(busy) > 0:  # the place where it is used is not where it is wrong
+            if len(busy) > 0:  # report the line of the definition, not of the use
                 raise _Placed.of(error, source.place(path)) from None
             raise InputError(str(_Placed.of(error, source.place(path)))) from None
         if isinstance(found, int) and abs(found) > LARGEST_INTEGER:
@@ -258,13 +259,13 @@ def resolved(source: Source) -> Source:
         worked_out(_get(parameters, leaf), ("parameters", *leaf))
     whole = {key: worked_out(value, (key,)) for key, value in source.values.items()}
     if _size(whole, sizes) > MOST_VALUES:
-        raise InputError(f"{source.place(())}: holds more than {MOST_VALUES} values, its parameters put in")
+        raise InputError(f"{source.place(())}: contains more than {MOST_VALUES} values, with parameters substituted")
     return Source(whole, source.places)
 
 
 def _size(value: Any, known: dict[int, int]) -> int:
-    """Values in `value`, each list that several parameters share counted as often as it stands there. `known`: by
-    identity, of what stays alive."""
+    """Number of values in `value`; shared lists count once per occurrence. `known`: counts by identity of objects that
+    remain referenced."""
     if not isinstance(value, list | dict):
         return 1
     if id(value) not in known:
@@ -280,11 +281,11 @@ class _Placed(InputError):
         return error if isinstance(error, cls) else cls(f"{place}: {error}")
 
 
-# --- and back to text
+# --- output as text
 
 
 def to_toml(values: dict[str, Any]) -> str:
-    """TOML text with these values: one table a header, nested ones inline."""
+    """TOML text with these values: one header per table, nested tables inline."""
     lines = []
     plain = {key: value for key, value in values.items() if not isinstance(value, dict)}
     lines += [f"{_key(key)} = {_inline(value)}" for key, value in plain.items()]
@@ -327,13 +328,13 @@ class Refused(InputError):
 
 
 def refused_place(source: Source, path: Path, table: Any, message: str) -> Place:
-    """The place of what the message speaks of in the table at `path`: the first name in quotes that is a key or a
-    text there, or else the longest key that is a word of it, or else the table."""
+    """The place in the table at `path` that the message refers to: the first quoted name that is a key or a text
+    there, or else the longest key that is a word of the message, or else the table."""
     quoted, named = len(message), ""
     found = worded = path
     for below, words in _words(table, path):
         for word in words:
-            quote = re.search(rf"{re.escape(repr(word))}(?!:)", message)  # 'name': is the subject itself
+            quote = re.search(rf"{re.escape(repr(word))}(?!:)", message)  # 'name': is the subject of the message
             at = quote.start() if quote else quoted
             if at < quoted:
                 quoted, found = at, below

@@ -1,10 +1,10 @@
-"""What a table of a scene file may say: read off the signature of the Python call that it stands for.
+"""Schema of the tables of a scene file, derived from the signatures of the Python calls that they stand for.
 
 A `Form` is a call and its arguments. Types come from the annotations and are checked by pydantic: numbers, texts, lists
-and tables strictly, everything else when the call is made. An argument that names another thing of the scene has a
+and tables strictly, everything else when the call is made. An argument that refers to another object of the scene has a
 role, found by its name (`a`, `b`, `port`, `joint`, ...) or its annotation (`Joint`). Joints, forces, sensors, drives,
-contact pairs, films and laps are found as the classes with a `scene_list`, signals, surfaces, bases, damping and
-integrators in their modules: a new one in its module is a new `kind` here.
+contacts, films and small-sliding contacts are found as the classes with a `scene_list`; signals, surfaces, bases,
+damping and integrators are found in their modules. A class added to its module is a new `kind` here.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from typing import Any, NotRequired
 from warpffrf.model.errors import InputError, suggestion
 from warpffrf.scene_file.source import Path, Source
 
-PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are places on bodies
+PORTS = ("a", "b", "port", "onto", "first", "second")  # arguments that are ports of bodies
 NAMED = {"joint": "joints", "contact": "contacts", "body": "bodies", "sensor": "sensors"}  # role -> section
 PATHS = ("path", "M", "K")
 ITEM_MODULES = ("joints", "forces", "sensors", "contact", "lumped_contact", "films", "laps")  # of warpffrf.model
-ABSTRACT = ("joint", "force", "sensor")  # kinds of the classes that others are made from
+ABSTRACT = ("joint", "force", "sensor")  # kinds of base classes
 WORDS = {
     "float_type": "must be a number", "int_type": "must be a whole number", "bool_type": "must be true or false",
     "int_from_float": "must be a whole number", "string_type": "must be a text", "list_type": "must be a list",
@@ -56,8 +56,8 @@ class Form:
             self.adapter.validate_python(table)
         except ValidationError as error:
             wrong = sorted(error.errors(include_url=False), key=lambda one: one["type"] != "extra_forbidden")
-            told: dict[Any, str] = {}  # one of each place, whatever the types are that could stand there
-            for one in wrong:  # a misspelt key explains the missing one
+            told: dict[Any, str] = {}  # one message per place, for unions of types too
+            for one in wrong:  # a misspelt key explains a missing key
                 place = (one["loc"][:1], *(part for part in one["loc"] if isinstance(part, int)))
                 told.setdefault(place, self._told(source, path, one))
             found = list(told.values())
@@ -88,10 +88,10 @@ def shown(path: Path) -> str:
 
 
 def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_out: tuple[str, ...] = ()) -> Form:
-    """The form of `call`. `roles` are those that its names and annotations do not tell; `leave_out` arguments are the
-    program's own."""
+    """The form of `call`. roles: of arguments whose names and annotations do not determine them. leave_out: arguments
+    that the program sets."""
     from pydantic import ConfigDict, TypeAdapter
-    from typing_extensions import TypedDict  # pydantic refuses that of typing before Python 3.12
+    from typing_extensions import TypedDict  # pydantic rejects typing.TypedDict before Python 3.12
 
     fields: dict[str, Any] = {}
     found: dict[str, str] = {}
@@ -110,7 +110,7 @@ def form_of(title: str, call: Callable[..., Any], roles: dict[str, str], leave_o
 
 
 def _type_of(annotation: str) -> Any:
-    """The pydantic type of an annotation's text; Any for what is not plain. None cannot be written in TOML."""
+    """The pydantic type of an annotation's text; Any for types that are not plain. TOML has no None."""
     kinds = []
     for part in (part.strip() for part in _split(annotation)):
         if part in _TYPES:
@@ -132,7 +132,7 @@ def _type_of(annotation: str) -> Any:
 
 
 def _split(annotation: str) -> list[str]:
-    """Parts of a union, brackets kept whole."""
+    """Parts of a union; brackets are not split."""
     return re.findall(r"(?:[^|\[\]]|\[(?:[^\[\]]|\[(?:[^\[\]]|\[[^\[\]]*\])*\])*\])+", annotation)
 
 
@@ -148,7 +148,7 @@ def item_roles(call: Callable[..., Any]) -> dict[str, str]:
         elif re.search(r"\bJoint\b", annotation):
             roles[name] = "joints"
         elif _type_of(annotation) is Any:
-            roles[name] = "value"  # numbers, signals, and texts that refer to something
+            roles[name] = "value"  # numbers, signals, and references
     return roles
 
 
@@ -169,7 +169,7 @@ def _module(name: str) -> ModuleType | None:
 
 @cache
 def item_kinds() -> dict[str, dict[str, Form]]:
-    """Section -> kind -> form, of everything that `Scene.add` takes."""
+    """Section -> kind -> form of every class that `Scene.add` accepts."""
     found: dict[str, dict[str, Form]] = {}
     for name in ITEM_MODULES:
         module = _module(f"warpffrf.model.{name}")
@@ -201,9 +201,9 @@ def signal_kinds() -> dict[str, Form]:
 
 @cache
 def value_kinds() -> dict[str, Form]:
-    """Kind -> form of everything that may stand as a value: signals, surfaces, bases, damping, contact and friction
-    laws, rolling resistance, characteristics of springs, oils, feeds and forms of films, cells of laps, integrators,
-    treatments of local modes, stress points, parts of bearings."""
+    """Kind -> form of every object that may be a value: signals, surfaces, bases, damping, contact and friction laws,
+    rolling resistance, characteristics of springs, oils, feeds and forms of films, cells of small-sliding contacts,
+    integrators, treatments of local modes, stress points, parts of bearings."""
     from warpffrf.model.damping import DAMPINGS
     from warpffrf.model.films import FEEDS, FORMS, ROUGHNESSES
     from warpffrf.model.forces import CHARACTERISTICS
@@ -234,7 +234,7 @@ def value_kinds() -> dict[str, Form]:
 
 @cache
 def bearing_parts() -> dict[str, tuple[tuple[str, Any], ...]]:
-    """Argument of a bearing -> kinds, of those that are cages, preloads and flanges."""
+    """Argument of a bearing -> kinds of cages, preloads and flanges."""
     from warpffrf.model.bearings import Flanges, PocketCage, PreloadForce, PreloadOffset, PrescribedCage
 
     kinds = {"cage": (PrescribedCage, PocketCage), "preload": (PreloadForce, PreloadOffset), "flanges": (Flanges,)}
@@ -251,8 +251,8 @@ def shape_kinds() -> dict[str, Form]:
 
 @cache
 def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
-    """Section of contacts, films, laps or bearings and argument -> kind -> form, of those that take the laws, oils,
-    forms or parts of one sort only."""
+    """(Section of contacts, films, small-sliding contacts or bearings, argument) -> kind -> form, for arguments that
+    accept one sort of laws, oils, forms or parts."""
     from warpffrf.model.films import FORMS, ROUGHNESSES
     from warpffrf.model.friction import FRICTION_LAWS
     from warpffrf.model.laws import LAWS, LUMPED_LAWS
@@ -274,7 +274,7 @@ def law_kinds() -> dict[tuple[str, str], dict[str, Form]]:
 
 @cache
 def fixed_forms() -> dict[str, dict[str, Form]]:
-    """Section -> kind -> form of the tables that are not items: kind "" where there is only one."""
+    """Section -> kind -> form of the tables that are not items; kind "" where a section has one form only."""
     from warpffrf.model import mesh
     from warpffrf.model.bearings import add_ball_bearing, add_roller_bearing
     from warpffrf.model.material import Material
@@ -334,7 +334,7 @@ def fixed_forms() -> dict[str, dict[str, Form]]:
 
 
 def choose(source: Source, path: Path, table: Any, kinds: dict[str, Form], default: str | None = None) -> Form:
-    """The form that a table's key `kind` names, or the only or `default` one. Raises `InputError` with the line."""
+    """The form that the key `kind` of a table names, else the only or `default` form. Raises `InputError`."""
     if not isinstance(table, dict):
         raise InputError(f"{source.place(path)}: {shown(path)} must be a table, got {brief(table)}")
     kind: Any = table.get("kind", default)

@@ -1,8 +1,8 @@
-"""Meshes and reduced bodies that scenes of one file have in common, kept from one to the next.
+"""Cache of the meshes and reduced bodies that scenes of one file have in common.
 
-The scene of a file is built anew for every row of a sweep, and most rows change a load or a speed. What a mesh or a
-reduced body is made of are its table, the tables of materials and meshes, and files: where all these are as they were,
-it is the same object again. Bodies are then in memory once, and scenes that are worlds of one graph share them.
+The scene of a file is rebuilt for every row of a sweep, and most rows change a load or a speed. A mesh or reduced body
+is defined by its table, the tables of materials and meshes, and files. If none of these has changed, the same object is
+returned: bodies are in memory once, and scenes that are worlds of one graph share them.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ from warpffrf.scene_file.source import Path
 
 SECTIONS = ("meshes", "reduced_bodies")
 MADE_OF = ("materials", *SECTIONS)  # sections that their tables refer to
-MOST = 16  # objects: a sweep over meshes makes another one for each row
+MOST = 16  # objects: a sweep over meshes creates one per row
 
-State = tuple[int, int]  # of a file: when it was changed, and its size
+State = tuple[int, int]  # of a file: modification time and size
 
 
 @dataclass(frozen=True)
@@ -30,14 +30,13 @@ class _Entry:
 
 
 class Kept:
-    """What there is, the least used first."""
+    """Cached objects, the least recently used first."""
 
     def __init__(self) -> None:
         self._entries: OrderedDict[str, _Entry] = OrderedDict()
 
     def find(self, recipe: str) -> tuple[Any, dict[Path, FilePath]] | None:
-        """What was made by a recipe, and the input files that it names; None where there is none, and where a file has
-        changed."""
+        """The object of a recipe and its input files; None if it is not cached or if a file has changed."""
         entry = self._entries.get(recipe)
         if entry is None or any(_state(file) != state for file, state in entry.states.items()):
             return None
@@ -45,7 +44,7 @@ class Kept:
         return entry.thing, entry.files
 
     def keep(self, recipe: str, thing: Any, files: Mapping[Path, FilePath]) -> None:
-        """Keep what was made by a recipe of these files."""
+        """Cache the object of a recipe that reads these files."""
         states = {file: state for file in files.values() if (state := _state(file)) is not None}
         if len(states) == len(set(files.values())):
             self._entries[recipe] = _Entry(thing, dict(files), states)

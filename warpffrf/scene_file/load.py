@@ -1,4 +1,4 @@
-"""A scene file as an object, and running it."""
+"""Loading and running of scene files."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ DOCUMENT_SIGN = "# the scene as warpffrf ran it\n"
 
 @dataclass(frozen=True)
 class LoadedScene:
-    """What a scene file describes.
+    """The contents of a scene file.
 
-    scene: the `Scene`. equilibrium, simulate: the arguments of these calls as the file gives them, None without such a
-    table. title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
-    document: all values of the file, parameters, settings and includes put in.
+    scene: the `Scene`. equilibrium, simulate: the arguments of these calls in the file, None without such a table.
+    title: of the file, or its name. made: section -> name -> object ("reduced_bodies", "bodies", "joints", ...).
+    document: all values of the file, with parameters, settings and includes substituted.
     """
 
     scene: Any
@@ -37,17 +37,17 @@ class LoadedScene:
     title: str
     made: Mapping[str, Mapping[str, Any]]
     document: Mapping[str, Any]
-    running: Callable[[str], AbstractContextManager[None]]  # puts the line in front of what a call refuses
+    running: Callable[[str], AbstractContextManager[None]]  # prefixes errors of a call with the line
 
     def to_toml(self) -> str:
-        """The document as one TOML text without includes and parameters."""
+        """The document as one TOML text, without includes and parameters."""
         return to_toml(dict(self.document))
 
 
 @named_arguments
 def load_scene(path: str | os.PathLike[str], *, settings: Sequence[str] = ()) -> LoadedScene:
-    """The scene in the TOML file at `path`, ready to run. settings: "name=value" as of `--set`. Raises `InputError`,
-    with file and line, for everything that is wrong."""
+    """Load the scene in the TOML file at `path`. settings: "name=value" as of `--set`. Raises `InputError`, with file
+    and line, for an invalid entry."""
     file = Path(path).expanduser()
     if not file.is_file():
         raise InputError(f"scene file {str(path)!r} does not exist; check the path")
@@ -60,8 +60,8 @@ def scene_of(text: str, folder: str | os.PathLike[str] = ".", *, settings: Seque
 
 
 def scene_of_document(source: Source, name: str, kept: Kept | None = None) -> LoadedScene:
-    """The scene of a document with its parameters put in, with meshes and reduced bodies that are `kept` of scenes
-    before, where they are the same. name: the title where the document has none."""
+    """The scene of a document with its parameters substituted. kept: meshes and reduced bodies of earlier scenes,
+    reused where they are unchanged. name: the title if the document has none."""
     builder = Builder(source, kept)
     scene = builder.build()
     runs = {section: builder.run_arguments(section) for section in ("equilibrium", "simulate")}
@@ -86,14 +86,13 @@ def run_scene(
     overwrite: bool = False,
     resume: bool = False,
 ) -> dict[str, Any]:
-    """Do what the scene file at `path` says: its `equilibrium`, its `simulate`, or both; returns {call: Result}.
+    """Run the scene file at `path`: its `equilibrium`, its `simulate`, or both; returns {call: Result}.
 
-    Files go into the folder `out`, by default out/NAME of the file NAME.toml: what `results` and `record` name, the
-    results of a call without `results` as NAME.h5 (NAME_equilibrium.h5), and the document as it was run, NAME.toml.
-    A name that leads out of the folder is refused, with InputError, unless `anywhere`.
-    settings: "name=value" as of `--set`. progress: what is being done, on stderr. overwrite: replace the files of an
-    earlier run; resume: go on where it was stopped, or read it if it ended, see
-    `simulate`.
+    Files are written to the folder `out`, by default out/NAME for the file NAME.toml: the files that `results` and
+    `record` name, the results of a call without `results` as NAME.h5 (NAME_equilibrium.h5), and the document as run,
+    NAME.toml. A path outside the folder raises `InputError`, unless `anywhere`.
+    settings: "name=value" as of `--set`. progress: print progress to stderr. overwrite: replace the files of an earlier
+    run. resume: continue an interrupted run, or read it if it is complete, see `simulate`.
 
     With the file pendulum.toml of docs/scene_file.md:
 
@@ -106,7 +105,7 @@ def run_scene(
     name = Path(path).stem
     loaded = load_scene(path, settings=settings)
     if loaded.equilibrium is None and loaded.simulate is None:
-        raise InputError(f"{Path(path).name}: says nothing to run; add the table [simulate] or [equilibrium]")
+        raise InputError(f"{Path(path).name}: contains nothing to run; add the table [simulate] or [equilibrium]")
     folder = Path("out") / name if out is None else Path(out).expanduser()
     text = folder / f"{name}.toml"
     document = DOCUMENT_SIGN + loaded.to_toml()
@@ -115,7 +114,7 @@ def run_scene(
     if log.isEnabledFor(logging.DEBUG):
         log.debug("%s", loaded.scene.check())
     found: dict[str, Any] = {}
-    again = {"progress": progress, "overwrite": overwrite or resume}  # an equilibrium is found anew in no time
+    again = {"progress": progress, "overwrite": overwrite or resume}  # an equilibrium is cheap and is recomputed
     further = {"progress": progress, "overwrite": overwrite, "resume": resume}
     calls: Any = (("equilibrium", equilibrium, again), ("simulate", simulate, further))
     for section, call, options in calls:
@@ -128,7 +127,7 @@ def run_scene(
 
 
 def _write_document(file: Path, text: str, overwrite: bool, resume: bool) -> None:
-    """Write the document as it was run; a scene that was not written so is never replaced."""
+    """Write the document as run. A file that this function did not write is never replaced."""
     from warpffrf.model.files.paths import checked_output_path, written_whole
 
     there = file.read_bytes() if file.is_file() else None
@@ -138,15 +137,15 @@ def _write_document(file: Path, text: str, overwrite: bool, resume: bool) -> Non
         raise InputError(f"--out: '{file}' is another scene, and is not replaced; choose another folder")
     if there is not None and resume and not overwrite:
         raise InputError(
-            f"--resume: '{file}' is what was run, and is not what is to be run now; go on with the same file and the "
-            "same --set, or begin anew with --overwrite"
+            f"--resume: '{file}' is the scene of the earlier run and differs from the one to be run; resume with the "
+            "same file and the same --set, or restart with --overwrite"
         )
     with written_whole(checked_output_path(file, "--out", overwrite=overwrite)) as partial:
         partial.write_text(text, encoding="utf-8")
 
 
 def _in_folder(arguments: dict[str, Any], folder: Path, results: str, anywhere: bool) -> dict[str, Any]:
-    """The arguments with output files in `folder`; raises `InputError` for those outside, unless `anywhere`."""
+    """The arguments with output files in `folder`. Raises `InputError` for files outside, unless `anywhere`."""
     from warpffrf.model.files.paths import refuse_nul
 
     files = {"results": results, **arguments}
@@ -155,7 +154,7 @@ def _in_folder(arguments: dict[str, Any], folder: Path, results: str, anywhere: 
         refuse_nul(file, key)
         if not anywhere and not file.resolve().is_relative_to(folder.resolve()):
             raise InputError(
-                f"{key} {str(files[key])!r} is outside of the output folder '{folder}'; give a name in it, or say "
+                f"{key} {str(files[key])!r} is outside the output folder '{folder}'; give a name in it, or use "
                 "--anywhere (anywhere=True)"
             )
     return {**arguments, **placed}

@@ -1,4 +1,4 @@
-"""The page that says what may stand in a scene file: docs/scene_file.md of a checkout, in a wheel beside this."""
+"""The reference page of scene files: docs/scene_file.md of a checkout; in a wheel, a file next to this module."""
 
 from __future__ import annotations
 

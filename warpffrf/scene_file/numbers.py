@@ -1,11 +1,11 @@
-"""Numbers of a scene that stand in a file of their own.
+"""Arrays of numbers in separate files, and arithmetic in values.
 
-Expressions. Arithmetic in values: a text that begins with "=" is worked out from numbers and the file's parameters.
+Expressions. A text that begins with "=" is evaluated from numbers and the parameters of the file.
 
     "= 2 * outer_radius"    "= upper.load / (pi * sqrt(area))"    "= -speed"
 
-Numbers, parameters by their dotted names, pi, + - * / **, brackets, and the functions below; nothing else. A single
-name gives the parameter as it is: a text, a number, true or false, or a list.
+Expressions consist of numbers, dotted names of parameters, pi, + - * / **, brackets, and the functions below. A
+single name returns the parameter unchanged: a text, a number, true or false, or a list.
 """
 
 from __future__ import annotations
@@ -23,18 +23,18 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import read_regular
 from warpffrf.scene_file.forms import brief
 
-MOST_BYTES = 1 << 28  # of such a file
+MOST_BYTES = 1 << 28  # per file
 
 
 def read_numbers(file: Path, column: Any) -> Any:
-    """An array from {file = "...", column = n}: .npy, or text with commas or blanks; whole numbers stay whole."""
+    """An array from {file = "...", column = n}: .npy, or text with commas or blanks; whole numbers remain integers."""
     import numpy as np
 
     name = file.name
     if column is not None and (isinstance(column, bool) or not isinstance(column, int) or column < 0):
         raise InputError(f"column must be a whole number from 0, got {brief(column)}")
     if not file.is_file():
-        raise InputError(f"file {name!r} does not exist; it is looked for in {file.parent}")
+        raise InputError(f"file {name!r} does not exist; it is searched in {file.parent}")
     try:
         content = read_regular(file, MOST_BYTES)
     except InputError as error:
@@ -49,8 +49,8 @@ def read_numbers(file: Path, column: Any) -> Any:
         else:
             array = np.loadtxt(content.decode("utf-8").replace(",", " ").splitlines(), ndmin=2, comments="#")
             array = array[:, 0] if array.shape[1] == 1 else array
-    except (ValueError, MemoryError):  # what NumPy says of it would show what is in a file that was never meant
-        raise InputError(f"file {name!r} holds no table of numbers{_at_line(content)}") from None
+    except (ValueError, MemoryError):  # NumPy's message would quote the contents of the file
+        raise InputError(f"file {name!r} is not a table of numbers{_at_line(content)}") from None
     if column is not None:
         if array.ndim != 2 or column >= array.shape[1]:
             raise InputError(f"file {name!r}: column {column} does not exist, its numbers have shape {array.shape}")
@@ -62,7 +62,7 @@ def read_numbers(file: Path, column: Any) -> Any:
 
 
 def _array(content: bytes) -> Any:
-    """The array of a .npy file; ValueError where it declares more numbers than the file has."""
+    """The array of a .npy file. Raises ValueError if the header declares more numbers than the file has."""
     import numpy as np
 
     stream = io.BytesIO(content)
@@ -75,17 +75,17 @@ def _array(content: bytes) -> Any:
 
 
 def _at_line(content: bytes) -> str:
-    """Where a text stops being numbers, as words for a message; "" where that is not known."""
+    """Text for a message: the first line that is not numeric; "" if there is none."""
     for number, line in enumerate(content.decode("utf-8", errors="replace").splitlines(), start=1):
         for word in line.replace(",", " ").split("#")[0].split():
             try:
                 float(word)
             except ValueError:
-                return f": line {number} has something else"
+                return f": line {number} is not numeric"
     return ""
 
 
-LONGEST = 500  # characters: keeps the parser's recursion short
+LONGEST = 500  # characters: limits the recursion of the parser
 FUNCTIONS: dict[str, Any] = {
     "sqrt": math.sqrt, "sin": math.sin, "cos": math.cos, "tan": math.tan, "atan2": math.atan2,
     "radians": math.radians, "degrees": math.degrees, "abs": abs, "min": min, "max": max,
@@ -99,28 +99,28 @@ _UNARY: dict[type, Callable[[Any], Any]] = {ast.USub: operator.neg, ast.UAdd: op
 
 
 def is_expression(value: Any) -> bool:
-    """Whether a value of the file is to be worked out."""
+    """Whether a value of the file is an expression."""
     return isinstance(value, str) and value.startswith("=")
 
 
 def evaluate(text: str, parameter: Callable[[str], Any]) -> Any:
-    """The value of the expression `text` ("= ..."); `parameter` gives the value of a dotted name. `InputError`s."""
+    """The value of the expression `text` ("= ..."). parameter: the value of a dotted name. Raises `InputError`."""
     if len(text) > LONGEST:
-        raise InputError(f"an expression may have {LONGEST} characters, this one has {len(text)}")
+        raise InputError(f"an expression may have at most {LONGEST} characters, this one has {len(text)}")
     try:
         tree = ast.parse(text[1:].strip(), mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
-        raise InputError(f"{text!r} is no expression; known: numbers, parameters, + - * / ** ( )") from None
+        raise InputError(f"{text!r} is not an expression; known: numbers, parameters, + - * / ** ( )") from None
     try:
         value = _value(tree, parameter, text)
     except (ArithmeticError, ValueError, TypeError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"{text!r} cannot be worked out: {error}") from None
+        raise InputError(f"{text!r} cannot be evaluated: {error}") from None
     except RecursionError:
         raise InputError(f"{text!r} is nested too deeply") from None
     if isinstance(value, complex) or (isinstance(value, float) and not math.isfinite(value)):
-        raise InputError(f"{text!r} is no real number")
+        raise InputError(f"{text!r} is not a real number")
     return value
 
 
@@ -144,4 +144,4 @@ def _value(node: ast.expr, parameter: Callable[[str], Any], text: str) -> Any:
         if node.func.id in FUNCTIONS:
             return FUNCTIONS[node.func.id](*(number(argument) for argument in node.args))
         raise InputError(f"{text!r}: the function {node.func.id!r} does not exist; known: {', '.join(FUNCTIONS)}")
-    raise InputError(f"{text!r}: {ast.unparse(node)!r} is not understood; known: numbers, parameters, + - * / ** ( )")
+    raise InputError(f"{text!r}: {ast.unparse(node)!r} is not supported; known: numbers, parameters, + - * / ** ( )")

@@ -1,7 +1,7 @@
-"""TOML text with positions: the values as `tomllib` reads them, and the line of every key and list entry.
+"""TOML text with line numbers: the values as `tomllib` reads them, and the line of every key and list entry.
 
-`tomllib` alone judges what is valid and what it means. The walk below only finds lines in text that has passed it, so
-it needs no more of the grammar than where a value ends: headers, dotted keys, strings, lists and inline tables.
+`tomllib` alone validates and parses the text. `_Walk` only finds lines in valid text, so it handles no more of the
+grammar than the ends of values: headers, dotted keys, strings, lists and inline tables.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from warpffrf.model.errors import InputError
 from warpffrf.model.files.paths import read_regular
 
 Path = tuple[str | int, ...]  # keys and list indices from the top of the document
-LARGEST_INTEGER = 2**63 - 1  # TOML promises 64 bits; larger ones overflow in floating point sooner or later
-DEEPEST = 40  # tables in tables: no scene needs more, and recursion has an end
-MOST_BYTES = 1 << 22  # of a file: some hundred thousand numbers
-# a key of more parts than that, before the parser takes it apart (its time grows with the square of them)
+LARGEST_INTEGER = 2**63 - 1  # TOML guarantees 64 bits; larger integers may overflow in floating point
+DEEPEST = 40  # nested tables: no scene requires more; limits the recursion
+MOST_BYTES = 1 << 22  # per file: some hundred thousand numbers
+# a key with more parts, found before parsing (the parser's time is quadratic in their number)
 _DEEP_KEY = re.compile(rf"""(?<![\w.'"-])(?>(?>[A-Za-z0-9_-]++|"[^"\n]*+"|'[^'\n]*+')[ \t]*+\.[ \t]*+){{{DEEPEST}}}""")
-MOST_DIGITS = 1000  # one behind the other: no number needs them, and Python's conversion of integers ends at 4,300
+MOST_DIGITS = 1000  # consecutive digits: no number requires more; Python converts at most 4,300
 _LONG_INTEGER = re.compile(rf"(?<![0-9_])[0-9](?>_?[0-9]){{{MOST_DIGITS}}}")
 _BARE = re.compile(r"[A-Za-z0-9_-]+")
 _PLAIN = re.compile(r"[^,\]}#\n]+")
@@ -38,7 +38,7 @@ _STRINGS = (
 
 @dataclass(frozen=True)
 class Place:
-    """Where something was written: a file's line or an option; `folder` is what its relative paths start from."""
+    """Origin of a value: a line of a file, or an option; its relative paths start from `folder`."""
 
     label: str
     folder: FilePath
@@ -55,20 +55,20 @@ class Source:
     places: dict[Path, Place]
 
     def place(self, path: Path) -> Place:
-        """The place of `path`, or of the nearest thing around it."""
+        """The place of `path`, or of the innermost enclosing entry."""
         while path and path not in self.places:
             path = path[:-1]
         return self.places[path]
 
 
 def read_source(file: FilePath, name: str) -> Source:
-    """The TOML file, called `name` in messages. Raises `InputError` with the line of what is wrong."""
+    """Read a TOML file; messages call it `name`. Raises `InputError` with the line of the error."""
     try:
         text = read_regular(file, MOST_BYTES).decode("utf-8-sig")
     except InputError as error:
-        raise InputError(f"{name}: {error}; tables of numbers can stand in files of their own") from None
+        raise InputError(f"{name}: {error}; write tables of numbers to separate files") from None
     except UnicodeDecodeError as error:
-        raise InputError(f"{name}: is no text in UTF-8 ({error.reason} at byte {error.start})") from None
+        raise InputError(f"{name}: is not text in UTF-8 ({error.reason} at byte {error.start})") from None
     except (OSError, ValueError) as error:
         raise InputError(f"{name}: cannot be read ({getattr(error, 'strerror', None) or error})") from None
     return parse(text, name, file.parent)
@@ -78,8 +78,8 @@ def parse(text: str, name: str, folder: FilePath) -> Source:
     """`read_source` of a text."""
     text = text.replace("\r\n", "\n")
     if found := _DEEP_KEY.search(text):
-        raise InputError(f"{name}:{text.count(chr(10), 0, found.start()) + 1}: no valid TOML: nested too deeply")
-    if found := _LONG_INTEGER.search(text):  # in a text or comment it would mean nothing either
+        raise InputError(f"{name}:{text.count(chr(10), 0, found.start()) + 1}: invalid TOML: nested too deeply")
+    if found := _LONG_INTEGER.search(text):  # also in texts and comments
         line = text.count(chr(10), 0, found.start()) + 1
         raise InputError(f"{name}:{line}: a number of more than {MOST_DIGITS} digits")
     try:
@@ -90,9 +90,9 @@ def parse(text: str, name: str, folder: FilePath) -> Source:
         at = f":{found[1]}" if found else ""
         if what.endswith("(at end of document)"):
             at = f":{text.count(chr(10)) + 1}"
-        raise InputError(f"{name}{at}: no valid TOML: {what}") from None
+        raise InputError(f"{name}{at}: invalid TOML: {what}") from None
     except RecursionError:
-        raise InputError(f"{name}: no valid TOML: nested too deeply") from None
+        raise InputError(f"{name}: invalid TOML: nested too deeply") from None
     places = {path: Place(f"{name}:{line}", folder) for path, line in lines.items()}
     places[()] = Place(name, folder)
     source = Source(values, places)
@@ -101,7 +101,7 @@ def parse(text: str, name: str, folder: FilePath) -> Source:
 
 
 def _refuse_odd_values(source: Source, value: Any, path: Path) -> None:
-    """Dates and times mean nothing here, and numbers and nesting have bounds."""
+    """Raises `InputError` for dates, times, integers above 64 bits and deep nesting."""
     if len(path) > DEEPEST:
         raise InputError(f"{source.place(path)}: nested too deeply")
     if isinstance(value, dict):
@@ -123,7 +123,7 @@ class _Walk:
         self.text, self.at = text, 0
         self.ends = [m.start() for m in re.finditer("\n", text)]
         self.found: dict[Path, int] = {}
-        self.lists: dict[Path, int] = {}  # entries so far of [[lists]] of tables
+        self.lists: dict[Path, int] = {}  # number of entries of [[lists]] of tables up to here
 
     def lines(self) -> dict[Path, int]:
         table: Path = ()
@@ -144,7 +144,7 @@ class _Walk:
         return match.group()
 
     def _note(self, path: Path) -> None:
-        """The first mention counts, for parents too."""
+        """Record the line of `path` and its parents; the first occurrence counts."""
         line = bisect_right(self.ends, self.at - 1) + 1
         for n in range(1, len(path) + 1):
             self.found.setdefault(path[:n], line)

@@ -1,4 +1,4 @@
-"""Makes machine.inp, a warpffrf example: an Abaqus deck of two instances of a shoe with a round pad on top, in mm.
+"""Writes machine.inp, a warpffrf example: an Abaqus deck of two instances of a shoe with a round pad on top, in mm.
 
 Run: python make_machine.py
 """

@@ -1,6 +1,6 @@
-"""Makes roller.msh, a warpffrf example: a hollow roller of second-order tetrahedra, its axis tilted and off-centre.
+"""Writes roller.msh, a warpffrf example: a hollow roller of second-order tetrahedra, its axis tilted and off-centre.
 
-Needs the gmsh Python package (pip install "warpffrf[gmsh]"); to read the file nothing is needed. Lengths in mm.
+Requires the gmsh Python package (pip install "warpffrf[gmsh]"); reading the file does not. Lengths in mm.
 Run: python make_roller.py
 """
 

@@ -130,7 +130,7 @@ class Bearing(reprs.Shown):
             if isinstance(ring, Body):
                 self._turn(ring, speed)
             elif speed:
-                raise InputError(f"{label}: the {side} ring is the ground, which stands still; turn the other one")
+                raise InputError(f"{label}: the {side} ring is the ground, which is fixed; rotate the other one")
         axis = self.place.axis
         for element in self.elements:
             out = element.position - self.place.center
@@ -196,8 +196,8 @@ def without_cage(bearings: list[Bearing]) -> str:
     if not loose:
         return ""
     return (
-        f"bearing {', '.join(loose)} has no cage, and loads squeeze its elements out of their zone; give it "
-        "cage=bearings.PrescribedCage(), or hold the elements by joints"
+        f"bearing {', '.join(loose)} has no cage, and loads push its elements out of the load zone; give it "
+        "cage=bearings.PrescribedCage(), or constrain the elements by joints"
     )
 
 
@@ -211,7 +211,7 @@ def loose_ring(bearings: list[Bearing], items: list[Any], body: Body) -> str:
                 continue
             links = [[port.body for port in item.ports] for item in items]
             if not any(side in link and any(b is not side and b not in within for b in link) for link in links):
-                return f"body {side.name!r} is held by nothing but the elements of bearing {bearing.name!r}"
+                return f"body {side.name!r} is supported by nothing but the elements of bearing {bearing.name!r}"
     return ""
 
 
@@ -255,8 +255,8 @@ def basic_life(
     load = X * abs(radial) + Y * abs(axial)
     if load <= 0.0:
         raise InputError(
-            f"basic life: the equivalent load X F_r + Y F_a is {load:g} N, and the life without bounds; give X and "
-            "Y of the catalogue where the load is axial"
+            f"basic life: the equivalent load X F_r + Y F_a is {load:g} N, and the life is unbounded; give X and Y of "
+            "the catalogue where the load is axial"
         )
     return BasicLife(float((C / load) ** EXPONENTS[kind]), C, load, X, Y)
 
@@ -271,7 +271,7 @@ def reference_life(
         raise InputError(f"reference life: turning must be 'inner' or 'outer', got {turning!r}")
     C = require_number(capacity, "reference life: capacity [N]", positive=True)
     if max(float(np.max(Q, initial=0.0)) for Q in (inner, outer)) <= 0.0:
-        raise InputError("reference life: no element is loaded, and the life without bounds")
+        raise InputError("reference life: no element is loaded, and the life is unbounded")
     if isinstance(raceways, BallRaceways):
         return _of_balls(raceways, C, inner, outer, turning)
     if np.shape(inner)[1] < FEWEST:

@@ -87,7 +87,7 @@ def checked_deviations(label: str, raceways: Raceways, deviations: Any) -> np.nd
     most = LARGEST_DEVIATION * raceways.diameter
     if np.max(np.abs(found)) > most:
         raise InputError(
-            f"{label}: diameter_deviations are what the elements differ by from their diameter, some micrometres, got "
+            f"{label}: diameter_deviations are deviations from the nominal diameter, some micrometres, got "
             f"{found[np.argmax(np.abs(found))]:g} m, more than {most:.3g} m"
         )
     return found

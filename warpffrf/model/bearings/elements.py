@@ -128,7 +128,9 @@ def checked_elements(
             "m off; move the mesh"
         )
     if np.any(deviations):
-        raise InputError(f"{label}: diameter_deviations are of rigid elements; element_body is one body for all places")
+        raise InputError(
+            f"{label}: diameter_deviations are of rigid elements; element_body is one body for all elements"
+        )
     return FlexibleElements(surface, given, tilt)
 
 
@@ -141,7 +143,7 @@ def centre_of(element: Body, label: str) -> Port:
         if np.linalg.norm(interface.point) <= CENTRED * 2.0 * float(surface.shape.radius):
             return element[name]
     raise InputError(
-        f"{label}: the flexible element {element.name!r} has no interface at its centre to be held by; reduce it with "
+        f"{label}: the flexible element {element.name!r} has no interface at its centre for the cage; reduce it with "
         'one whose nodes have their mean there, of a roller interfaces={"ends": "average"}, or leave the cage out'
     )
 
@@ -257,16 +259,16 @@ class PocketCage(Cage):
             )
         if bearing.kind == "roller" and D + play > apart:
             raise InputError(
-                f"{label}: pockets of {D + play:.4g} m overlap, the elements are {apart:.4g} m apart; take less "
+                f"{label}: pockets of {D + play:.4g} m overlap, the elements are {apart:.4g} m apart; use less "
                 "clearance than their distance less their diameter"
             )
         if bearing.kind == "roller" and not self.guided:
             raise InputError(
-                f"{label}: rollers do not carry a cage along their axes, nor keep it upright; leave guided=True"
+                f"{label}: rollers do not guide a cage along their axes or against tilting; leave guided=True"
             )
         if any(element.reduced is not None for element in bearing.elements):
             raise InputError(
-                f"{label}: pockets are of rigid elements, these are flexible; take cage=bearings.PrescribedCage(...), "
+                f"{label}: pockets are of rigid elements, these are flexible; use cage=bearings.PrescribedCage(...), "
                 "with the speed of bearing.orbit_speed(...)"
             )
         body = self.ring(scene, bearing)

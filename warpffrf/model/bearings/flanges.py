@@ -81,7 +81,7 @@ class Flanges:
         label = f"bearing {bearing.name!r}: Flanges"
         play = require_number(self.clearance, f"{label}: clearance [m]", non_negative=True)
         if not isinstance(bearing.raceways, RollerRaceways):
-            raise InputError(f"{label}: only roller bearings have flanges; the grooves of balls are their stops")
+            raise InputError(f"{label}: only roller bearings have flanges; balls are guided by their grooves")
         half = 0.5 * bearing.raceways.length
         radius = END_RADIUS * half
         if self.end_radius is not None:
@@ -133,8 +133,9 @@ class Flanges:
         if not least < lever < most:
             raise InputError(
                 f"{label}: ends of the radius {radius:g} m meet ribs {lever:g} m from the roller's axis where these "
-                f"lean back by {np.degrees(np.arcsin(min(lever / radius, 1.0))):.3g} degrees; ribs lean by 0.01 to 10, "
-                f"take an end_radius between {lever / np.cos(STEEPEST):.3g} and {lever / np.cos(FLATTEST):.3g} m"
+                f"are inclined by {np.degrees(np.arcsin(min(lever / radius, 1.0))):.3g} degrees; usual are 0.01 to 10 "
+                f"degrees; choose an end_radius between {lever / np.cos(STEEPEST):.3g} and "
+                f"{lever / np.cos(FLATTEST):.3g} m"
             )
         return lever
 

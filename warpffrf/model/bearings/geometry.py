@@ -85,7 +85,7 @@ class Raceways:
             most = int(np.pi / np.arcsin(D / pitch))
             raise InputError(
                 f"{self.label}: {self.count} elements of diameter {D:g} m overlap on a pitch circle of {pitch:g} m, "
-                f"where their centres are {apart:.4g} m apart; take {most} elements at most, smaller ones, or a larger "
+                f"where their centres are {apart:.4g} m apart; use at most {most} elements, smaller ones, or a larger "
                 f"pitch diameter, {D / np.sin(np.pi / self.count):.4g} m or more"
             )
 
@@ -144,9 +144,9 @@ class BallRaceways(Raceways):
             )
         if self.clearance >= 2.0 * self.reach:
             raise InputError(
-                f"{self.label}: a clearance of {self.clearance:g} m is beyond the geometry: grooves and balls leave "
-                f"2 (r_i + r_e - D) = {2.0 * self.reach:.4g} m, with more the rings pass over the balls; take less, or "
-                "wider grooves"
+                f"{self.label}: a clearance of {self.clearance:g} m is beyond the geometry: grooves and balls leave 2 "
+                f"(r_i + r_e - D) = {2.0 * self.reach:.4g} m, beyond that the rings pass over the balls; use less "
+                "clearance, or wider grooves"
             )
         if -self.clearance >= self.diameter:
             raise InputError(f"{self.label}: an interference of {-self.clearance:g} m is more than a whole ball")

@@ -160,7 +160,7 @@ def ring_surface(
         _refuse_other_raceway(label, given, shape_of(given.body))
         if form is not None:
             raise InputError(
-                f"{label}_form: {given.label} is a surface of a flexible body, whose contact sees no form deviation; "
+                f"{label}_form: {given.label} is a surface of a flexible body, whose contact has no form deviation; "
                 "leave it out, or make the ring rigid"
             )
         return given.body, given
@@ -170,13 +170,13 @@ def ring_surface(
     if not isinstance(given, (Body, Ground)):
         raise InputError(
             f"{label} must be a rigid body of the scene, scene.ground, a contact surface of a flexible body, "
-            f"body['raceway'], or None for a rigid ring that is made here, got {given!r}"
+            f"body['raceway'], or None for a new rigid ring, got {given!r}"
         )
     if given.reduced is not None:
         surfaces = ", ".join(f"body[{surface!r}]" for surface in given.reduced.contact_surfaces) or "none"
         raise InputError(
-            f"{label}: body {given.name!r} is flexible, and its raceway one of its contact surfaces: name it "
-            f"instead of the body, of {surfaces}"
+            f"{label}: body {given.name!r} is flexible, so that its raceway is one of its contact surfaces; give that "
+            f"instead of the body, one of {surfaces}"
         )
     shape, round_form = shape_of(given), None
     if form is not None:
@@ -265,8 +265,8 @@ class PreloadForce(Preload):
                 continue
             if body.reduced is not None:
                 raise InputError(
-                    f"{label}: the {side} ring, {body.name!r}, is flexible, and a force needs a place on it; press on "
-                    "an interface of yours, forces.PointForce(body['face'], ...)"
+                    f"{label}: the {side} ring, {body.name!r}, is flexible, and a preload force requires an interface "
+                    "of it; apply the force there, forces.PointForce(body['face'], ...)"
                 )
             own = body.to_user(center + axis) - body.to_user(center)
             bearing.forces[f"preload_{side}"] = scene.add(

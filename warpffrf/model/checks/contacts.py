@@ -68,16 +68,16 @@ def refuse_double_claims(contact: Any, others: Iterable[Any]) -> None:
             f"{other.name!r}"
         )
         if not (isinstance(contact, Contact) and isinstance(other, Contact)):
-            raise InputError(f"{where}; one pair holds all their patches, in whichever order they are named")
+            raise InputError(f"{where}; one contact covers all patches between them, in either order")
         if contact.law.curve is None and other.law.curve is None:
             raise InputError(
-                f"{where}; one pair holds all their patches, in whichever order they are named. A second one needs a "
-                "law with a compliance (wf.laws): the pressures of two that hold a gap closed have no shares"
+                f"{where}; one contact covers all patches between them, in either order. A second one requires a law "
+                "with a compliance (wf.laws): the pressures of two unilateral contacts are not unique"
             )
         if contact.friction.acts and other.friction.acts:
             raise InputError(
-                f"{where}, and both have friction: where they stick their tractions have no shares; leave the friction "
-                "to one of them"
+                f"{where}, and both have friction: where both stick, their tractions are not unique; give friction to "
+                "one of them"
             )
 
 
@@ -95,16 +95,16 @@ def _refuse_beside_film(one: Any, other: Any) -> None:
     if isinstance(one, Film) and isinstance(other, Film):
         if _same_surface(one.a, other.a):
             raise InputError(
-                f"{one.label}: on the grid of {one.a.label} there is {other.label} already; one film has all of it, "
-                "take a surface of its own for a second one"
+                f"{one.label}: on the grid of {one.a.label} there is {other.label} already; a surface carries one "
+                "film; use a separate surface for a second one"
             )
     elif isinstance(one, Film) or isinstance(other, Film):
         film, contact = (one, other) if isinstance(one, Film) else (other, one)
         if on_same_surfaces(film, contact):
             raise InputError(
-                f"contact {contact.name!r} and {film.label} stand on the same two surfaces, {film.a.label} and "
-                f"{film.b.label}; give the film a law for asperities instead of a contact beside it: Film(..., "
-                f"asperities=...)"
+                f"contact {contact.name!r} and {film.label} act on the same two surfaces, {film.a.label} and "
+                f"{film.b.label}; give the film a law for asperities instead of an additional contact: Film(..., "
+                "asperities=...)"
             )
 
 
@@ -193,14 +193,14 @@ def out_of_reach(scene: Scene, gaps: dict[str, Nearest | None]) -> list[str]:
         said = f"contact {contact.name!r}: {contact.a.label} and {contact.b.label}"
         if near is None:
             told.append(
-                f"{said} do not face each other anywhere; move a body, or take the other side (Bore for Cylinder)"
+                f"{said} do not face each other anywhere; move a body, or use the other side (Bore for Cylinder)"
             )
         elif near[0] > OVERLAP_FRACTION * size:
             free = _free_motions(scene) if free is None else free
             if _held_apart(contact, free, scene_length(scene)):
                 told.append(
-                    f"{said} are {near[0]:.3g} m apart, and the joints let neither body move towards the other; check "
-                    "radii and positions, or free a joint"
+                    f"{said} are {near[0]:.3g} m apart, and the joints allow neither body to move towards the other; "
+                    "check radii and positions, or free a joint"
                 )
             elif near[0] > size:
                 told.append(
@@ -283,12 +283,12 @@ class Wedge:
         if len(self.contacts) == 1:
             ports = self.contacts[0].ports
             return (
-                f"contact {names}: {ports[0].label} and {ports[1].label} overlap by {self.depth:.3g} m, and joints and "
-                "drives let neither give way; move one with its joint, or take a smaller interference"
+                f"contact {names}: {ports[0].label} and {ports[1].label} overlap by {self.depth:.3g} m, and joints "
+                "and drives prevent both from moving apart; move one with its joint, or use a smaller interference"
             )
         return (
             f"contacts {names}: {self._middle}, an overlap of {self.depth:.3g} m at each that no small motion opens; "
-            "move the partners apart, change a radius, or take a smaller interference"
+            "move the bodies apart, change a radius, or use a smaller interference"
         )
 
     @property

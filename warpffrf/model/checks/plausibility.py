@@ -60,7 +60,10 @@ def angle_doubts(angles: Sequence[float] | np.ndarray, name: str) -> list[str]:
     largest = float(np.abs(np.asarray(angles)).max())
     if largest <= FULL_TURN:
         return []
-    return [f"{name}: an angle of {largest:.4g} rad is more than a full turn; for degrees give np.radians({largest:g})"]
+    return [
+        f"{name}: an angle of {largest:.4g} rad is more than a full revolution; for degrees give "
+        f"np.radians({largest:g})"
+    ]
 
 
 def quaternion_doubts(q: np.ndarray, name: str) -> list[str]:
@@ -68,6 +71,6 @@ def quaternion_doubts(q: np.ndarray, name: str) -> list[str]:
     if not np.array_equal(q, (1.0, 0.0, 0.0, 0.0)):
         return []
     return [
-        f"{name}: (1, 0, 0, 0) is turned by 180 degrees about x: quaternions are (x, y, z, w), no rotation is "
+        f"{name}: (1, 0, 0, 0) is a rotation by 180 degrees about x: quaternions are (x, y, z, w), no rotation is "
         f'(0, 0, 0, 1); if half a turn is meant, {{"axis": (1, 0, 0), "angle": np.pi}} says so'
     ]

@@ -350,8 +350,8 @@ def refuse_velocities(scene: Scene) -> None:
     found = [str(defect) for defect in velocity_defects(scene) if not defect.driven]
     if found:
         raise InputError(
-            f"simulate: the initial velocities of the bodies do not agree with the joints: they pull apart "
-            f"{', '.join(found)}; give velocities that fit (a body turning about a joint moves with omega x arm), or "
+            "simulate: the initial velocities of the bodies do not agree with the joints: they violate "
+            f"{', '.join(found)}; give velocities that fit (a body rotating about a joint moves with omega x arm), or "
             "project_start=True to change them as little as possible"
         )
 

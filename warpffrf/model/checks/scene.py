@@ -48,7 +48,7 @@ class SceneCheck:
     redundant: dict[str, int]
     gaps: dict[str, float]
     unsupported: tuple[str, ...]
-    loose_preloads: dict[str, str] = field(default_factory=dict)  # forces whose tension has no path back, and the cure
+    loose_preloads: dict[str, str] = field(default_factory=dict)  # forces whose tension has no load path, and the cure
     redundant_rows: tuple[str, ...] = ()  # 'joint': what its redundant row would hold, axes of the joint
     refused_drives: tuple[str, ...] = ()  # drives of coordinates that joints fix already: such a scene cannot be run
     velocity_defects: tuple[str, ...] = ()  # joints and drives that the initial velocities contradict, and by how much
@@ -78,7 +78,7 @@ class SceneCheck:
         if self.redundant:
             found = ", ".join(f"{name} ({count})" for name, count in self.redundant.items())
             lines.append(
-                f"redundant constraints: {found}; left out, their reactions count as zero (z: axis of the joint)"
+                f"redundant constraints: {found}; they are omitted, with zero reactions (z: axis of the joint)"
             )
             lines += [f"  {label}" for label in self.redundant_rows]
         if self.refused_drives:
@@ -93,10 +93,12 @@ class SceneCheck:
             lines.append(str(self.wedge))
         lines += self.out_of_reach
         if self.velocity_defects:
-            lines.append(f"initial velocities pull apart: {', '.join(self.velocity_defects)}")
+            lines.append(f"initial velocities violate joints: {', '.join(self.velocity_defects)}")
         lines += self.loose_preloads.values()
         if self.unsupported:
-            lines.append(f"no joint, spring, contact or film leads to the ground from: {', '.join(self.unsupported)}")
+            lines.append(
+                f"not connected to the ground by joints, springs, contacts or films: {', '.join(self.unsupported)}"
+            )
         return "\n".join(lines)
 
 
@@ -221,8 +223,8 @@ def _loose_preloads(scene: Scene) -> dict[str, str]:
         others = [item for item in connecting(scene) if item is not force and _resists(item, force)]
         if b.body.index not in reached_from(a.body.index, others):
             told[str(force.name)] = (
-                f"{force.kind} {force.name!r}: its tension has no path back, nothing but joint {force.joint.name!r} "
-                f"connects {a.body.name!r} and {b.body.name!r}; add the contact or joint between them that it presses "
+                f"{force.kind} {force.name!r}: its tension has no load path, only joint {force.joint.name!r} connects "
+                f"{a.body.name!r} and {b.body.name!r}; add the contact or joint between them that it presses "
                 "together, or take two interfaces of one body"
             )
     return told

@@ -99,11 +99,11 @@ def probe(path: Path, subject: str, cure: str) -> None:
     try:
         done = subprocess.run([sys.executable, "-I", "-c", _LOOK, str(path)], capture_output=True, timeout=SECONDS)
     except subprocess.TimeoutExpired:
-        raise InputError(f"{subject} is damaged (the HDF5 library does not come back from it); {cure}") from None
+        raise InputError(f"{subject} is damaged (the HDF5 library does not return from it); {cure}") from None
     except OSError:
         return  # no process to be had
     if done.returncode < 0:
-        raise InputError(f"{subject} is damaged (the HDF5 library breaks down on it); {cure}")
+        raise InputError(f"{subject} is damaged (the HDF5 library crashes on it); {cure}")
 
 
 def _dataset(file: Any, path: str) -> Any:
@@ -115,13 +115,13 @@ def _dataset(file: Any, path: str) -> Any:
     if dataset.is_virtual or dataset.external:
         raise InputError(f"{path} lies in another file")
     if dataset.compression not in (None, "gzip"):
-        raise InputError(f"{path} is packed by {dataset.compression}")
+        raise InputError(f"{path} is compressed by {dataset.compression}")
     # a chunk is unpacked as a whole, also where the dataset is a part of it
     stored, numbers = dataset.id.get_storage_size(), max(dataset.size or 0, math.prod(dataset.chunks or (0,)))
     declared = numbers * dataset.dtype.itemsize
     most = stored * (RATIO if dataset.compression else 1)
     if declared > max(most, LEAST) or stored > _size(file):
-        raise InputError(f"{path} declares {declared} bytes, more than the file can hold")
+        raise InputError(f"{path} declares {declared} bytes, more than the file can contain")
     if declared > _memory():
         raise InputError(f"{path} declares {declared} bytes, more than this machine's memory")
     return dataset

@@ -45,7 +45,7 @@ def read_regular(file: Path, most: int = MOST_BYTES) -> bytes:
     with open(file, "rb", buffering=0, opener=lambda name, flags: os.open(name, flags | os.O_NONBLOCK)) as opened:
         found = os.fstat(opened.fileno())
         if not stat.S_ISREG(found.st_mode) or str(file.resolve()).startswith(MADE_UP):
-            raise InputError("is no ordinary file")
+            raise InputError("is not a regular file")
         if found.st_size > most:
             raise InputError(f"has {found.st_size} bytes, more than {most} are not read")
         parts, left = [], found.st_size
@@ -90,9 +90,9 @@ class Budget:
     def read(self, file: Path, depth: int = 0) -> bytes:
         """`read_regular` of `file`, which lies `depth` files deep. Raises `InputError` where the budget ends."""
         if depth > DEEPEST:
-            raise InputError(f"lies more than {DEEPEST} files deep; put the files together")
+            raise InputError(f"lies more than {DEEPEST} files deep; merge the files")
         if self.files_left < 1:
-            raise InputError(f"is one file more than {MOST_FILES} (a file counts each time); put the files together")
+            raise InputError(f"is one file more than {MOST_FILES} (a file counts each time); merge the files")
         content = read_regular(file, self.bytes_left)
         self.files_left -= 1
         self.bytes_left -= len(content)
@@ -160,7 +160,8 @@ def _refuse(target: Path, what: str, overwrite: bool, ours: Callable[[Path], boo
         )
     if not ours(target):
         raise InputError(
-            f"{what}: '{target}' was not written by warpffrf and stays; choose another name, or remove it first"
+            f"{what}: '{target}' was not written by warpffrf and is not replaced; choose another name, or remove it "
+            "first"
         )
 
 

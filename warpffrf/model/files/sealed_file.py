@@ -43,7 +43,7 @@ BLOCK = 1 << 20  # bytes read at once
 TRAILER = struct.Struct("<16sQI4x32s16x16s")
 ARRAYS = b"warpffrf arrays\n"
 HEAD = struct.Struct("<16sQ")
-UNSEALED = "its checksum is missing: it is cut off, another program has changed it, or it is no file of warpffrf"
+UNSEALED = "its checksum is missing: it is truncated, another program has changed it, or it is no file of warpffrf"
 
 
 @contextmanager
@@ -150,7 +150,7 @@ def read_arrays(path: Path, subject: str, cure: str) -> tuple[dict[str, Any], di
             counts = [math.prod(shape) for _, _, shape in entries]
             total = sum(count * kind.itemsize for (_, kind, _), count in zip(entries, counts, strict=True))
             if any(n < 0 for _, _, shape in entries for n in shape) or total != length - HEAD.size - size:
-                raise ValueError("its arrays have other sizes than it says")
+                raise ValueError("its arrays do not have their declared sizes")
             found = {
                 name: np.fromfile(file, kind, count).reshape(shape)
                 for (name, kind, shape), count in zip(entries, counts, strict=True)
@@ -180,7 +180,7 @@ def _type(described: Any) -> np.dtype:
     """The type that `dtype_to_descr` described; JSON knows no tuples."""
     kind = np.lib.format.descr_to_dtype(_fields(described) if isinstance(described, list) else described)
     if kind.hasobject or not kind.itemsize:
-        raise ValueError(f"arrays of {kind} are not kept")
+        raise ValueError(f"arrays of {kind} cannot be stored")
     return kind
 
 

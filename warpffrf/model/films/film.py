@@ -110,7 +110,7 @@ class Film(reprs.Item):
             raise InputError(f"{label}: its feeds hold all nodes of the grid, no film is left; make them smaller")
         if self.cavitation == "jfo" and not self.feeds and not self.ambient_pressure:
             raise InputError(
-                f"{label}: the film would run dry, as oil leaves at its ends and none comes in; give it "
+                f"{label}: the film has no supply, and oil leaves at its ends; give it "
                 "feeds=[films.AxialGroove(theta, width, pressure)], or an ambient_pressure above 0 at the ends"
             )
 
@@ -206,8 +206,8 @@ class Film(reprs.Item):
         if not s or abs(told - s) <= SAME * s:
             return []
         return [
-            f"{self.label}: the heights of its rough walls have the deviation {s:.3g} m together, those of its law of "
-            f"asperities {told:.3g} m"
+            f"{self.label}: the heights of both rough walls have the standard deviation {s:.3g} m, those of its law "
+            f"of asperities {told:.3g} m"
         ]
 
     def _as_degrees(self, degrees: Any) -> tuple[int, ...]:
@@ -289,16 +289,16 @@ class Film(reprs.Item):
             off = f"which reaches from z = {grid.z[0]:.4g} to {grid.z[-1]:.4g} m"
         if off is not None:
             raise InputError(
-                f"{self.label}: feed {number + 1}, the {feed.label}, lies beside the grid of {self.a.label}, {off}; "
-                "place it there"
+                f"{self.label}: feed {number + 1}, the {feed.label}, lies outside the grid of {self.a.label}, {off}; "
+                "move it into the grid"
             )
 
     def _as_form(self, value: Any, name: str, port: SurfacePort) -> Form | None:
         form = as_form(value, f"{self.label}: {name}")
         if form is not None and form.turns and port.surface.shape.profile().planar:
             raise InputError(
-                f"{self.label}: {name} repeats each turn, but {port.label} is a plane; take films.BarrelForm, or "
-                "films.MeasuredForm(..., periodic=False)"
+                f"{self.label}: {name} is periodic around the axis, but {port.label} is a plane; take "
+                "films.BarrelForm, or films.MeasuredForm(..., periodic=False)"
             )
         return form
 
@@ -333,13 +333,15 @@ class Film(reprs.Item):
         names = f"{a.label} and {b.label}"
         if not any(planar) and sides[0] > 0.0 and sides[1] > 0.0:
             raise InputError(
-                f"{label}: {names} are both outsides, and films between rollers are not there yet; take Contact(...), "
-                "or a surface around the other (surfaces.Bore, surfaces.Cup)"
+                f"{label}: {names} are both outer surfaces, and films between rollers are not supported; use "
+                "Contact(...), or a surface around the other (surfaces.Bore, surfaces.Cup)"
             )
         if sides[0] < 0.0 and sides[1] < 0.0:
-            raise InputError(f"{label}: {names} are both insides, which face no gap; one of them must be a shaft")
+            raise InputError(
+                f"{label}: {names} are both inner surfaces, which enclose no gap; one of them must be a shaft"
+            )
         if any(planar) and min(sides) < 0.0:
-            raise InputError(f"{label}: of {names} one is a plane and one an inside, which no thin film fits between")
+            raise InputError(f"{label}: of {names} one is a plane and one an inner surface, which enclose no thin film")
         clearance = self.clearance()
         if clearance is None or any(planar):
             return
@@ -353,8 +355,9 @@ class Film(reprs.Item):
             )
         if clearance > LOOSEST * min(radii):
             raise InputError(
-                f"{label}: {told} do not hug, the clearance is {clearance / min(radii):.2g} of the radius and may be "
-                f"{LOOSEST:g}; bring the radii closer, or take Contact(...): films between rollers are not there yet"
+                f"{label}: {told} are not conformal, the clearance is {clearance / min(radii):.2g} of the radius and "
+                f"may be {LOOSEST:g}; bring the radii closer, or use Contact(...): films between rollers are not "
+                "supported"
             )
 
     def _require_grid(self) -> None:
@@ -383,9 +386,9 @@ def refuse_touching(films: Sequence[Film]) -> None:
             j, k = np.unravel_index(int(np.argmin(gap)), gap.shape)
             theta, z = float(film.theta[j]), float(film.grid.z[k])
             raise InputError(
-                f"{film.label}: {film.a.label} and {film.b.label} overlap at the start by {-gap.min():.3g} m, at theta "
-                f"= {theta:.4g}, z = {z:.4g} of the first; a film begins with a gap everywhere: move a body to where "
-                "there is one, the middle will do (an equilibrium finds its place from there)"
+                f"{film.label}: {film.a.label} and {film.b.label} overlap at the start by {-gap.min():.3g} m, at "
+                f"theta = {theta:.4g}, z = {z:.4g} of the first; a film begins with a gap everywhere: move a body to "
+                "where there is one, for example to the middle, from which an equilibrium is found"
             )
 
 
@@ -402,11 +405,11 @@ def _asperities(value: Any, label: str) -> Law:
     """An asperity law whose pressure begins before the surfaces touch, while a film still exists."""
     law = as_law(value, label, "asperities")
     cure = (
-        "take laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TabulatedLayer with gaps above 0, or leave "
+        "use laws.ExponentialAsperities, laws.GreenwoodTripp, or laws.TabulatedLayer with gaps above 0, or leave "
         "asperities out"
     )
     if law.curve is None:
-        raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film keeps a gap; {cure}")
+        raise InputError(f"{label}: the law {law.kind} has no pressure to a gap, and a film has a gap; {cure}")
     if law.curve.begins >= 0.0:
         raise InputError(
             f"{label}: the law {law.kind} begins where the surfaces touch, and no film is left there; {cure}"

@@ -115,7 +115,7 @@ class Characteristic:
     @cached_property
     def pieces(self) -> Pieces:
         """The pieces that define it."""
-        raise TypeError(f"{type(self).__name__} does not say what its pieces are")
+        raise TypeError(f"{type(self).__name__} does not define its pieces")
 
     @property
     def vanishes(self) -> bool:
@@ -227,7 +227,7 @@ class PowerLaw(Characteristic):
 class ForceTable(Characteristic):
     """Forces over deformation or rate: `points` (n, 2), n >= 2, of x [m, rad, m/s or rad/s], increasing, and F
     [N or N m]; linear between them, or `smooth`. A force at x = 0 is a preload, which no damper may have. Raises
-    `InputError`, of a table that folds over itself with the two points."""
+    `InputError`, of a table that is not monotonic with the two points."""
 
     points: Any
     smooth: bool = False
@@ -241,7 +241,7 @@ class ForceTable(Characteristic):
         if np.any(falls):
             i = int(np.argmax(falls))
             raise InputError(
-                f"ForceTable: the table folds over itself, x must rise from point to point, got {table[i, 0]:g} and "
+                f"ForceTable: the table is not monotonic, x must rise from point to point, got {table[i, 0]:g} and "
                 f"then {table[i + 1, 0]:g} (points {i} and {i + 1}); sort it, and give a jump a little width"
             )
         if not isinstance(self.smooth, (bool, np.bool_)):

@@ -197,7 +197,7 @@ class RevoluteFriction(JointFriction):
         self.bearing_length = self._length(bearing_length, "bearing_length")
         self.preload = self._number(preload, "preload", non_negative=True)
         if not (self.pin_radius or self.thrust_radius or self.preload):
-            raise InputError(f"{self.label}: nothing rubs; give it a pin_radius, a thrust_radius or a preload")
+            raise InputError(f"{self.label}: it has no friction; give it a pin_radius, a thrust_radius or a preload")
         if self.friction.creep_limit > 0.0 and not (self.pin_radius or self.thrust_radius):
             raise InputError(
                 f"{self.label}: the law depends on the velocity of the surfaces, in m/s; give it the pin_radius"

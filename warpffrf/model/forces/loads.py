@@ -77,7 +77,7 @@ class _Concentrated(Force):
         self.name = name
         self.port = as_port(port, f"{label}: port")
         if isinstance(self.port.body, Ground):
-            raise InputError(f"{label}: a {self.what} on the ground does nothing; choose a port of a body")
+            raise InputError(f"{label}: a {self.what} on the ground has no effect; choose a port of a body")
         if frame not in FRAMES:
             raise InputError(f"{label}: frame must be one of {', '.join(FRAMES)}, got {frame!r}")
         self.frame = frame

@@ -30,8 +30,8 @@ def characteristic_notes(
             rate = _feeds(curve)
             if rate is not None:
                 notes.append(
-                    f"force {name!r}: its damping{direction} pushes along with the motion, at {rate:.3g} {unit}/s for "
-                    "one, and gives energy to it instead of taking some"
+                    f"force {name!r}: its damping{direction} acts in the direction of motion, for example at "
+                    f"{rate:.3g} {unit}/s, and adds energy"
                 )
         for what, curves, x, per in (("stiffness", law.elastic, off, ""), ("damping", law.viscous, rates, "/s")):
             for curve, i, direction, unit in _curves(law, curves):
@@ -39,8 +39,8 @@ def characteristic_notes(
                 if len(x_i) and (np.min(x_i) < low or np.max(x_i) > high):
                     notes.append(
                         f"force {name!r}: the table of its {what}{direction} covers {low:.4g} to {high:.4g} "
-                        f"{unit}{per}, the run went from {np.min(x_i):.4g} to {np.max(x_i):.4g}; beyond its ends it "
-                        "was continued straight"
+                        f"{unit}{per}, the run had {np.min(x_i):.4g} to {np.max(x_i):.4g}; beyond its ends it is "
+                        "extrapolated linearly"
                     )
     return notes
 

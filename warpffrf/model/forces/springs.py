@@ -279,7 +279,7 @@ def _directions(
     if not any(isinstance(entry, Characteristic) for entry in entries):
         return matrix_6x6(value, name), (None,) * 6
     if len(entries) != 6:
-        raise InputError(f"{name}: six values are needed, one a direction, got {len(entries)}")
+        raise InputError(f"{name}: six values are needed, one per direction, got {len(entries)}")
     numbers, curves = split([required(entry, f"{name}[{i}]") for i, entry in enumerate(entries)])
     return np.diag(numbers), curves
 
@@ -348,7 +348,7 @@ class BearingSpring(TwoPorts):
             limit = np.sqrt(self.radial * self.tilt)
             raise InputError(
                 f"{label}: radial_tilt {self.radial_tilt:g} must be below the root of radial times tilt, {limit:g} "
-                "N/rad, or some motion meets negative stiffness"
+                "N/rad, otherwise some motion has negative stiffness"
             )
 
     def law(self) -> SpringLaw:
@@ -420,7 +420,9 @@ class JointSpringDamper(Force):
             )
         self.coordinate = joint.coordinate(coordinate)
         if self.coordinate not in free:
-            raise InputError(f"{label}: {joint.label} holds its {self.coordinate}; it leaves free {', '.join(free)}")
+            raise InputError(
+                f"{label}: {joint.label} constrains its {self.coordinate}; it leaves free {', '.join(free)}"
+            )
         self.name = name
         self.joint = joint
         self.stiffness = require_stiffness(stiffness, f"{label}: stiffness")

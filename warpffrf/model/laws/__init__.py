@@ -77,7 +77,7 @@ def as_law(value: Any, label: str, name: str = "law") -> Law:
     are."""
     if isinstance(value, LumpedLaw):
         raise InputError(
-            f"{label}: laws.{type(value).__name__} gives a force against the approach of two rigid bodies; take "
+            f"{label}: laws.{type(value).__name__} gives a force against the approach of two rigid bodies; use "
             "LumpedContact(...) for it, or a law of pressure here"
         )
     if not isinstance(value, Law):
@@ -86,13 +86,13 @@ def as_law(value: Any, label: str, name: str = "law") -> Law:
     curve = value.curve
     if curve is not None and not isinstance(curve, curves.Curve):
         raise InputError(
-            f"{label}: the law {value.kind} has no curve, its `curve` is {curve!r}; return one of laws.curves, or None "
-            "where nothing lies between the surfaces"
+            f"{label}: the law {value.kind} has no curve, its `curve` is {curve!r}; return one of laws.curves, or "
+            "None for no layer between the surfaces"
         )
     if value.chi and (curve is None or not curve.convex):
         raise InputError(
-            f"{label}: the law {value.kind} is damped, which needs a curve whose slope never falls; leave out the "
-            "damping, or take another curve"
+            f"{label}: the law {value.kind} is damped, which requires a curve whose slope never falls; leave out the "
+            "damping, or use another curve"
         )
     return value
 

@@ -11,13 +11,13 @@ mean planes,
 
 with 1/E* = (1 - nu_1^2)/E_1 + (1 - nu_2^2)/E_2, the E' of that paper (not the one of elastohydrodynamics, which is
 twice as large). Asperities are elastic, and far apart: below a gap of about zero the law is an extrapolation. A film
-keeps a gap, so that asperities beside it carry 0.6166 K E* at most.
+maintains a gap, so that asperities parallel to it carry at most 0.6166 K E*.
 
-With v = u + x^2, F = (2 pi)^(-1/2) int x^6 exp(-(u + x^2)^2/2) dx over all x, which the trapezoidal rule has to
+With v = u + x^2, F = (2 pi)^(-1/2) int x^6 exp(-(u + x^2)^2/2) dx over all x, which the trapezoidal rule integrates to
 round-off, and F'' = (15/4) (2 pi)^(-1/2) int x^2 exp(-(u + x^2)^2/2) dx. The curve has straight pieces between `POINTS`
 of its points, as long as s (8 e F/F'')^(1/2), e the same for all: pressures err by e = 4e-5 of themselves, slopes by
-1 %. It goes on straight below the gap -4 s, and ends at a named gap `cut`, where it is shifted to zero; by default
-where F is 1e-6 F(0), about 4.3 s. That is what pressures err by beside.
+1 %. It is extended straight below the gap -4 s, and ends at the gap `cut`, where it is shifted to zero; by default
+where F is 1e-6 F(0), about 4.3 s. The shift adds an equal error to all pressures.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ from warpffrf.model.messages.named_arguments import named_arguments
 
 POINTS = 1000  # of the table
 DEEPEST = 4.0  # deviations that the mean planes overlap by at the last point: F is 36 there, some GPa of steel
-NEGLIGIBLE = 1e-6  # of the pressure at zero gap: what the law is cut at by default
-END = 4.2769  # deviations: where that is
-FARTHEST = 10.0  # deviations: a cut beyond is no cut, F is 1e-24 there
+NEGLIGIBLE = 1e-6  # of the pressure at zero gap: the default cut of the law
+END = 4.2769  # deviations: gap of that pressure
+FARTHEST = 10.0  # deviations: a larger cut has no effect, F is 1e-24 there
 STEP, REACH = 0.02, 4.5  # of x, and where exp(-(x^2 - 4)^2/2) is below round-off: of the integrals
 
 
@@ -72,8 +72,8 @@ class GreenwoodTripp(Law):
     def from_products(
         cls, deviation: float, crowding: float, steepness: float, modulus: float, cut: float | None = None
     ) -> GreenwoodTripp:
-        """By the numbers that are usually told: `crowding` eta beta s, 0.03 to 0.05, and `steepness` s/beta, 1e-4 to
-        1e-2, both without unit; deviation [m], modulus [Pa] and cut [m] as above."""
+        """From the numbers that are usually given: `crowding` eta beta s, 0.03 to 0.05, and `steepness` s/beta, 1e-4 to
+        1e-2, both dimensionless; deviation [m], modulus [Pa] and cut [m] as above."""
         s = require_number(deviation, "GreenwoodTripp: deviation [m]", positive=True)
         product = require_number(
             crowding, "GreenwoodTripp: crowding, density times radius times deviation", positive=True
@@ -83,7 +83,7 @@ class GreenwoodTripp(Law):
 
     @property
     def end(self) -> float:
-        """The gap [m] from which on there is no pressure: `cut`, or what stands for it."""
+        """The gap [m] from which on there is no pressure: `cut`, or its default."""
         return END * self.deviation if self.cut is None else self.cut
 
     @property

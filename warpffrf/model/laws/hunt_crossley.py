@@ -55,7 +55,7 @@ class HuntCrossley(Law):
         object.__setattr__(self, "stiffness", stiffness)
         object.__setattr__(self, "exponent", require_exponent(self.exponent, "HuntCrossley: exponent"))
         if (self.damping is None) == (self.restitution is None):
-            raise InputError("HuntCrossley: give damping, or restitution with the impact_speed it holds at")
+            raise InputError("HuntCrossley: give damping, or restitution with its impact_speed")
         if (self.restitution is None) != (self.impact_speed is None):
             raise InputError("HuntCrossley: restitution and impact_speed belong together")
         if self.damping is not None:

@@ -119,7 +119,7 @@ class Law(ABC):
     @property
     def _given(self) -> Curve:
         if self.curve is None:
-            raise TypeError(f"{self.kind}: nothing lies between the surfaces, there is no pressure to a gap")
+            raise TypeError(f"{self.kind}: without a layer between the surfaces a gap has no pressure")
         return self.curve
 
 
@@ -182,7 +182,7 @@ class NonlinearLayer(Law):
 @dataclass(frozen=True)
 class TabulatedLayer(Law):
     """A layer with tabulated pressures (n,) [Pa] at the gaps (n,) [m], which rise; the pressures must fall strictly and
-    end at zero. Raises `InputError` for a table that folds over itself."""
+    end at zero. Raises `InputError` for a table that is not monotonic."""
 
     gaps: tuple[float, ...]
     pressures: tuple[float, ...]
@@ -197,7 +197,7 @@ class TabulatedLayer(Law):
                 f"{len(pressures)} pressures"
             )
         if len(gaps) > MOST_POINTS:
-            raise InputError(f"TabulatedLayer: at most {MOST_POINTS} points, got {len(gaps)}; thin the table")
+            raise InputError(f"TabulatedLayer: at most {MOST_POINTS} points, got {len(gaps)}; remove points")
         for name, wrong, values in (
             ("gaps must rise", np.diff(gaps) <= 0.0, gaps),
             ("pressures must fall as the gap grows", np.diff(pressures) >= 0.0, pressures),
@@ -205,7 +205,7 @@ class TabulatedLayer(Law):
             if np.any(wrong):
                 i = int(np.argmax(wrong))
                 raise InputError(
-                    f"TabulatedLayer: the table folds over itself, {name} strictly, got {values[i]:g} and then "
+                    f"TabulatedLayer: the table is not monotonic, {name} strictly, got {values[i]:g} and then "
                     f"{values[i + 1]:g} (points {i} and {i + 1})"
                 )
         if pressures[-1] != 0.0:

@@ -52,7 +52,7 @@ def check_orientation(
         if len(twice):
             first = start + int(twice[0])
             raise InputError(
-                f"mesh: {len(twice)} {kind} cell(s) have nodes repeated, the first is {what} "
+                f"mesh: {len(twice)} {kind} cell(s) have repeated nodes, the first is {what} "
                 f"{first if labels is None else labels[first]}; give each corner a node, or write the cell as a wedge "
                 "or tetrahedron"
             )
@@ -114,8 +114,8 @@ def check_distinct(cells: Mapping[str, np.ndarray], labels: np.ndarray | None = 
         if labels is not None:
             first, second = labels[first], labels[second]
         raise InputError(
-            f"mesh: {len(same)} cell(s) stand on the corners of another one, the first are {what} {first} and "
-            f"{second}; remove one of each two"
+            f"mesh: {len(same)} cell(s) have the corners of another one, the first are {what} {first} and {second}; "
+            "remove one of each two"
         )
 
 

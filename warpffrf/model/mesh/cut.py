@@ -53,7 +53,7 @@ def cut(
     """
     label = f"cut {name!r}"
     if not mesh.cells:
-        raise InputError(f"{label}: the body has matrices and no cells; cut it where they were made")
+        raise InputError(f"{label}: the body has matrices and no cells; cut it in the program that wrote them")
     for side in (LOW, HIGH):
         if f"{name}_{side}" in mesh.facet_sets:
             raise InputError(f"{label}: facet set '{name}_{side}' exists already, choose another name")
@@ -73,7 +73,7 @@ def cut(
     doubled = np.setdiff1d(low.node_set, rim)
     if not len(doubled):
         raise InputError(
-            f"{label}: the material around holds all nodes of its {len(low)} faces together; take in more of the "
+            f"{label}: the surrounding material connects all nodes of its {len(low)} faces; include more of the "
             "plane, by a larger radius or cell set"
         )
     return _parted(mesh, name, plane, (low, high), doubled)
@@ -155,8 +155,8 @@ class _Plane:
             return "it has nodes there, but no whole face with a cell on both sides; give a larger radius or cell set"
         return (
             f"the nearest corner of the cells is {abs(self.d[nearest]):.3g} m off the plane, at "
-            f"{_place(self.mesh.points[nearest])} (tolerance {self.limit:.3g} m); a cut goes along faces of cells: "
-            "move the plane onto a layer of them, mesh the body with one there, or raise tolerance"
+            f"{_place(self.mesh.points[nearest])} (tolerance {self.limit:.3g} m); a cut follows faces of cells: move "
+            "the plane onto a layer of them, mesh the body with one there, or raise tolerance"
         )
 
 
@@ -174,8 +174,8 @@ def _parted(mesh: Mesh, name: str, plane: _Plane, faces: tuple[FacetSet, FacetSe
     if after.max() > before.max():
         sizes = ", ".join(str(size) for size in np.bincount(after))
         raise InputError(
-            f"cut {name!r}: it leaves parts of {sizes} cells that nothing holds together, so that a tension would have "
-            "no path back; cut through a part of the body (cells=, radius=), or make two bodies of it"
+            f"cut {name!r}: it leaves parts of {sizes} cells that are not connected, so that a preload would have no "
+            "load path; cut through a part of the body (cells=, radius=), or make two bodies of it"
         )
     sets = {}
     for known, facets in mesh.facet_sets.items():
@@ -187,7 +187,7 @@ def _parted(mesh: Mesh, name: str, plane: _Plane, faces: tuple[FacetSet, FacetSe
     sets |= {f"{name}_{LOW}": faces[0], f"{name}_{HIGH}": faces[1].renumbered(twin)}
     notes = mesh.notes
     if mesh.cyclic is not None:
-        notes = (*notes, f"cut {name!r}: the cut body is not taken for periodic any more")
+        notes = (*notes, f"cut {name!r}: the cut body is no longer treated as periodic")
     points = np.concatenate([mesh.points, mesh.points[doubled]])
     return replace(mesh, points=points, cells=cells, facet_sets=sets, cyclic=None, notes=notes)
 

@@ -64,7 +64,7 @@ class FacetSet:
             place = np.searchsorted(numbers, nodes)
             np.add.at(total, place.ravel(), np.repeat(normal, nodes.shape[1], axis=0))
         length = np.linalg.norm(total, axis=1, keepdims=True)
-        return total / np.where(length > 0.0, length, 1.0)  # facets that look against each other leave none
+        return total / np.where(length > 0.0, length, 1.0)  # opposite facets cancel
 
     def kept(self, mask: np.ndarray) -> FacetSet:
         """The facets for which `mask` (m,) is true, counted through the blocks."""
@@ -82,7 +82,7 @@ def outer_faces(cells: Mapping[str, np.ndarray], inner: Mapping[str, int] | None
 
     With `inner`, only the faces of the first `inner[kind]` cells are returned; the others serve as their neighbours.
     """
-    found: list[tuple[str, np.ndarray, np.ndarray]] = []  # facet kind, faces, and which of them are looked at
+    found: list[tuple[str, np.ndarray, np.ndarray]] = []  # facet kind, faces, and which of them are considered
     keys = []
     for kind, nodes in cells.items():
         for facet, local in cell_kind(kind).faces.items():

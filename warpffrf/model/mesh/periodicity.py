@@ -121,7 +121,7 @@ def required(mesh: Mesh, *, axis_point: Any, axis_direction: Any, sectors: int |
 
 def _detect(mesh: Mesh, point: Array | None, axis: Array | None, count: int | None, whole: Sequence[str]) -> Detection:
     if not mesh.cells or mesh.matrices is not None:
-        raise NotPeriodic("it comes as matrices, whose periodicity is not looked for")
+        raise NotPeriodic("it is given by matrices, whose periodicity is not detected")
     center = mesh.points.mean(axis=0)
     reason: NotPeriodic | None = None
     for direction in _axes(mesh.points - center) if axis is None else [axis]:
@@ -235,9 +235,11 @@ def _orbits(mesh: Mesh, local: Array, N: int, close: float, whole: Sequence[str]
         image = np.asarray(nearest)
         missed = int(np.sum(~np.isfinite(distance)))
         if missed:
-            raise NotPeriodic(f"turned by 1/{N} of a turn, {missed} of {len(which)} nodes looked at meet no other node")
+            raise NotPeriodic(
+                f"rotated by 1/{N} of a revolution, {missed} of {len(which)} tested nodes meet no other node"
+            )
     if np.any(np.bincount(image, minlength=n) != 1):
-        raise NotPeriodic(f"turned by 1/{N} of a turn, two nodes meet the same node")
+        raise NotPeriodic(f"rotated by 1/{N} of a revolution, two nodes meet the same node")
     tag = rng.integers(0, 2**64, n, dtype=np.uint64)
     groups = [(f"{kind} cells", nodes) for kind, nodes in mesh.cells.items()]
     for name in whole:
@@ -250,7 +252,7 @@ def _orbits(mesh: Mesh, local: Array, N: int, close: float, whole: Sequence[str]
     for what, nodes in groups:
         before, after = (np.sort(sums(tags, nodes)) for tags in (tag, tag[image]))
         if not np.array_equal(before, after):
-            raise NotPeriodic(f"turned by 1/{N} of a turn its nodes meet nodes, but not all {what} meet {what}")
+            raise NotPeriodic(f"rotated by 1/{N} of a revolution its nodes meet nodes, but not all {what} meet {what}")
     return Orbits.of(image, N)
 
 
@@ -304,7 +306,9 @@ class Orbits:
         graph = csr_matrix((np.ones(n, dtype=np.int8), image, np.arange(n + 1)), shape=(n, n))
         count, label = connected_components(graph, directed=False)
         if count * N != n or np.any(np.bincount(label) != N):
-            raise NotPeriodic(f"turned by 1/{N} of a turn some nodes come back to themselves before a full turn")
+            raise NotPeriodic(
+                f"rotated by 1/{N} of a revolution some nodes return to their positions before a full revolution"
+            )
         chain = [np.unique(label, return_index=True)[1]]
         for _ in range(N - 1):
             chain.append(image[chain[-1]])

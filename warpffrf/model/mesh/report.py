@@ -89,7 +89,9 @@ class MeshReport:
 
     def __str__(self) -> str:
         size = [b - a for a, b in zip(self.lower, self.upper, strict=True)]
-        cells = ", ".join(f"{count} {kind}" for kind, count in self.cells.items()) or "none, the body comes as matrices"
+        cells = (
+            ", ".join(f"{count} {kind}" for kind, count in self.cells.items()) or "none, the body is given by matrices"
+        )
         lines = [
             f"mesh {self.name or '(unnamed)'}: {self.node_count} nodes, {3 * self.node_count} degrees of freedom",
             f"  cells   {cells}" + (f", in {self.parts} disconnected parts" if self.parts > 1 else ""),
@@ -100,7 +102,7 @@ class MeshReport:
         lines += [
             "  box     " + " x ".join(f"{s:.6g}" for s in size) + " m, from "
             f"({', '.join(f'{x:.6g}' for x in self.lower)}) to ({', '.join(f'{x:.6g}' for x in self.upper)})",
-            f"  volume  {self.volume:.6g} m3" if self.cells else "  volume  not known without cells",
+            f"  volume  {self.volume:.6g} m3" if self.cells else "  volume  unknown without cells",
         ]
         if self.mass is not None and self.center is not None and self.inertia is not None:
             lines.append(f"  mass    {self.mass:.6g} kg, center ({', '.join(f'{x:.6g}' for x in self.center)}) m")
@@ -197,15 +199,15 @@ def _size_warnings(size: Array, mass: float | None) -> list[str]:
     largest = float(np.max(size))
     if not USUAL_SIZE[0] <= largest <= USUAL_SIZE[1]:
         found.append(
-            f"the largest dimension is {largest:.3g} m, outside {USUAL_SIZE[0]:g} to {USUAL_SIZE[1]:g} m: "
-            f"is the length unit right? {'mm' if largest > 1.0 else 'm'} were perhaps taken for "
+            f"the largest dimension is {largest:.3g} m, outside {USUAL_SIZE[0]:g} to {USUAL_SIZE[1]:g} m: is the "
+            f"length unit right? {'mm' if largest > 1.0 else 'm'} were perhaps read as "
             f"{'m, coordinates are in m' if largest > 1.0 else 'mm'}"
         )
     box = float(np.prod(size))
     if mass is not None and box > 0.0 and not BOX_DENSITY <= mass / box <= DENSITIES[1]:
         found.append(
             f"a mass of {mass:.3g} kg in a box of {box:.3g} m3 is {mass / box:.3g} kg/m3, outside {BOX_DENSITY:g} to "
-            f"{DENSITIES[1]:g}: length unit and unit of the density (or of the mass matrix) do not fit together"
+            f"{DENSITIES[1]:g}: length unit and unit of the density (or of the mass matrix) are inconsistent"
         )
     return found
 

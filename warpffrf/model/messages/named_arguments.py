@@ -75,14 +75,14 @@ def misfit(label: str, signature: inspect.Signature, args: Sequence[Any], option
     free = any(p.kind is Parameter.VAR_POSITIONAL for p in parameters)
     if len(args) > len(by_place) and not free:
         by_name = [f"{p.name}=..." for p in parameters if p.kind is Parameter.KEYWORD_ONLY]
-        others = f"; the others go by name: {label}({', '.join([*by_place, *by_name])})" if by_name else ""
-        return f"{label}: {len(args)} arguments were given by place, it takes {_listed(by_place)} so{others}"
+        others = f"; pass the others by name: {label}({', '.join([*by_place, *by_name])})" if by_name else ""
+        return f"{label}: {len(args)} positional arguments were given, it takes {_listed(by_place)}{others}"
     filled = {*by_place[: len(args)], *options}
     missing = [p.name for p in parameters if p.default is Parameter.empty and p.name in known and p.name not in filled]
     if missing:
         return f"{label}: {' and '.join(missing)} must be given; it takes {_listed(known)}"
     twice = [name for name in by_place[: len(args)] if name in options]
-    return f"{label}: {twice[0]} is given twice, by place and by name" if twice else ""
+    return f"{label}: {twice[0]} is given twice, by position and by name" if twice else ""
 
 
 def _listed(names: Sequence[str]) -> str:

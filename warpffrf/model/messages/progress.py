@@ -218,7 +218,7 @@ def terminated_as_interrupted() -> Iterator[None]:
     has come in an earlier such block, which went on."""
     free = _in_main_thread() and signal.getsignal(signal.SIGTERM) == signal.SIG_DFL
     if free and _process:
-        log.error("SIGTERM has ended an earlier run: the process ends here, before another one begins")
+        log.error("SIGTERM stopped an earlier run: the process exits before the next run")
         raise SystemExit(128 + signal.SIGTERM)
     with _handled({signal.SIGTERM: _interrupt} if free else {}):
         yield
@@ -240,7 +240,7 @@ def deferred_interrupts() -> Iterator[Asked]:
         if answer.asked:
             raise KeyboardInterrupt
         answer.asked = True
-        log.warning("interrupted: what is there is being finished first; once more ends at once")
+        log.warning("interrupted: completing the results so far; interrupt again to stop at once")
 
     own = (signal.default_int_handler, _interrupt)
     with _handled(

@@ -142,7 +142,7 @@ def closing_distance(contact: Contact, along: Any, gap: float) -> float:
         else:
             inside = _inside(contact)
             cure = "choose a direction " + (
-                "along which there is room" if inside else "that points from the first body to the second"
+                "along which the body can move" if inside else "that points from the first body to the second"
             )
         raise InputError(f"{label}: moving {how} never brings the gap to {gap:g} m; {cure}")
     return s

@@ -1,19 +1,19 @@
-r"""Where two rigid surfaces are nearest at the initial pose: for laws that need the curvatures there, and for checks.
+r"""Nearest points of two rigid surfaces at the initial pose, for laws that require the curvatures there and for checks.
 
 The least signed distance of the points of one surface from the other is the gap, of surfaces that overlap minus the
-depth. A ball's is that of its centre less its radius; else the places of a chart are tried on a lattice that closes in
-on the best one. The kernels go another way (`warpffrf_kernels.lumped.places`).
+depth. A ball's is that of its centre less its radius; else the points of a chart are searched on a lattice that is
+refined around the best one. The kernels use another method (`warpffrf_kernels.lumped.places`).
 
 With the curvature tensors B of both surfaces there (positive where convex) the gap of points that lie opposite each
 other is g + 1/2 t . (B_1 + B_2) t at the distance t across the normal: the eigenvalues of the sum are the relative
-principal curvatures. A form deviation (`warpffrf.model.surfaces.form_deviations`) adds to the gap at the place;
+principal curvatures. A form deviation (`warpffrf.model.surfaces.form_deviations`) adds to the gap at the point;
 curvatures are those of the ideal surfaces.
 
-Assembly. Which bodies have to move with a body that is shifted, so that the joints between them stay together.
+Assembly. Bodies that move together with a shifted body, so that the joints between them remain closed.
 
-A joint holds some of the directions in which its sides can move apart. Where a shift has a part along one of them, the
-body on the other side goes too, and so on from joint to joint. The ground stays, and so does all that is joined to a
-body that is to stay: the rest of the chain then cannot follow, and the body moves alone.
+A joint constrains some directions of the relative motion of its sides. If a shift has a component along one of them,
+the body on the other side moves too, and so on from joint to joint. The ground is fixed, and so is every body joined to
+a body that must not move: the rest of the chain then cannot follow, and the body moves alone.
 """
 
 from __future__ import annotations
@@ -29,15 +29,15 @@ from warpffrf.model.joints import Joint
 if TYPE_CHECKING:
     from warpffrf.model.scene import Scene
 
-LATTICE = (73, 41)  # places around and along: every 5 degrees
+LATTICE = (73, 41)  # points around and along: every 5 degrees
 FINER = (13, 13)  # of the rounds after the first
-ROUNDS, CLOSER = 24, 3.0  # it closes in by a factor each round: to 1e-11, the gap errs by the square
+ROUNDS, CLOSER = 24, 3.0  # refinement factor per round: to 1e-11; the error of the gap is of second order
 EDGE = 1.0 - 1e-9  # of a crown's radius: its chart ends there
 
 
 @dataclass(frozen=True)
 class Nearest:
-    """The smallest gap [m], negative where the surfaces overlap, the place (3,) [m] in the world, the normal (3,) of
+    """The smallest gap [m], negative where the surfaces overlap, the point (3,) [m] in the world, the normal (3,) of
     the second surface there, and the relative principal curvatures [1/m], the smaller one first."""
 
     gap: float
@@ -47,7 +47,7 @@ class Nearest:
 
 
 def nearest(a: SurfacePort, b: SurfacePort) -> Nearest:
-    """Of two rigid surfaces at the initial pose of their bodies."""
+    """Nearest points of two rigid surfaces at the initial pose of their bodies."""
     x, y, gap = _opposite(a, b)
     gap += _missing(a, x) + _missing(b, y)
     bend = _tensor(a, x) + _tensor(b, y)
@@ -80,7 +80,7 @@ def lamina_gap(roller: SurfacePort, other: SurfacePort, z: np.ndarray, drop: np.
 
 
 def _least(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
-    """Chart coordinates of the place of `one` with the least distance from `other`."""
+    """Chart coordinates of the point of `one` with the least distance from `other`."""
     shape, opposite = one.surface.shape, other.surface.shape
     middle = one.body.to_user(other.body.to_world(opposite.axis_point))
     reach = float(np.linalg.norm(middle - shape.axis_point)) + float(shape.radius) + float(opposite.size)
@@ -109,7 +109,7 @@ def curvatures_on(one: SurfacePort, other: SurfacePort) -> tuple[float, float]:
 
 
 def _opposite(a: SurfacePort, b: SurfacePort) -> tuple[np.ndarray, np.ndarray, float]:
-    """Places (3,) of both ideal surfaces where they are nearest, world, and the gap [m]."""
+    """Nearest points (3,) of both ideal surfaces, world, and the gap [m]."""
     if not is_ball(a) and (is_ball(b) or a.surface.shape.profile().planar):
         y, x, gap = _from(b, a)
         return x, y, gap
@@ -129,7 +129,7 @@ def _from(one: SurfacePort, other: SurfacePort) -> tuple[np.ndarray, np.ndarray,
 
 
 def _missing(port: SurfacePort, x: np.ndarray) -> Any:
-    """Depth [m] of the form deviation of a surface at world places (..., 3), 0 without one."""
+    """Depth [m] of the form deviation of a surface at world points (..., 3), 0 without one."""
     form = port.surface.form
     if form is None:
         return 0.0
@@ -148,7 +148,7 @@ def _normal(port: SurfacePort, x: np.ndarray) -> np.ndarray:
 
 
 def _tensor(port: SurfacePort, x: np.ndarray) -> np.ndarray:
-    """Curvature tensor (3, 3) [1/m] of a surface at its place nearest x, world axes."""
+    """Curvature tensor (3, 3) [1/m] of a surface at its point nearest x, world axes."""
     shape: Any = port.surface.shape
     theta, z, _ = shape.chart(port.body.to_user(x))
     around, along = (_turned(port, direction) for direction in (shape.around(theta), shape.along(theta, z)))
@@ -160,14 +160,14 @@ def _turned(port: SurfacePort, direction: np.ndarray) -> np.ndarray:
     return port.body.to_world(direction) - port.body.position
 
 
-HELD = 1e-9  # of a shift: a part along a direction that is held, more than round-off of typed axes
+HELD = 1e-9  # of a shift: component along a constrained direction, above round-off of typed axes
 
 
 def joined_bodies(scene: Scene, body: Body, stays: Body | Ground, shift: np.ndarray) -> list[Body]:
-    """`body` and those that joints take along when it moves by `shift` (3,) [m], world; `body` alone where joints lead
-    to the one that `stays` as well."""
+    """`body` and those that joints move with it when it moves by `shift` (3,) [m], world; `body` alone if joints
+    connect it to the one that `stays` as well."""
     moved = [body]
-    for one in moved:  # grows as it goes
+    for one in moved:  # extended within the loop
         for joint in scene.joints:
             a, b = (port.body for port in joint.ports)
             other = b if a is one else a if b is one else None
@@ -188,7 +188,7 @@ def holds(joint: Joint, shift: np.ndarray) -> bool:
 
 
 def shift_bodies(scene: Scene, bodies: list[Body], shift: np.ndarray) -> None:
-    """Move `bodies` by `shift` (3,) [m], world, and with them the places of the joints between them."""
+    """Move `bodies` by `shift` (3,) [m], world, and with them the points of the joints between them."""
     for body in bodies:
         body.position = body.position + shift
     for joint in scene.joints:

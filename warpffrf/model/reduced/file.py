@@ -374,7 +374,7 @@ def read_reduced_body(kind: type[Body], path: Path, subject: str | None = None, 
         if _digest(arrays, facts) != expected:
             raise InputError(f"{subject} is damaged (content hash differs); {cure}")
         if content is not None and expected != content:
-            raise InputError(f"{subject} is another body than its name says (content hash differs); {cure}")
+            raise InputError(f"{subject} is not the body of its name (content hash differs); {cure}")
         body = _restore(kind, arrays, facts, report, provenance)
         check_body(body, arrays)
         return body

@@ -124,7 +124,7 @@ def dynamic_modes(
     mass = surface.local_mass
     if mass is None:
         raise InputError(
-            f"contact {surface.name!r}: the reduced body does not hold the mass of its local modes; reduce it with "
+            f"contact {surface.name!r}: the reduced body does not contain the mass of its local modes; reduce it with "
             "local_dynamics=True"
         )
     if count is not None:

@@ -45,7 +45,7 @@ def summary(body: ReducedBodyData) -> str:
         if (points := s.sampling) is not None:
             lines.append(
                 f"  sampling        {name}: {points.count} points between two columns, worst training error "
-                f"{points.training_error:.2g} (wanted {points.wanted_error:g})"
+                f"{points.training_error:.2g} (required {points.wanted_error:g})"
             )
     lines += [_lap(name, s) for name, s in body.laps.items()]
     lines.append(f"  skin            {len(body.surface.points)} points, {len(body.surface.triangles)} triangles")
@@ -129,7 +129,7 @@ def _materials(contact: dict[str, Any]) -> list[str]:
     surfaces: dict[str, list[str]] = {}
     for name, m in contact.items():
         if m is None:
-            text = "none known, made of matrices"
+            text = "unknown, given by matrices"
         else:
             text = f"E {m['youngs_modulus']:.6g} Pa, nu {m['poisson_ratio']:g}, {m['density']:g} kg/m3"
             text = f"{m['name']}, {text}" if m.get("name") else text
@@ -141,10 +141,10 @@ def _inertia_terms(body: ReducedBodyData, terms: InertiaTerms, modes: int) -> st
     """Which modes have them, whether these hold the response to turning, and what stiffens them."""
     text = f"of {'all' if terms.modes == modes else f'the first {terms.modes} of {modes}'} global modes"
     if body.report.get("inertia", {}).get("centrifugal"):
-        text += ", with the static response to turning"
+        text += ", with the static response to rotation"
     if terms.stiffening is None:
         return text
-    text += f", stiffened by {', '.join(['turning', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
+    text += f", stiffened by {', '.join(['rotation', *(f'loads on {n}' for n in terms.stiffening.interfaces)])}"
     forms = terms.stiffening.membrane
     return text if forms is None else f"{text}, membrane energy in {len(forms)} squares"
 
@@ -181,7 +181,7 @@ def _covered(f: dict[str, Any]) -> str:
         )
     asked = [] if f["max_frequency"] is None else [f"max_frequency {f['max_frequency']:.6g} Hz"]
     asked += [] if f["modes_asked"] is None else [f"modes {f['modes_asked']}"]
-    return text + (f" (asked for: {', '.join(asked)})" if asked else "")
+    return text + (f" (requested: {', '.join(asked)})" if asked else "")
 
 
 def _membrane(m: dict[str, Any]) -> str:

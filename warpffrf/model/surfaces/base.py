@@ -173,7 +173,7 @@ class Shape(ABC):
 
     def _wrong_side(self) -> str:
         return (
-            "the facets look away from the free space that this surface has: take an inside form (Bore, Ring, Cup, "
+            "the normals of the facets point to the wrong side of this surface: use an inner form (Bore, Ring, Cup, "
             "ConicalBore) for a surface with the material outside, the others for one with the material inside"
         )
 
@@ -193,7 +193,7 @@ class Shape(ABC):
         object.__setattr__(self, name, same if np.max(np.abs(same - unit)) <= UNIT else unit)
 
     def _unknown(self, what: str) -> InputError:
-        return InputError(f"surface {self.kind}: {what} not known yet; call fitted(points) first")
+        return InputError(f"surface {self.kind}: {what} not determined yet; call fitted(points) first")
 
 
 def _extent(points: np.ndarray) -> float:

@@ -1,7 +1,7 @@
 """Least-squares fit of a surface of revolution with a circular, straight, conical or given profile to points.
 
-Unknown are those of axis point c, axis direction e_a, radius R, tangent t and profile curvature kappa = 1/Rc that are
-not given. The radial residual f = rho - R(z) is made small in the least-squares sense by Gauss-Newton; with e_r the
+Unknowns are axis point c, axis direction e_a, radius R, tangent t and profile curvature kappa = 1/Rc, except those that
+are given. The radial residual f = rho - R(z) is minimised in the least-squares sense by Gauss-Newton; with e_r the
 radial direction of a point, s(z) = kappa z^2 / (1 + w) the drop of the arc, w = sqrt(1 - kappa^2 z^2), and T(z) a drop
 that is known, R(z) = R + t z - s(z) - T(z), the columns of the Jacobian are
 
@@ -27,7 +27,7 @@ from warpffrf.model.errors import InputError
 
 # axis components within this fraction count as equal: the sign of a fitted axis must not follow round-off
 SAME_SIZE = 1e-6
-FIT_STEPS = 60  # Gauss-Newton converges in under 10 steps from a good start; a start that needs more is a wrong axis
+FIT_STEPS = 60  # Gauss-Newton converges in under 10 steps from a good start; more indicate a wrong axis
 FIT_STALLED = 1e-15  # a step of this fraction of R no longer moves anything in float64
 COLUMNS = ("shift_0", "shift_1", "shift_a", "tilt_0", "tilt_1", "radius", "tangent", "curvature")
 Table = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]  # z [m] -> drop [m] and its slope
@@ -47,7 +47,7 @@ class Revolution:
 
     @property
     def placed(self) -> bool:
-        """True where the profile has a middle, so that the place of the axis point along the axis counts."""
+        """True if the profile has a middle, so that the position of the axis point along the axis matters."""
         return self.curvature != 0.0 or self.table is not None
 
 
@@ -98,7 +98,7 @@ def fit_revolution(
             best, best_rms = fit, rms
     if best is None:
         raise InputError(f"surface {kind}: no surface of revolution fits the facets; give radius and axis")
-    if axis_direction is None and table is None:  # a table need not be symmetric: turned round it would be another
+    if axis_direction is None and table is None:  # a table need not be symmetric: reversed it would differ
         axis = signed_axis(best.axis_direction)
         turned = float(np.sign(axis @ best.axis_direction))
         best = replace(best, axis_direction=axis, tangent=turned * best.tangent)
@@ -123,7 +123,7 @@ def reference_direction(e_a: np.ndarray) -> np.ndarray:
 
 
 def signed_axis(e_a: np.ndarray) -> np.ndarray:
-    """The axis with its first largest component positive, so that the same surface always gets the same frame."""
+    """The axis with its first largest component positive, so that the same surface always has the same frame."""
     largest = int(np.flatnonzero(np.abs(e_a) >= (1.0 - SAME_SIZE) * np.max(np.abs(e_a)))[0])
     return e_a if e_a[largest] > 0.0 else -e_a
 
@@ -208,7 +208,7 @@ def _gauss_newton(
         columns = {}
         if free_point:
             columns |= {"shift_0": -e_r @ e_0, "shift_1": -e_r @ e_1}
-            if fit.placed:  # a straight profile has no middle: free the place of the crown once there is curvature
+            if fit.placed:  # a straight profile has no middle: free the position of the crown once there is curvature
                 columns["shift_a"] = slope
         if free_axis:
             lever = -(z + rho * slope)
@@ -237,7 +237,7 @@ def _gauss_newton(
             curvature=kappa + step["curvature"],
             tangent=fit.tangent + step["tangent"],
         )
-        # every step as a length: tilts, tangent and curvature by what they move at a distance R
+        # every step as a length: tilts, tangent and curvature by their displacement at a distance R
         lengths = {"tilt_0": fit.radius, "tilt_1": fit.radius, "tangent": fit.radius, "curvature": fit.radius**2}
         if max(abs(v) * lengths.get(k, 1.0) for k, v in step.items()) <= FIT_STALLED * abs(fit.radius):
             break

@@ -117,7 +117,7 @@ class WornForm(Form):
         _keep_number(self, "width", "[rad]", positive=True)
         if self.width > np.pi:
             raise InputError(
-                f"films.WornForm: width must be at most pi, half a turn to each side, got {self.width:g} rad"
+                f"films.WornForm: width must be at most pi, half a revolution to each side, got {self.width:g} rad"
             )
 
     @property
@@ -151,11 +151,11 @@ class MeasuredForm(Form):
         z = require_array(self.z, "films.MeasuredForm: z [m]", (None,))
         for name, places in (("theta", theta), ("z", z)):
             if not len(places):
-                raise InputError(f"films.MeasuredForm: {name} is empty, one place at least is needed")
+                raise InputError(f"films.MeasuredForm: {name} is empty, at least one point is needed")
             if np.any(wrong := np.diff(places) <= 0.0):
                 i = int(np.argmax(wrong))
                 raise InputError(
-                    f"films.MeasuredForm: {name} must rise, got {places[i]:g} and then {places[i + 1]:g} (places {i} "
+                    f"films.MeasuredForm: {name} must rise, got {places[i]:g} and then {places[i + 1]:g} (points {i} "
                     f"and {i + 1})"
                 )
         values = require_array(self.values, "films.MeasuredForm: values [m]", (None, None))
@@ -166,8 +166,8 @@ class MeasuredForm(Form):
             )
         if self.periodic and theta[-1] - theta[0] >= TURN * (1.0 - 1e-12):
             raise InputError(
-                f"films.MeasuredForm: theta spans {theta[-1] - theta[0]:g} rad, a full turn or more; leave out the "
-                "last place, which is the first again, or take periodic=False on a plane"
+                f"films.MeasuredForm: theta spans {theta[-1] - theta[0]:g} rad, a full revolution or more; leave out "
+                "the last point, which repeats the first, or use periodic=False on a plane"
             )
         for name, array in (("theta", theta), ("z", z), ("values", values)):
             object.__setattr__(self, name, array)
@@ -269,8 +269,8 @@ class RoundForm:
         profile = shape.profile()
         if profile.planar or profile.spherical:
             raise InputError(
-                f"{label}: form: a {shape.kind} has no axis that a form deviation could go around; give it to a "
-                "raceway or another surface of revolution"
+                f"{label}: form: a {shape.kind} has no axis of revolution for a form deviation; give it to a raceway "
+                "or another surface of revolution"
             )
         theta = np.linspace(0.0, TURN, 64, endpoint=False)
         ends = [found.form(theta, z) for z in (-shape.radius, 0.0, shape.radius)]
@@ -278,14 +278,15 @@ class RoundForm:
         if np.ptp(ends, axis=0).max() > AGREES * size or not found.form.turns:
             raise InputError(
                 f"{label}: form: {found.form.kind} changes along the axis, or does not close around it; a lumped "
-                "contact takes waves around, films.LobedForm, films.WornForm, or films.MeasuredForm with one z"
+                "contact supports waves around the axis, films.LobedForm, films.WornForm, or films.MeasuredForm with "
+                "one z"
             )
         middle = (np.arange(STEPS) + 0.5) * TURN / STEPS
         off = np.abs(found.at(middle + found.start)[0] - _curve(found.form, middle)).max()
         if off > AGREES * size:
             raise InputError(
-                f"{label}: form: {found.form.kind} has waves too short or edges too sharp, {STEPS} places around miss "
-                f"it by {off:.3g} m; take fewer waves"
+                f"{label}: form: {found.form.kind} has waves too short or edges too sharp, {STEPS} points around have "
+                f"an error of {off:.3g} m; use fewer waves"
             )
         return found
 
@@ -324,8 +325,8 @@ def refuse_form(port: Any, label: str) -> None:
     """Raises `InputError` for a surface whose form deviation would be left out."""
     if port.surface.form is not None:
         raise InputError(
-            f"{label}: {port.label} has a form deviation, which only lumped contacts see; leave it out, or give a film "
-            "its own, Film(..., form_a=...)"
+            f"{label}: {port.label} has a form deviation, which only lumped contacts support; leave it out, or give a "
+            "film its own, Film(..., form_a=...)"
         )
 
 

@@ -111,7 +111,7 @@ class Plane(Shape):
                 )
             if normals is None:
                 raise InputError(
-                    f"surface {self.kind}: nodes alone do not tell which side the material is on; give outward, the "
+                    f"surface {self.kind}: nodes alone do not determine the side of the material; give outward, the "
                     "normal away from the material"
                 )
             outward = directions[2] if np.mean(normals @ directions[2]) > 0.0 else -directions[2]
@@ -137,5 +137,7 @@ class Plane(Shape):
 
     def _known(self) -> tuple[np.ndarray, np.ndarray]:
         if self.origin is None or self.outward is None:
-            raise InputError(f"surface {self.kind}: origin and outward are not known yet; call fitted(points) first")
+            raise InputError(
+                f"surface {self.kind}: origin and outward are not determined yet; call fitted(points) first"
+            )
         return self.origin, self.outward

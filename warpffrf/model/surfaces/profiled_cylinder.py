@@ -20,7 +20,7 @@ Logarithmic profile (Lundberg 1939; the form with a finite end is that of Fujiwa
 of a roller that a load Q presses on a straight partner, A = Q/(pi L E*) with 1/E* the sum of (1 - nu^2)/E gives a
 pressure without edges in the limit of a large end drop e. Its slope is closed too, 4 A (exp(e/A) - 1)/L at the ends.
 
-Refused: z that does not increase, so that the profile folds over itself; a slope above 80 degrees; a drop of more than
+Refused: z that does not increase, so that the profile is not monotonic; a slope above 80 degrees; a drop of more than
 the radius; a hollow so narrow that normals of the profile cross within its own depth, curvature times depth above 1:
 its points would then be nearest to several points.
 """
@@ -130,7 +130,7 @@ class RevolutionShape(Shape):
 
     def _known(self) -> tuple[float, np.ndarray, np.ndarray]:
         if self.radius is None or self.axis_point is None or self.axis_direction is None:
-            raise InputError(f"surface {self.kind}: radius and axis are not known yet; call fitted(points) first")
+            raise InputError(f"surface {self.kind}: radius and axis are not determined yet; call fitted(points) first")
         return self.radius, self.axis_point, self.axis_direction
 
     def _completed_arc(self, points: np.ndarray, name: str, sign: float, flat: str) -> Any:
@@ -151,7 +151,7 @@ class RevolutionShape(Shape):
     def _arc(self, name: str, sign: float) -> float:
         """Rc [m], signed, of the field `name`."""
         if getattr(self, name) is None:
-            raise InputError(f"surface {self.kind}: {name} is not known yet; call fitted(points) first")
+            raise InputError(f"surface {self.kind}: {name} is not determined yet; call fitted(points) first")
         return sign * getattr(self, name)
 
 
@@ -222,7 +222,7 @@ class ProfiledCylinder(RevolutionShape):
         except InputError:
             raise InputError(
                 f"{label} end_drop {e:g} m is too much for an amplitude of {A:g} m: the ends are sharper than the "
-                f"{LOGARITHMIC_NODES} places of the table can follow; take a smaller end_drop or a greater amplitude"
+                f"{LOGARITHMIC_NODES} points of the table can represent; use a smaller end_drop or a greater amplitude"
             ) from None
         return cls(radius=radius, table=table, **others)
 
@@ -270,11 +270,11 @@ class ProfiledCylinder(RevolutionShape):
     def _check_table(self, table: np.ndarray) -> None:
         label, z, drop = f"surface {self.kind}: table", table[0], table[1]
         if len(z) < 2:
-            raise InputError(f"{label} needs at least two places")
+            raise InputError(f"{label} requires at least two points")
         if not np.all(np.diff(z) > 0.0):
             k = int(np.flatnonzero(np.diff(z) <= 0.0)[0])
             raise InputError(
-                f"{label} folds over itself: z must increase, but entry {k + 2} is {z[k + 1]:g} m after {z[k]:g} m; "
+                f"{label} is not monotonic: z must increase, but entry {k + 2} is {z[k + 1]:g} m after {z[k]:g} m; "
                 "sort it, or leave the entry out"
             )
         meridian = SurfaceProfile(False, self.side, 0.0, 0.0, 0.0, *self._piecewise)
@@ -292,7 +292,7 @@ class ProfiledCylinder(RevolutionShape):
         worst = int(np.argmax(hollow))
         if hollow[worst] * depth > 1.0:
             raise InputError(
-                f"{label} folds over itself: near z = {at[worst]:g} m its hollow has a radius of "
+                f"{label} intersects itself: near z = {at[worst]:g} m its hollow has a radius of "
                 f"{1.0 / hollow[worst]:.3g} m, less than the depth of the profile, {depth:.3g} m, so that its normals "
                 "cross; smooth the table there"
             )

@@ -136,7 +136,7 @@ class Cone(RevolutionShape):
 
     def profile(self) -> SurfaceProfile:
         if self.half_angle is None:
-            raise InputError(f"surface {self.kind}: half_angle is not known yet; call fitted(points) first")
+            raise InputError(f"surface {self.kind}: half_angle is not determined yet; call fitted(points) first")
         return replace(super().profile(), tangent=float(np.tan(self.half_angle)))
 
     def _completed(self, points: np.ndarray, normals: np.ndarray | None) -> Any:

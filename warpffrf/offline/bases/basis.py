@@ -53,7 +53,7 @@ class Basis(ABC):
         accept."""
         for name, value in (("max_frequency", max_frequency), ("modes", modes)):
             if value is not None and name not in self.takes:
-                raise InputError(f"basis {self.kind!r} has no use for {name}; {self.cure}")
+                raise InputError(f"basis {self.kind!r} does not use {name}; {self.cure}")
 
     def describe(self) -> dict[str, Any]:
         """Plain data that identifies this basis: JSON, for provenance and the cache. Arrays by their hash."""

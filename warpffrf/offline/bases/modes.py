@@ -312,7 +312,7 @@ class BasisProblem:
         most = self.elastic_dofs if available is None else available
         if wanted > most:
             raise InputError(
-                f"basis {kind!r}: {wanted} {what} are more than the model has ({most}); ask for fewer, or refine the "
+                f"basis {kind!r}: {wanted} {what} are more than the model has ({most}); request fewer, or refine the "
                 "mesh"
             )
 

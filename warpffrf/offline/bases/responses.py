@@ -187,7 +187,7 @@ class Balanced(ModalBasis):
         else:
             wanted = limits.count
             if wanted > able:
-                notes.append(f"modes={wanted}: only {able} balanced directions are above round-off, these are taken")
+                notes.append(f"modes={wanted}: only {able} balanced directions are above round-off, these are used")
         kept = directions[:, : min(wanted, able)]
         bound = 2.0 * float(hankel[2 * kept.shape[1] :].sum()) / largest
         facts = {
@@ -368,7 +368,7 @@ class POD(Basis):
         self._below_one("tolerance")
         if self.snapshots is not None:
             if self.frequencies is not None:
-                raise InputError("basis 'pod': snapshots are given, frequencies have no use; give one of them")
+                raise InputError("basis 'pod': snapshots are given, frequencies are not used; give one of them")
             try:
                 X = np.array(self.snapshots, dtype=np.float64)
             except (TypeError, ValueError):
@@ -378,7 +378,7 @@ class POD(Basis):
             if X.ndim != 2 or len(X) % 3 or not X.size:
                 raise InputError(f"basis 'pod': snapshots must have shape (nodes, 3, t) or (3 nodes, t), got {X.shape}")
             if not np.all(np.isfinite(X)):
-                raise InputError("basis 'pod': snapshots hold NaN or infinite numbers")
+                raise InputError("basis 'pod': snapshots contain NaN or infinite numbers")
             X.setflags(write=False)
             object.__setattr__(self, "snapshots", X)
         if self.frequencies is not None:
@@ -398,8 +398,8 @@ class POD(Basis):
             )
         if max_frequency is None and self.snapshots is None and self.frequencies is None:
             raise InputError(
-                "basis 'pod': give bases.POD(snapshots=...), bases.POD(frequencies=...) or max_frequency, so that it "
-                "is known what responses it shall hold"
+                "basis 'pod': give bases.POD(snapshots=...), bases.POD(frequencies=...) or max_frequency, which "
+                "define the responses that it contains"
             )
 
     def columns(self, problem: BasisProblem) -> RawBasis:
@@ -414,12 +414,12 @@ class POD(Basis):
             if len(self.snapshots) != 3 * len(problem.system.points):
                 raise InputError(
                     f"basis 'pod': snapshots are of {len(self.snapshots) // 3} nodes, the mesh has "
-                    f"{len(problem.system.points)}; take them from the same mesh, in its numbering"
+                    f"{len(problem.system.points)}; use those of the same mesh, in its numbering"
                 )
             given = problem.system.from_nodes(self.snapshots)
             X = problem.model.without_rigid(given)
             if _mass_norm(problem, X) <= RIGID * _mass_norm(problem, given):
-                raise InputError("basis 'pod': the snapshots hold rigid motion only; give some of the deformed body")
+                raise InputError("basis 'pod': the snapshots contain rigid motion only; give some of the deformed body")
         M = problem.model.M
         values, W = np.linalg.eigh(X.T @ (M @ X))
         values, W = np.maximum(values[::-1], 0.0), W[:, ::-1]
@@ -431,7 +431,7 @@ class POD(Basis):
         else:
             kept = min(problem.limits.count, able)
             if kept < problem.limits.count:
-                notes.append(f"modes={problem.limits.count}: the snapshots hold {able} directions, these are taken")
+                notes.append(f"modes={problem.limits.count}: the snapshots span {able} directions, these are used")
         facts |= {"snapshots": X.shape[1], "pod_vectors": kept, "snapshots_left_out": float(rest[kept])}
         return RawBasis(X @ (W[:, :kept] / np.sqrt(values[:kept])), notes=notes, facts=facts)
 

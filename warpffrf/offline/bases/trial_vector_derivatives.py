@@ -210,7 +210,7 @@ class TrialVectorDerivatives(ModalBasis):
         base = np.concatenate([problem.unit_loads()[1], V], axis=1)
         if not base.shape[1]:
             raise InputError(
-                f"basis {self.kind!r}: there is no mode to take derivatives of; name interfaces, or give modes or "
+                f"basis {self.kind!r}: there is no mode to differentiate; name interfaces, or give modes or "
                 "max_frequency"
             )
         found = joint_modes(
@@ -222,7 +222,7 @@ class TrialVectorDerivatives(ModalBasis):
             ("normal", "tangential"), (self.normal, self.tangential), found.taken, strict=True
         ):
             if taken < wanted:
-                notes.append(f"{what}={wanted}: the derivatives hold {taken} directions, these are taken")
+                notes.append(f"{what}={wanted}: the derivatives span {taken} directions, these are used")
         facts = {
             "vibration_modes": len(omega),
             "node_pairs": len(pairs.area),

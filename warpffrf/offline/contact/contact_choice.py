@@ -140,8 +140,8 @@ def depth_warning(name: str, depth: float, ratio: float) -> str | None:
         return None
     return (
         f"contact {name!r}: the first layer of nodes lies {depth:.3g} m behind the surface, {ratio:.3g} spacings of "
-        f"the contact grid, where at most {DEEPEST:g} is good: patches come out too narrow and their pressure too "
-        "high; grade the mesh towards the surface (mesh.roller: leave grading out, or more layers), or use "
+        f"the contact grid, where at most {DEEPEST:g} is admissible: patches come out too narrow and their pressure "
+        "too high; grade the mesh towards the surface (mesh.roller: leave grading out, or more layers), or use "
         f"traction_spacing >= {depth / DEEPEST:.3g} m"
     )
 

@@ -386,12 +386,19 @@ class GridChoice:
             kept = self.error is None or self.error <= self.wanted_error
             if kept or behind <= 0.5 * self.wanted_error:  # the remaining error is due to a spacing that was rounded up
                 return None
-            return f"{wanted} is not kept: the cells behind the surface alone err by about {behind:.2g}; {FINER_BEHIND}"
-        left = "is larger than the half-width" if self.error is None else f"keeps it below {self.error:.2g} only"
+            return (
+                f"{wanted} is not achieved: the cells behind the surface alone cause an error of about "
+                f"{behind:.2g}; {FINER_BEHIND}"
+            )
+        left = "is larger than the half-width" if self.error is None else f"achieves {self.error:.2g} only"
         return (
-            f"{wanted} needs a contact grid of {self.wanted_spacing:.3g} m, finer than the mesh can carry; its "
+            f"{wanted} needs a contact grid of {self.wanted_spacing:.3g} m, finer than the mesh allows; its "
             f"{self.spacing:.3g} m {left}; refine the surface mesh"
-            + (f", and behind it, where the cells err by about {behind:.2g}" if behind > self.wanted_error else "")
+            + (
+                f", and behind it, where the cells cause an error of about {behind:.2g}"
+                if behind > self.wanted_error
+                else ""
+            )
         )
 
 

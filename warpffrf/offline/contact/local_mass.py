@@ -216,8 +216,8 @@ def check_compliance(window: np.ndarray, name: str, edge: float, held: str = "")
 def _require_finite(ratio: float, name: str) -> None:
     if np.isnan(ratio):
         raise InputError(
-            f"contact {name!r}: functions of its grid have no area on the facets, or no finite one: the shape does not "
-            "belong to them; give another shape in reduce(contact=...), or None to have one found"
+            f"contact {name!r}: functions of its grid have no area on the facets, or no finite one: the shape does "
+            "not belong to them; give another shape in reduce(contact=...), or None for a fitted one"
         )
 
 

@@ -83,9 +83,9 @@ def axial_warning(name: str, error: float) -> str | None:
     if error <= WORTH_A_WORD:
         return None
     return (
-        f"contact {name!r}: there are few cells along the axis for a nearly incompressible material: the line load in "
-        f"the middle may err by about {error:.0%}; give the mesh more of them (mesh.roller: axial=, six quadratic "
-        "cells or twelve linear ones)"
+        f"contact {name!r}: there are few cells along the axis for a nearly incompressible material: the error of the "
+        f"line load in the middle may be about {error:.0%}; give the mesh more of them (mesh.roller: axial=, six "
+        "quadratic cells or twelve linear ones)"
     )
 
 

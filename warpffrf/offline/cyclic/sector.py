@@ -91,14 +91,14 @@ def periodicity_fault(mesh: Mesh, whole_sets: list[str], assignment: Assignment 
     x, y, z = local[0].T
     error = np.abs(np.stack([c * x - s * y, s * x + c * y, np.broadcast_to(z, (N, nn))], axis=2) - local)
     if float(error.max()) > PERIODIC * size:
-        return f"nodes of turned sectors differ by {error.max():.3g} m"
+        return f"nodes of rotated sectors differ by {error.max():.3g} m"
     shift = nn * np.arange(N)[:, None, None]
     for kind, nodes in mesh.cells.items():
         cells = nodes.reshape(N, -1, nodes.shape[1])
         if cells[0].max() >= 2 * nn:
             return f"{kind} cells of sector 0 reach beyond sector 1"
         if not np.array_equal((cells[0][None] + shift) % n, cells):
-            return f"{kind} cells of the sectors are not numbered alike"
+            return f"{kind} cells of the sectors have different numberings"
         parts = None if assignment is None else assignment.of_cell[kind].reshape(N, -1)
         if parts is not None and np.any(parts != parts[0]):
             return "the materials differ from sector to sector"

@@ -71,12 +71,12 @@ class Checkpoint:
             self._drop("belongs to other settings or another solver")
         else:
             if end < size:
-                logger.warning("work file %s: damaged behind %d parts, those are used", self.path, len(records) - 1)
+                logger.warning("work file %s: damaged after %d parts, those are used", self.path, len(records) - 1)
                 with self.path.open("r+b") as file:
                     file.truncate(end)
             self._records, self._waiting = records, {}
             self.found = len(records) - 1
-            logger.info("going on with %d finished parts of %s", self.found, self.path)
+            logger.info("continuing with %d finished parts of %s", self.found, self.path)
 
     def get(self, name: str) -> dict[str, Array] | None:
         """Arrays of part `name`, None if it is not finished."""
@@ -87,7 +87,7 @@ class Checkpoint:
         try:
             return self._read(*self._records[name])
         except UNREADABLE as error:  # checked when found, so the file has changed since
-            logger.warning("work file %s: part %r cannot be read (%s), it is made again", self.path, name, error)
+            logger.warning("work file %s: part %r cannot be read (%s), it is recomputed", self.path, name, error)
             del self._records[name]
             return None
 
@@ -115,7 +115,9 @@ class Checkpoint:
             self._file.flush()
             os.fsync(self._file.fileno())
         except OSError as error:
-            logger.warning("work file %s cannot be written, an interrupted run starts anew: %s", self.path, error)
+            logger.warning(
+                "work file %s cannot be written, an interrupted run restarts from the beginning: %s", self.path, error
+            )
             self.path = None
             return
         self._waiting = {}
@@ -145,18 +147,18 @@ class Checkpoint:
         if isinstance(error, KeyboardInterrupt) and self.path is not None and len(self._records) > 1:
             raise KeyboardInterrupt(
                 f"interrupted; {len(self._records) - 1} finished parts are kept in {self.path}: call reduce with the "
-                "same input to go on from there"
+                "same input to continue from there"
             ) from error
 
     def _read(self, start: int, length: int) -> dict[str, Array]:
         if self.path is None:
-            raise OSError("the work file was given up")
+            raise OSError("the work file was abandoned")
         with self.path.open("rb") as file:
             file.seek(start)
             return _unpacked(file.read(length))
 
     def _drop(self, reason: str) -> None:
-        logger.warning("work file %s %s: dropped, the reduction starts anew", self.path, reason)
+        logger.warning("work file %s %s: dropped, the reduction restarts from the beginning", self.path, reason)
         if self.path is not None:
             try:
                 self.path.unlink(missing_ok=True)

@@ -49,5 +49,5 @@ def require_observers(observers: Sequence[Observer], node_count: int) -> None:
         if observer.operator.shape[1] != 3 * node_count:
             raise InputError(
                 f"observer {observer.name!r}: the operator has {observer.operator.shape[1]} columns, the mesh "
-                f"{3 * node_count} dofs; make the observer for this mesh"
+                f"{3 * node_count} dofs; create the observer for this mesh"
             )

@@ -74,12 +74,12 @@ def membrane_terms(
     count = min(MODES, covered) if modes is None else modes
     if not covered:
         raise InputError(
-            "stiffening='membrane': a membrane basis without bending modes: the body has no modes with inertia terms; "
-            "ask for some (modes=, max_frequency=, inertia_modes=)"
+            "stiffening='membrane': a membrane basis without bending modes: the body has no modes with inertia "
+            "terms; request some (modes=, max_frequency=, inertia_modes=)"
         )
     if count > covered:
         raise InputError(
-            f"reduce: membrane_modes={count}, of a body with {covered} modes that have inertia terms; ask for fewer, "
+            f"reduce: membrane_modes={count}, of a body with {covered} modes that have inertia terms; request fewer, "
             "or raise modes and inertia_modes"
         )
     scale = omega[:count]
@@ -118,18 +118,18 @@ def membrane_terms(
 def membrane_notes(facts: Mapping[str, Any], mesh: Mesh) -> tuple[list[str], list[str]]:
     """Notes and warnings on the `facts` of membrane terms."""
     moved = (
-        f"second-order motion on {facts['shapes']} shapes, what is left out is below {facts['motion_left_out']:.2g} of "
-        "the largest; its inertia is neglected"
+        f"second-order motion on {facts['shapes']} shapes, the truncation error is below "
+        f"{facts['motion_left_out']:.2g} of the largest; its inertia is neglected"
     )
     notes = [
-        f"stiffening='membrane': {facts['rank']} squares for {facts['pairs']} products of {facts['modes']} modes, what "
-        f"is left out is below {facts['truncation']:.2g} of the largest membrane energy; {moved}"
+        f"stiffening='membrane': {facts['rank']} squares for {facts['pairs']} products of {facts['modes']} modes, the "
+        f"truncation error is below {facts['truncation']:.2g} of the largest membrane energy; {moved}"
     ]
     if not facts["rank"]:
         notes = [
             f"stiffening='membrane': the motion of the body relieves all but {1.0 - facts['relieved']:.2g} of its "
-            "membrane strain, no membrane energy is kept; stiffening=True does the same for less, but for pictures; "
-            f"{moved}"
+            "membrane strain, no membrane energy is kept; stiffening=True is equivalent at less cost, except for "
+            f"pictures; {moved}"
         ]
     linear = [kind for kind in mesh.cells if kind in LOCKING]
     warnings = [
@@ -151,8 +151,8 @@ def _require_bending(mesh: Mesh, assignment: Assignment, kappa: Array) -> float:
         linear = [kind for kind in mesh.cells if kind in LOCKING]
         locking = f"use quadratic cells, as {', '.join(linear)} cells lock in bending, " if linear else ""
         raise InputError(
-            f"stiffening='membrane': a membrane basis without bending modes: stretching counts in none of the first "
-            f"{len(kappa)} modes below a strain of {least:.2g}; {locking}ask for more vibration modes "
-            "(modes=, membrane_modes=), or leave stiffening='membrane' out for a body that does not bend"
+            "stiffening='membrane': a membrane basis without bending modes: stretching is significant in none of the "
+            f"first {len(kappa)} modes below a strain of {least:.2g}; {locking}request more vibration modes (modes=, "
+            "membrane_modes=), or leave stiffening='membrane' out for a body that does not bend"
         )
     return least

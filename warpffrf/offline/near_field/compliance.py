@@ -429,8 +429,8 @@ def _deviation(shape: Any) -> float:
 
 def _too_large(f: NearFunctions) -> InputError:
     return InputError(
-        f"its facets ({f.edge:.3g} m) are too large beside the curvature of the surface to lay those around a "
-        "place flat; use three or more cells on the radius"
+        f"its facets ({f.edge:.3g} m) are too large compared with the radius of the surface to be treated as plane; "
+        "use three or more cells on the radius"
     )
 
 

@@ -105,15 +105,14 @@ def find_far_field(
     ends, notes = free_ends(mesh, name, shape, grid, functions.edge)
     if tangential is not None and cells is None:
         notes.append(
-            f"contact {name!r}: a contact-fixed grid knows normal pressures only, its tangential tractions are "
+            f"contact {name!r}: a contact-fixed grid supports normal pressures only, its tangential tractions are "
             f"{tangential.grid.kind}; use tangential='cells'"
         )
     if ends and cells is not None:
         notes.append(
             f"contact {name!r}: under friction within about a spacing of the contact grid ({functions.spacing:.3g} m) "
-            "from its ends a contact-fixed grid is less accurate: there the half-space knows tangential tractions by "
-            "their "
-            "mirror images, not what a free end adds to them"
+            "from its ends a contact-fixed grid is less accurate: there tangential tractions are corrected by their "
+            "mirror images only, not by the full effect of a free end"
         )
     quarter = None
     if ends:
@@ -162,7 +161,7 @@ def find_far_field(
 def _far_tangential(own: Tangential, near: NearTangential | None, hats: FarSplines) -> FarTangential:
     """Remainder of the `own` compliance of cells without the half-space; `hats`: the splines of normal loads."""
     if near is None:
-        raise TypeError("the half-space was not asked for tangential tractions")
+        raise TypeError("the half-space was not computed for tangential tractions")
     cells = FarSplines(own.grid, hats.shape, hats.turn)
     lags_nt = cells.sources(hats.targets(own.lags_nt - near.lags_nt), directions=2)
     return FarTangential(cells.compliance(own.lags_tt - near.lags_tt, directions=2), lags_nt, near.asymmetry)
@@ -193,13 +192,14 @@ def _thin_wall(
     if ends > error:
         return error + ends, (
             f"contact {name!r}: facets are {along:.3g} m long along the surface, and the wall behind it is "
-            f"{thickness:.3g} m thick: what such cells make of its free ends is about {ends:.1%} of the force at a "
-            "given approach; use more cells along"
+            f"{thickness:.3g} m thick: such cells cause an error at its free ends of about {ends:.1%} of the force at "
+            "a given approach; use more cells along"
         )
     return error + ends, (
         f"contact {name!r}: the wall behind it is {thickness:.3g} m thick, {thickness / edge:.2g} facet edges, and "
-        f"{'linear' if degree == 1 else 'quadratic'} cells make it err: forces at a given approach by about "
-        f"{min(error, 1.0):.0%} where it is held inside; use shorter facets{' or quadratic cells' * (degree == 1)}"
+        f"{'linear' if degree == 1 else 'quadratic'} cells cause an error: forces at a given approach deviate by "
+        f"about {min(error, 1.0):.0%} where it is held inside; use shorter "
+        f"facets{' or quadratic cells' * (degree == 1)}"
     )
 
 

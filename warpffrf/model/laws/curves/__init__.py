@@ -1,12 +1,12 @@
-"""Curves of pressure against depth that laws are made of.
+"""Curves of pressure against depth, of which laws are composed.
 
-    Straight       p = k d, a constant yield
+    Straight       p = k d, constant compliance
     Power          p = k d^n
     Exponential    p = p_0 exp(d/lambda), cut at a gap
     Table          straight between points
 
-A law names its curve (`warpffrf.model.laws.layers`). A new form is one file here, one in `warpffrf_kernels.layers`, and
-its line in `layer_laws.FORMS`.
+A law names its curve (`warpffrf.model.laws.layers`). A new form requires a module here, one in
+`warpffrf_kernels.layers`, and a line in `layer_laws.FORMS`.
 """
 
 from __future__ import annotations

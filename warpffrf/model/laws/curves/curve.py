@@ -1,17 +1,17 @@
-r"""What a curve of pressure against depth tells its readers.
+r"""Interface of a curve of pressure against depth.
 
-p = P(d) rises from zero at the depth `begins`, negative for a layer that reaches out, and holds the energy W(d) =
-int P dd. The separated solver wants the inverse y = P^-1 and has it on the device, by the *form* of the curve and its
+p = P(d) rises from zero at the depth `begins`, negative for a layer that reaches out, and stores the energy W(d) =
+int P dd. The separated solver requires the inverse y = P^-1, evaluated on the device by the *form* of the curve and its
 numbers (`warpffrf_kernels.layers.layer_laws.FORMS`). Checks on the host and references of the tests use the methods
-below, which share no code with that. P must rise strictly, with a slope that is nowhere zero: curves whose slope would
-vanish at touch are shifted by a depth far below any of use, and say so.
+below, which share no code with the device. P must rise strictly, with a slope that is nowhere zero: curves whose slope
+would vanish at touch are shifted by a negligible depth, which their description states.
 
-Straight. A straight line through touch, p = k d: its yield p/k is a constant.
+Straight. A straight line through touch, p = k d, with the constant compliance 1/k.
 
 Power. The power of a depth, p = k d^n, with a slope that does not vanish at touch.
 
 For n > 1 the slope n k d^(n-1) is zero at d = 0: the inverse y(p) = (p/k)^(1/n) has an infinite one there, which no
-compliance can hold. The power is taken of a depth that begins at `SHIFT` instead,
+compliance can represent. The power is taken of a depth that begins at `SHIFT` instead,
 
     P(d) = k [(d + e)^n - e^n],      e = SHIFT,
     W(d) = k {[(d + e)^(n+1) - e^(n+1)]/(n + 1) - e^n d},
@@ -30,7 +30,7 @@ The curve is shifted to zero at its end,
 so that the pressure errs by eps p_0.
 
 Table. Points with straight pieces between them: pressure, slope and energy follow from the table alone, and nothing
-overshoots it. The last piece goes on.
+overshoots it. The last piece is extended.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ from warpffrf.model.errors import InputError, require_number
 
 
 class Curve(ABC):
-    """A curve p = P(d). Depths d [m] of any shape; what is below `begins` has no pressure.
+    """A curve p = P(d). Depths d [m] of any shape; below `begins` there is no pressure.
 
-    form: its name on the device. compliance [m/Pa]: yield of a straight line through touch, which is a constant and
-    part of the bodies' compliance; 0 of all others. e_folding [m]: the depth over which the pressure grows by the
+    form: its name on the device. compliance [m/Pa]: of a straight line through touch, which is constant and part of
+    the bodies' compliance; 0 of all others. e_folding [m]: the depth over which the pressure grows by the
     factor e, of curves that are exponentials; else 0. convex: whether its slope never falls.
     """
 
@@ -63,7 +63,7 @@ class Curve(ABC):
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """What the form reads on the device, in its order."""
+        """Parameters of the form on the device, in its order."""
         return ()
 
     @property
@@ -193,7 +193,7 @@ class Exponential(Curve):
         return length * np.log(whole), length / (p_0 * whole)
 
 
-MOST_POINTS = 1024  # a lookup on the device halves the table: ten looks
+MOST_POINTS = 1024  # a lookup on the device bisects the table: ten comparisons
 
 
 class Table(Curve):
@@ -205,8 +205,8 @@ class Table(Curve):
         rises = len(depths) > 1 and bool(np.all(np.diff(depths) > 0.0) and np.all(np.diff(pressures) > 0.0))
         if not rises or pressures[0] != 0.0 or len(depths) > MOST_POINTS:
             raise InputError(
-                f"curves.Table: a table of {len(depths)} points that folds over itself, or does not begin at zero; "
-                f"depths and pressures must rise strictly, the pressures from 0 on, in 2 to {MOST_POINTS} points"
+                f"curves.Table: a table of {len(depths)} points is not monotonic or does not begin at zero; depths "
+                f"and pressures must rise strictly, the pressures from 0 on, in 2 to {MOST_POINTS} points"
             )
         pieces = 0.5 * (pressures[1:] + pressures[:-1]) * np.diff(depths)
         self._table = np.column_stack([depths, pressures, np.concatenate([[0.0], np.cumsum(pieces)])])

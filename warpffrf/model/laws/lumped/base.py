@@ -84,7 +84,7 @@ class LumpedLaw(ABC):
             raise InputError(f"{name}: restitution and impact_speed belong together")
         if self.restitution is not None:
             if self.damping:
-                raise InputError(f"{name}: give damping, or restitution with the impact_speed it holds at, not both")
+                raise InputError(f"{name}: give damping, or restitution with its impact_speed, not both")
             e = require_number(self.restitution, f"{name}: restitution", positive=True)
             if e > 1.0:
                 raise InputError(f"{name}: restitution must be at most 1, got {e:g}")
@@ -152,7 +152,7 @@ class TabulatedForce(LumpedLaw):
     approach, which may be negative, there is none. For surfaces that touch in a point.
 
     shear [-]: tangential stiffness over the normal one, of friction that sticks. damping, restitution and impact_speed
-    as in `LumpedLaw`. Raises `InputError` for a table that folds over itself.
+    as in `LumpedLaw`. Raises `InputError` for a table that is not monotonic.
     """
 
     approaches: tuple[float, ...]
@@ -171,12 +171,12 @@ class TabulatedForce(LumpedLaw):
                 f"{len(a)} approaches and {len(F)} forces"
             )
         if len(a) > MOST_POINTS:
-            raise InputError(f"TabulatedForce: at most {MOST_POINTS} points, got {len(a)}; thin the table")
+            raise InputError(f"TabulatedForce: at most {MOST_POINTS} points, got {len(a)}; remove points")
         for name, values in (("approaches", a), ("forces", F)):
             if np.any(falls := np.diff(values) <= 0.0):
                 i = int(np.argmax(falls))
                 raise InputError(
-                    f"TabulatedForce: the table folds over itself, {name} must rise strictly, got {values[i]:g} and "
+                    f"TabulatedForce: the table is not monotonic, {name} must rise strictly, got {values[i]:g} and "
                     f"then {values[i + 1]:g} (points {i} and {i + 1})"
                 )
         if F[0] != 0.0:

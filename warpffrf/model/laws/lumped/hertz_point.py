@@ -16,7 +16,7 @@ Palmgren's line contact of steel rollers (A. Palmgren, Ball and Roller Bearing E
     delta = 3.84e-5 F^0.9/l^0.8        in N and mm, at one contact
 
 so that F = (delta l^0.8/3.84e-5)^(10/9), which is proportional to l^(8/9), not quite to l. Laminae share F evenly: a
-roller that stands askew has a moment, and one that does not the force of the formula. It is measured on steel, and
+skewed roller has a moment, and an aligned one the force of the formula. It is measured on steel and
 holds for no other material.
 
 The patch of a lamina of the width w is Hertz's of a line, b = sqrt(4 F/(pi E* kappa w)), kappa the relative curvature
@@ -26,7 +26,7 @@ ISO lamina. The lamina model of roller bearings of ISO/TS 16281:2008.
 
 A roller of effective length L is cut into n laminae. Between the rings, where it has two contacts in series, lamina k
 carries q_k = (c_L/n) delta_k^(10/9) with c_L = 35948 L^(8/9), in N and mm, delta_k the approach of both together, each
-lessened by the profile P(x_k). One contact of two alike yields half of it:
+reduced by the profile P(x_k). Each of two equal contacts has half of it:
 
     F_k = (c_L/n) (2 (a - P(x_k)))^(10/9) = (2^(10/9) c_L/n) (a - P(x_k))^(10/9).
 
@@ -64,8 +64,8 @@ ROUND = 1e-12  # difference of the curvatures, of the larger one, below which th
 class HertzPoint(LumpedLaw):
     """Hertz's law of a point contact, for surfaces that are curved against each other in both directions.
 
-    material_a, material_b: of the two bodies, of which E and nu count; None for one that does not yield. The stiffness
-    is that of the curvatures where the surfaces are nearest at the initial pose, and stays. damping, restitution and
+    material_a, material_b: of the two bodies, of which E and nu count; None for a rigid one. The stiffness is
+    that of the curvatures at the nearest points at the initial pose and remains constant. damping, restitution and
     impact_speed as in `LumpedLaw`. Raises `InputError`.
     """
 
@@ -116,7 +116,7 @@ def _ratio_squared(small: float, large: float, label: str) -> float:
     if excess(least) < 0.0:
         raise InputError(
             f"{label}: the surfaces touch along a line, all but (relative radii {1.0 / small:.3g} and "
-            f"{1.0 / large:.3g} m); take laws.PalmgrenLine or laws.IsoLamina, with the roller first"
+            f"{1.0 / large:.3g} m); use laws.PalmgrenLine or laws.IsoLamina, with the roller first"
         )
     root: Any = brentq(excess, least, 0.0, xtol=1e-14)
     return float(np.exp(2.0 * root))
@@ -170,7 +170,7 @@ class PalmgrenLine(LumpedLaw):
 
 CONSTANT, LENGTH_POWER_ISO_LAMINA, EXPONENT = 35948.0, 8.0 / 9.0, 10.0 / 9.0  # of c_L [N/mm^(10/9)], L in mm
 SHORT, SHORT_DROP, LONG_DROP = 2.5, 0.00035, 0.0005  # diameters; of the diameter
-LAMINAE = 30  # the fewest that the standard asks for
+LAMINAE = 30  # the fewest that the standard requires
 
 
 @named_arguments
@@ -179,8 +179,8 @@ class IsoLamina(LumpedLaw):
     """ISO/TS 16281's law of a steel roller of effective length `length` [m] on a raceway; the first surface is the
     roller.
 
-    laminae: the standard asks for 30 at least. profile: whether the roller has the standard's profile, beside what its
-    surface says. damping, restitution and impact_speed as in `LumpedLaw`. Raises `InputError`.
+    laminae: at least 30 by the standard. profile: whether the roller has the standard's profile, in addition to that of
+    its surface. damping, restitution and impact_speed as in `LumpedLaw`. Raises `InputError`.
     """
 
     length: float

@@ -108,7 +108,7 @@ def _section(scan: Scanner) -> bytes | None:
                 raise (
                     scan.damaged(f"line {scan.line} is outside all sections")
                     if not scan.binary
-                    else scan.damaged("a section does not end where it should")
+                    else scan.damaged("a section does not end where its counts require")
                 )
             return word
     return None
@@ -149,7 +149,7 @@ def _format(scan: Scanner) -> None:
     if kind == b"1":
         one = scan.content[scan.at : scan.at + 4]
         if one not in (b"\1\0\0\0", b"\0\0\0\1"):
-            raise scan.damaged("it does not say its order of bytes")
+            raise scan.damaged("it does not declare its byte order")
         scan.binary, scan.order = True, "<" if one[0] else ">"
         scan.at += 4
 
@@ -217,7 +217,7 @@ def _take_nodes(scan: Scanner, found: _Found, numbers: Array, points: Array, tot
     if found.numbers is not None:
         raise scan.damaged("it has two sections of nodes")
     if len(numbers) != total:
-        raise InputError(f"mesh file {scan.path.name}: has {len(numbers)} nodes and says {total}; export it again")
+        raise InputError(f"mesh file {scan.path.name}: has {len(numbers)} nodes and declares {total}; export it again")
     if len(numbers) and (numbers.min() < 1 or len(np.unique(numbers)) < len(numbers)):
         raise InputError(f"mesh file {scan.path.name}: node numbers are not positive and distinct; export it again")
     found.numbers, found.points = numbers, points
@@ -248,14 +248,14 @@ def _elements_4(scan: Scanner, found: _Found) -> None:
         found.elements.append((kind, (dim, entity), rows, None))
         have += count
     if have != total:
-        raise InputError(f"mesh file {scan.path.name}: has {have} elements and says {total}; export it again")
+        raise InputError(f"mesh file {scan.path.name}: has {have} elements and declares {total}; export it again")
 
 
 def _known(scan: Scanner, kind: int) -> tuple[int, int]:
     """Dimension and number of nodes of a type."""
     if kind not in TYPES and kind not in OTHERS:
         raise InputError(
-            f"mesh file {scan.path.name}: elements of Gmsh's type {kind} are not known; mesh with {SUPPORTED}"
+            f"mesh file {scan.path.name}: elements of Gmsh's type {kind} are not supported; mesh with {SUPPORTED}"
         )
     return (TYPES.get(kind) or OTHERS[kind])[:2]
 
@@ -289,7 +289,7 @@ def _elements_2(scan: Scanner, found: _Found) -> None:
                 _sort_in(rows, kind, row[1 : 1 + tags].tolist(), [int(row[0]), *row[1 + tags :].tolist()])
             have += count
         if have != total:
-            raise scan.damaged(f"it has {have} elements and says {total}")
+            raise scan.damaged(f"it has {have} elements and declares {total}")
     else:
         what = "'number type tags nodes' of an element, with all of its nodes"
         lines, begin = scan.lines(total, what)
@@ -362,7 +362,7 @@ def _raw(path: Path, found: _Found) -> RawMesh:
         nodes = np.searchsorted(ordered, corners)
         if not len(ordered) or np.any(ordered[np.minimum(nodes, len(ordered) - 1)] != corners):
             what = "cell" if dim == 3 else "facet"
-            raise InputError(f"mesh file {path.name}: a {what} refers to a node that the file does not hold")
+            raise InputError(f"mesh file {path.name}: a {what} refers to a node that the file does not contain")
         blocks.append((name, order[nodes]))
         labels.append(rows[first, 0])
     if not any(TYPES_BY_KIND[name] == 3 for name, _ in blocks):
@@ -510,7 +510,7 @@ class Scanner:
             rows = np.frombuffer(self.content, layout, count, self.at)
             self.at += count * layout.itemsize
             if not np.isfinite(rows["x"]).all() or (ints and np.any(rows["n"] > np.uint64(10**MOST_DIGITS))):
-                raise self.damaged(f"{what} holds no numbers")
+                raise self.damaged(f"{what} contains no numbers")
             return rows["n"].astype(np.int64).reshape(count, ints), rows["x"].astype(float).reshape(count, reals)
         lines, begin = self.lines(count, what)
         words = [line.split() for line in lines]
@@ -532,7 +532,7 @@ class Scanner:
     def lines(self, count: int, what: str) -> tuple[list[bytes], int]:
         """The next `count` lines, and the number of the first."""
         if not 0 <= count <= len(self.content) - self.at:
-            raise self.damaged(f"it says {count} lines, more than it has")
+            raise self.damaged(f"it declares {count} lines, more than it has")
         begin = self.line + 1
         found = [self.text_line() for _ in range(count) if self.at < len(self.content)]
         if len(found) < count:

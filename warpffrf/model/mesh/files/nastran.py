@@ -1,17 +1,18 @@
 r"""Nastran bulk data: grid points, solid elements, shells as facets, properties, isotropic materials.
 
-Read by hand because meshio takes coordinates in local systems for basic ones, stops at a shell with an orientation, and
-knows no materials. A card is a line of up to 10 fields, in one of three formats, with continuation lines:
+meshio is not used: it reads coordinates in local systems as basic ones, fails at a shell with an orientation, and
+has no materials. A card is a line of up to 10 fields, in one of three formats, with continuation lines:
 
     free         fields between commas
     small field  8 columns each
     large field  the name ends in *: 8 columns, then 16 each, half as many fields a line
 
 A continuation begins with +, *, a blank field or a comma; where the tenth field of a line and the first of the next one
-both name it, the names are the same. Reals may drop the E of their exponent: 7.-2 is 0.07. A card = is the one before
-it again, with = for a field that stays, *d for one that grows by d, == for all the rest; a card =n says that n times.
+both name it, the names are the same. Reals may drop the E of their exponent: 7.-2 is 0.07. A card = repeats the
+previous one, with = for an unchanged field, *d for one that grows by d, == for all others; a card =n repeats that n
+times.
 
-Densities are multiplied by PARAM,WTMASS: a deck may give weights. The nodes of a solid may turn round either way.
+Densities are multiplied by PARAM,WTMASS: a deck may give weights. The nodes of a solid may run in either sense.
 
 Solids with property p form the cell set `property_p`, shells on their surface the facet set of that name. A local
 system (CORD2R, CORD2C, CORD2S) is given by three points in its reference system: the origin A, B on its third axis e_3
@@ -55,8 +56,8 @@ _SHELLS = {
 }
 _CORNERS = {"CTETRA": 4, "CPENTA": 6, "CHEXA": 8}
 _LOCAL = {"CORD2R", "CORD2C", "CORD2S"}
-_OTHER_SOLIDS = ("CHEX", "CPENT", "CTETR", "CPYR")  # how names of solids begin that are not read
-MOST_COPIES = 100_000  # cards that =n makes
+_OTHER_SOLIDS = ("CHEX", "CPENT", "CTETR", "CPYR")  # initial letters of solids that are not read
+MOST_COPIES = 100_000  # cards created by =n
 _INTEGER = re.compile(r"[+-]?[0-9]{1,18}")
 _REAL = re.compile(r"[+-]?(?>[0-9]++\.?+[0-9]*+|\.[0-9]++)(?:e[+-]?[0-9]++)?")
 _EXPONENT = re.compile(r"(?<=[0-9.])([+-][0-9]+)$")
@@ -101,7 +102,7 @@ class _Card:
 
 @dataclass
 class _Deck:
-    """The cards that make a solid body."""
+    """The cards of a solid body."""
 
     grids: dict[int, tuple[int, tuple[float, float, float], _Card]] = field(default_factory=dict)
     systems: dict[int, _Card] = field(default_factory=dict)
@@ -114,7 +115,7 @@ class _Deck:
 
 
 def read_bulk(path: Path, length_unit: str) -> RawMesh:
-    """What a bulk data file holds. Raises `InputError`, with file and line, for what cannot be understood."""
+    """Contents of a bulk data file. Raises `InputError`, with file and line, for invalid entries."""
     deck = _Deck()
     for card in _cards(path):
         _take(deck, card)
@@ -156,7 +157,9 @@ def _take(deck: _Deck, card: _Card) -> None:
         grid = card.integer(2, 0), x, card
         known = deck.grids.setdefault(number, grid)
         if known[:2] != grid[:2]:
-            raise card.fault(f"grid point {number} is given already, at another place; give one of them another number")
+            raise card.fault(
+                f"grid point {number} is defined twice, at different positions; give one of them another number"
+            )
     elif name in _SOLIDS:
         linear, quadratic, order = _SOLIDS[name]
         corners = _CORNERS[name]
@@ -191,7 +194,7 @@ def _take(deck: _Deck, card: _Card) -> None:
 def _add(deck: _Deck, kind: str, card: _Card, fields: list[int]) -> None:
     number = card.integer(1)
     if number in deck.elements:
-        raise card.fault(f"element {number} is given already; give one of them another number")
+        raise card.fault(f"element {number} is defined twice; give one of them another number")
     deck.elements.add(number)
     nodes = [card.integer(i) for i in fields]
     deck.cells.setdefault(kind, []).append((card.integer(2, number), nodes, card))
@@ -234,7 +237,7 @@ class _Systems:
 
 
 def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Material]:
-    """{property_p: Material} [SI] of PSOLID and MAT1; what is not taken over is said in `notes`."""
+    """{property_p: Material} [SI] of PSOLID and MAT1; `notes` list omitted data."""
     if not deck.solids or not deck.materials:
         return {}
     system = system_of(length_unit, notes)
@@ -251,7 +254,7 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
         number = solid.integer(2)
         card = deck.materials.get(number)
         if card is None:
-            notes.append(f"PSOLID {p}: material {number} is not a MAT1 and is not taken over")
+            notes.append(f"PSOLID {p}: material {number} is not a MAT1 and is not used")
             continue
         E, G, nu, rho = (card.real(i, 0.0) for i in (2, 3, 4, 5))
         if not card.text(4) and E > 0.0 and G > 0.0:
@@ -261,14 +264,14 @@ def _materials(deck: _Deck, length_unit: str, notes: list[str]) -> dict[str, Mat
         try:
             found[f"property_{p}"] = Material(stress * E, nu, density * rho, name=f"MAT1 {number}")
         except InputError as error:
-            notes.append(f"MAT1 {number} is not taken over: {error}")
+            notes.append(f"MAT1 {number} is not used: {error}")
     if found:
-        notes.append(f"materials are read in {units}, the system that goes with lengths in {length_unit}")
+        notes.append(f"materials are read in {units}, the system of units with lengths in {length_unit}")
     return found
 
 
 def _cards(path: Path) -> Iterator[_Card]:
-    """The cards of the bulk data section, those that are written as copies in full."""
+    """The cards of the bulk data section, with copies expanded."""
     last: _Card | None = None
     recipe: list[str] | None = None
     copies = 0
@@ -283,7 +286,9 @@ def _cards(path: Path) -> Iterator[_Card]:
         if card.name != "=":
             word = card.name[1:].strip("()")
             if recipe is None or not word.isdigit() or len(word) > 8 or any(card.fields):
-                raise card.fault("=n stands behind a card with = and says how often that is repeated; repair the line")
+                raise card.fault(
+                    "=n must follow a card with =, of which it gives the number of copies; repair the line"
+                )
             count = int(word)
         else:
             recipe = card.fields
@@ -313,7 +318,9 @@ def _copy(last: _Card, recipe: list[str], card: _Card) -> _Card:
         else:
             fields.append(text)
     if len(given) < len(last.fields) and "==" not in given and any(last.fields[len(given) :]):
-        raise card.fault(f"it says {len(given)} of the {len(last.fields)} fields of {last.name}; write == for the rest")
+        raise card.fault(
+            f"it gives {len(given)} of the {len(last.fields)} fields of {last.name}; write == for the rest"
+        )
     return _Card(last.name, fields, card.place)
 
 
@@ -326,7 +333,7 @@ def _grown(last: _Card, i: int, step: str, card: _Card) -> str:
 
 
 def _written_cards(path: Path) -> Iterator[_Card]:
-    """The cards as they are written, with their continuations put together."""
+    """The cards as written, with their continuations joined."""
     card: _Card | None = None
     width = 8
     name = ""  # of the continuation that the line before announces
@@ -347,15 +354,15 @@ def _written_cards(path: Path) -> Iterator[_Card]:
             if not copied and len(fields) > 1 and fields[-1].startswith(("+", "*")) and not _is_number(fields[-1]):
                 behind = fields.pop()
         limit = 4 if large else 8
-        # behind the data comes the name of the continuation; a longer free line is one that goes on without
+        # the data are followed by the name of the continuation; a longer free line continues without one
         data = fields[1:] if len(fields) > limit + 2 else fields[1 : 1 + limit]
         if goes_on:
             if card is None:
                 raise InputError(f"mesh file {place}: a continuation without a card before it; repair the line")
             if name.strip("+* ") and head.strip("+* ") and name.strip("+* ") != head.strip("+* "):
                 raise InputError(
-                    f"mesh file {place}: continuation {head!r} stands where {name!r} of the card before is expected; "
-                    "put the lines of a card one behind the other"
+                    f"mesh file {place}: continuation {head!r} is found where {name!r} of the previous card is "
+                    "expected; write the lines of a card in sequence"
                 )
             card.fields += [""] * (-len(card.fields) % width) + data
             width, name = limit, behind
@@ -372,8 +379,8 @@ def _is_number(text: str) -> bool:
 
 
 def _bulk_lines(path: Path, budget: Budget, parents: tuple[Path, ...] = ()) -> Iterator[tuple[str, str]]:
-    """Lines of the bulk data section (before it those of PARAM) without comments, includes put in, each with its place
-    in words."""
+    """Lines of the bulk data section (before it those of PARAM) without comments, includes inserted, each with its
+    place as text."""
     try:
         lines = budget.read(path, len(parents)).decode("latin-1").splitlines()  # comments may hold anything
     except (OSError, ValueError) as error:

@@ -1,7 +1,7 @@
-"""A mesh as a pyvista grid: the cells, and the facets of all sets beside them, with one array a set.
+"""A mesh as a pyvista grid: the cells, and the facets of all sets beside them, with one array per set.
 
-A cell array called like a set is 1 on the members of the set and 0 elsewhere, on cells and facets alike. Written as a
-.vtu file and read again with `mesh.read` the arrays become the same sets.
+A cell array with the name of a set is 1 on the members of the set and 0 elsewhere, on cells and facets alike. Written
+as a .vtu file and read again with `mesh.read` the arrays become the same sets.
 """
 
 from __future__ import annotations
@@ -69,5 +69,5 @@ def to_pyvista(mesh: Mesh) -> Any:
         marks = np.zeros(count, dtype=np.int32)
         marks[np.concatenate(parts)] = 1
         grid.cell_data[name] = marks
-    grid.set_active_scalars(None)  # no set is more than another: pictures in one colour, arrays alike in files
+    grid.set_active_scalars(None)  # sets are equivalent: pictures in one colour, equal arrays in files
     return grid

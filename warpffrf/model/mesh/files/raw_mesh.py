@@ -1,25 +1,25 @@
-"""From what a mesh file holds to a `Mesh`: one part, its nodes, facet sets on its faces, cell sets.
+"""Conversion of the contents of a mesh file to a `Mesh`: one part, its nodes, facet sets on its faces, cell sets.
 
 Facets are matched with the faces of the cells by their corners and take the faces' node order, so that normals point
 outwards whatever the file's order was. A wedge whose triangles run the other way (VTK's documentation and meshio
-disagree with VTK and everyone else about its first triangle) is turned over, other cells where the format leaves their
-hand open. Cells with repeated nodes become what is left of them.
+disagree with VTK and everyone else about its first triangle) is reversed, other cells only where the format does not
+define their orientation. Cells with repeated nodes become the cells that remain.
 
-Units of the files that say none: lengths, and the consistent system of stress and density that goes with them.
+Units of files without units: lengths, and the consistent system of stress and density that goes with them.
 
 With newton and second, a length unit fixes the rest:
 
     m:  N, kg, s   stress Pa = N/m2,    density kg/m3
     mm: N, t, s    stress MPa = N/mm2,  density t/mm3 = 1e12 kg/m3
 
-For other units of length there is no usual system, and the materials of a file are not taken over.
+For other units of length there is no usual system, and the materials of a file are not used.
 
 Collapsed. Cells with repeated nodes: a hexahedron or wedge whose edges are collapsed is the wedge or tetrahedron that
 is left.
 
-Programs without wedges write them so: `1, 2, 3, 3, 4, 5, 6, 6` as eight nodes. The faces of the cell, without repeated
-corners, are those of what is left: two triangles and three quadrilaterals a wedge, four triangles a tetrahedron. Middle
-nodes go with their edges.
+Programs without wedges write them in this form: `1, 2, 3, 3, 4, 5, 6, 6` as eight nodes. The faces of the cell, without
+repeated corners, are those of the remaining cell: two triangles and three quadrilaterals form a wedge, four triangles a
+tetrahedron. Mid nodes follow their edges.
 """
 
 from __future__ import annotations
@@ -44,11 +44,11 @@ Array = np.ndarray
 
 @dataclass(frozen=True, eq=False)
 class RawMesh:
-    """What a file holds. `points` (n, 3) in the file's unit; `blocks`: kinds of cells or facets with their nodes (m, k)
-    as numbers of points; `groups`: {name: member numbers in each block}; `materials` in SI units.
+    """Contents of a file. `points` (n, 3) in the file's unit; `blocks`: kinds of cells or facets with their nodes (m,
+    k) as numbers of points; `groups`: {name: member numbers in each block}; `materials` in SI units.
 
     `stray_facets`: facets that are no faces of a cell are left out with a note (shells of a larger model) instead of
-    refused. `either_hand`: the format does not say how the nodes of a cell turn round. `labels`: the numbers that the
+    refused. `either_hand`: the format does not define the orientation of cells. `labels`: the numbers that the
     file gives the members of each block, None where it gives none.
     """
 
@@ -67,7 +67,7 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
     for kind, nodes in raw.blocks:
         if nodes.size and (nodes.min() < 0 or nodes.max() >= len(raw.points)):
             what = "cell" if kind in CELL_KINDS else "facet"
-            raise InputError(f"{label}: a {what} refers to a node that the file does not hold")
+            raise InputError(f"{label}: a {what} refers to a node that the file does not contain")
     notes: list[str] = []
     raw = _uncollapsed(raw, notes, label)
     volumes = [b for b, (kind, _) in enumerate(raw.blocks) if kind in CELL_KINDS]
@@ -116,7 +116,7 @@ def built(raw: RawMesh, *, scale: float, part: int | str | None, name: str, labe
 
 
 def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
-    """`raw` with cells that have a node twice as what is left of them, in blocks of their own."""
+    """`raw` with cells that have a node twice replaced by the remaining cells, in separate blocks."""
     blocks, groups = [*raw.blocks], {name: [*parts] for name, parts in raw.groups.items()}
     labels = None if raw.labels is None else [*raw.labels]
     for b, (kind, nodes) in enumerate(raw.blocks):
@@ -129,8 +129,8 @@ def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
             if found is None:
                 name = f"number {row} of its kind" if raw.labels is None else f"element {raw.labels[b][row]}"
                 raise InputError(
-                    f"{label}: {kind} {name} has nodes repeated, and what is left is no wedge or "
-                    "tetrahedron; mesh it so"
+                    f"{label}: {kind} {name} has repeated nodes and is neither a wedge nor a tetrahedron; mesh with "
+                    "these instead"
                 )
             left.setdefault(found[0], []).append((int(row), found[1]))
         for new_kind, rows in left.items():
@@ -140,7 +140,7 @@ def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
                 parts.append(np.flatnonzero(np.isin(old, parts[b])))
             if labels is not None and raw.labels is not None:
                 labels.append(raw.labels[b][old])
-            notes.append(f"{len(rows)} {kind} cells with nodes repeated are read as {new_kind}")
+            notes.append(f"{len(rows)} {kind} cells with repeated nodes are read as {new_kind}")
         number = np.cumsum(~bad) - 1
         blocks[b] = (kind, nodes[~bad])
         for parts in groups.values():
@@ -151,7 +151,7 @@ def _uncollapsed(raw: RawMesh, notes: list[str], label: str) -> RawMesh:
 
 
 def _one_part(raw: RawMesh, volumes: list[int], part: int | str | None, label: str) -> dict[int, Array]:
-    """For each volume block which of its cells belong to the wanted part; all of them for None."""
+    """For each volume block which of its cells belong to the requested part; all of them for None."""
     masks = {b: np.full(len(raw.blocks[b][1]), part is None) for b in volumes}
     if part is None or not volumes:
         return masks
@@ -162,7 +162,7 @@ def _one_part(raw: RawMesh, volumes: list[int], part: int | str | None, label: s
         for b in volumes:
             masks[b][raw.groups[part][b]] = True
         return masks
-    # blocks are given names of their own: several may be of one kind
+    # blocks have unique names: several may be of one kind
     labels = part_labels(len(raw.points), {str(b): raw.blocks[b][1] for b in volumes})
     order = labels[np.sort(np.unique(labels, return_index=True)[1])]  # parts in the order of their first cells
     if isinstance(part, bool) or not isinstance(part, int) or not 0 <= part < len(order):
@@ -172,14 +172,15 @@ def _one_part(raw: RawMesh, volumes: list[int], part: int | str | None, label: s
 
 
 def _upright(kind: str, raw: RawMesh, nodes: Array, notes: list[str]) -> Array:
-    """The cells, with wedges that are inside out turned over, and all that are where the format leaves that open."""
+    """The cells, with inverted wedges reversed, and all inverted cells where the format does not define their
+    orientation."""
     cell = cell_kind(kind)
     if not (raw.either_hand or cell.domain == "wedge"):
         return nodes
     middle = cell.nodes[: cell.corner_count].mean(axis=0, keepdims=True)
     over = cell.jacobians(raw.points[nodes], middle)[:, 0] < 0.0
     if raw.either_hand and over.any():
-        notes.append(f"{np.sum(over)} {kind} cells whose nodes turn round the other way are turned over")
+        notes.append(f"{np.sum(over)} {kind} cells with nodes in reversed order are corrected")
     # every reference cell is its own mirror image in the plane between its first two axes
     mirror = np.array([int(np.argmin(np.abs(cell.nodes - x).sum(axis=1))) for x in cell.nodes[:, [1, 0, 2]]])
     return np.where(over[:, None], nodes[:, mirror], nodes)
@@ -264,12 +265,12 @@ SYSTEMS = {"m": (1.0, 1.0, "Pa and kg/m3"), "mm": (1e6, 1e12, "MPa and t/mm3")} 
 
 
 def system_of(length_unit: str, notes: list[str]) -> tuple[float, float, str] | None:
-    """Units of stress [Pa] and density [kg/m3] and their names; None without a usual system, said in `notes`."""
+    """Units of stress [Pa] and density [kg/m3] and their names; None without a usual system, which `notes` state."""
     if length_unit in SYSTEMS:
         return SYSTEMS[length_unit]
     notes.append(
-        f"materials are not taken over: with lengths in {length_unit} the units of stress and density are not "
-        f"known (they are with {' and '.join(SYSTEMS)}); give the materials yourself"
+        f"materials are not used: with lengths in {length_unit} the units of stress and density are unknown (they are "
+        f"known with {' and '.join(SYSTEMS)}); define the materials in the call"
     )
     return None
 
@@ -284,7 +285,7 @@ def repeated(nodes: Array) -> Array:
 
 
 def left_over(kind: str, nodes: Array) -> tuple[str, list[int]] | None:
-    """The kind and nodes of what is left of one cell (k,) with repeated corners; None where that is no cell of ours."""
+    """The kind and nodes of the remaining cell of one cell (k,) with repeated corners; None if it is not supported."""
     cell = cell_kind(kind)
     if kind == "hex27":
         return None
@@ -331,7 +332,7 @@ def left_over(kind: str, nodes: Array) -> tuple[str, list[int]] | None:
 
 
 def _ends(cell, x: Array) -> list[int]:
-    """The two corners whose mean is the place `x` of a middle node."""
+    """The two corners whose mean is the position `x` of a mid node."""
     n = cell.corner_count
     return next([i, j] for i in range(n) for j in range(i) if np.array_equal(0.5 * (cell.nodes[i] + cell.nodes[j]), x))
 
@@ -339,7 +340,7 @@ def _ends(cell, x: Array) -> list[int]:
 def face_numbers(
     faces: tuple[tuple[str, Array], ...], nodes: Array, new_faces: tuple[tuple[str, Array], ...], new_nodes: Array
 ) -> Mapping[int, int]:
-    """Which face of what is left (from 1) each face (from 1) of the collapsed cell has become; none where it is gone.
+    """Face (from 1) of the remaining cell for each face (from 1) of the collapsed cell; none where it has vanished.
     `faces` as `inp.cells.faces_of` gives them."""
 
     def corners(face: tuple[str, Array], at: Array) -> frozenset[int]:

@@ -1,8 +1,8 @@
 """Meshes from files: Gmsh .msh, VTK .vtu and .vtk, Nastran bulk data, Abaqus and CalculiX .inp.
 
-One file a format reads it (`gmsh`, `vtu`, `vtk`, `nastran`, `inp`); `raw_mesh` makes one part of it
-a mesh. Named surfaces become facet sets, named groups of cells become cell sets. What a file has (cells by kind,
-pieces, entities, groups, arrays) and a mesh cannot hold is refused or said in `Mesh.notes`.
+One module per format reads it (`gmsh`, `vtu`, `vtk`, `nastran`, `inp`); `raw_mesh` converts one part
+to a mesh. Named surfaces become facet sets, named groups of cells become cell sets. Contents (cells by kind, pieces,
+entities, groups, arrays) that a mesh cannot represent are refused or listed in `Mesh.notes`.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ def read(path: str | Path, *, length_unit: str, part: int | str | None = None) -
 
     `length_unit` is the unit of the file's coordinates: one of m, cm, mm, um, in, ft. `part` picks one body of a file
     with several: the number of a connected part (0 is the one of the first cell) or the name of a volume group, in an
-    .inp deck of an instance. What was left out or taken differently is in `Mesh.notes`. Raises `InputError` when the
+    .inp deck of an instance. Omissions and replacements are listed in `Mesh.notes`. Raises `InputError` when the
     file is missing or unreadable, has no (supported) volume cells, an inverted cell or more than one connected part.
 
     >>> plate = wf.mesh.read("plate.vtu", length_unit="mm")  # doctest: +ELLIPSIS

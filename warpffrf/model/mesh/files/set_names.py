@@ -1,4 +1,4 @@
-"""Names of sets that may be said in capitals or not, as Abaqus does: BOTTOM of a deck is found as "bottom"."""
+"""Names of sets without regard to case, as in Abaqus: BOTTOM of a deck is found as "bottom"."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ Value = TypeVar("Value")
 
 
 class SetNames(dict[str, Value]):
-    """A dict by name; a name that does not exist finds the only one that differs from it in capitals.
+    """A dict by name; an unknown name finds the only one that differs from it in case.
 
-    Names in use are told apart by `keys()`, which know them as they are written.
+    `keys()` returns the names as written.
     """
 
     def __contains__(self, name: object) -> bool:
@@ -23,7 +23,7 @@ class SetNames(dict[str, Value]):
         return self[spelled]
 
     def spelled(self, name: object) -> str | None:
-        """The one name that differs from `name` in capitals at most; None where there is none, or several."""
+        """The one name that differs from `name` in case at most; None if there is none, or several."""
         if not isinstance(name, str):
             return None
         if name in self.keys():

@@ -1,7 +1,7 @@
 """VTK's legacy files of unstructured grids (.vtk), versions 1 to 5, as text or binary, read here and strictly.
 
-meshio takes 32-bit integers of binary files for 64-bit ones, drops cells beside those that it knows and has no sets of
-`SCALARS`. Here each table has as many numbers as its heading says (VTK file formats, vtk.org).
+meshio reads 32-bit integers of binary files as 64-bit ones, drops unsupported cells and has no sets of `SCALARS`. Here
+each table has as many numbers as its heading declares (VTK file formats, vtk.org).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class _Scanner:
         self.content, self.at = content, 0
         head = self.line(), self.line(), self.line().strip().upper()
         if not head[0].startswith(b"# vtk DataFile Version ") or head[2] not in (b"ASCII", b"BINARY"):
-            raise Fault("it does not begin as a file of VTK")
+            raise Fault("its first line is not that of a VTK file")
         self.binary = head[2] == b"BINARY"
 
     def line(self) -> bytes:
@@ -42,7 +42,7 @@ class _Scanner:
         return found
 
     def words(self) -> list[str]:
-        """The words of the next line that has some; none at the end."""
+        """The words of the next nonempty line; none at the end."""
         while self.at < len(self.content):
             words = self.line().decode("latin-1").split()
             if words:
@@ -76,7 +76,7 @@ class _Scanner:
 
 
 def read_vtk(path: Path) -> RawMesh:
-    """What a .vtk file holds; raises as `guarded` does."""
+    """Contents of a .vtk file; raises as `guarded` does."""
     return guarded(path, _read, "save it as .vtu")
 
 
@@ -120,9 +120,9 @@ def _read(label: str, content: bytes) -> RawMesh:
                                "GLOBAL_IDS", "PEDIGREE_IDS"):  # fmt: skip
             _attribute(scan, key, words, arrays, unused, where, count)
         else:
-            raise Fault(f"{' '.join(words)[:SHOWN]!r} is not understood")
+            raise Fault(f"{' '.join(words)[:SHOWN]!r} is not supported")
     if not {"POINTS", "nodes", "CELL_TYPES"} <= set(found):
-        raise Fault("it has not POINTS, CELLS and CELL_TYPES")
+        raise Fault("POINTS, CELLS or CELL_TYPES is missing")
     if not np.isfinite(found["POINTS"]).all():
         raise Fault("a coordinate of a point is not finite")
     points = found["POINTS"].reshape(-1, 3)
@@ -130,7 +130,7 @@ def _read(label: str, content: bytes) -> RawMesh:
 
 
 def _cells(scan: _Scanner, first: int, second: int) -> tuple[Array, Array]:
-    """Nodes of the cells one behind the other, and where each ends: version 5 has two tables, older ones a count before
+    """Concatenated nodes of the cells, and where each ends: version 5 has two tables, older ones a count before
     the nodes of each cell."""
     begin = scan.at
     words = scan.words()
@@ -148,7 +148,7 @@ def _cells(scan: _Scanner, first: int, second: int) -> tuple[Array, Array]:
     keep, ends, at = np.ones(second, dtype=bool), np.zeros(first, dtype=np.int64), 0
     for i in range(first):
         if at >= second or not 0 <= table[at] <= second - at - 1:
-            raise Fault(f"cell {i} has not the nodes that it says")
+            raise Fault(f"cell {i} does not have its declared number of nodes")
         keep[at] = False
         at += int(table[at]) + 1
         ends[i] = at - i - 1
@@ -167,7 +167,7 @@ def _attribute(
     scan: _Scanner, key: str, words: list[str], arrays: dict, unused: list[str], where: str, count: int
 ) -> None:
     if len(words) < 3:
-        raise Fault(f"{' '.join(words)[:SHOWN]!r} is not understood")
+        raise Fault(f"{' '.join(words)[:SHOWN]!r} is not supported")
     name, width, kind = words[1], 1, words[2]
     if key == "SCALARS":
         width = whole(words[3], "components") if len(words) > 3 else 1
@@ -197,5 +197,5 @@ def _keep(
     if name in arrays:
         raise Fault(f"there are two arrays {name!r}")
     if len(values) and int(values.max()) > np.iinfo(np.int64).max:
-        raise Fault(f"array {name!r} holds numbers beyond 63 bits")
+        raise Fault(f"array {name!r} contains numbers beyond 63 bits")
     arrays[name] = values.astype(np.int64)

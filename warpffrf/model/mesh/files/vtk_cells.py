@@ -1,9 +1,9 @@
-"""What .vtu and .vtk files have in common: types of cells, and sets that arrays of integers on them mark.
+"""Common parts of .vtu and .vtk files: types of cells, and sets given by integer arrays on cells.
 
-An integer array of one component on the cells marks sets, on facets and on cells apart. One that holds only 0 and 1
-there marks the set of that array's name. In any other one each value v makes the set `<array>_<v>`; 0 stands for no
-set on facets, and is a value like others on cells, because every cell is of some material. So it is where an array is
-the only one that parts the cells into 0 and 1: its zeros are the set `<array>_0`.
+An integer array of one component on the cells marks sets, separately on facets and on cells. One that holds only 0 and
+1 there marks the set of that array's name. In any other one each value v defines the set `<array>_<v>`; 0 denotes no
+set on facets, and is a value like others on cells, because every cell has a material. The same holds if an array is the
+only one that divides the cells into 0 and 1: its zeros are the set `<array>_0`.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from warpffrf.model.mesh.files.raw_mesh import RawMesh
 
 Array = np.ndarray
 
-MOST_GROUPS = 256  # values of one array that are taken for groups: with more they are numbers of cells or results
+MOST_GROUPS = 256  # values of one array that are read as groups: more are numbers of cells or results
 # of VTK's cell types: dimension, nodes, kind here, and for each node of that kind its place in VTK's order
 TYPES: dict[int, tuple[int, int, str, list[int]]] = {
     5: (2, 3, "tri3", [*range(3)]),
@@ -38,7 +38,7 @@ TYPES: dict[int, tuple[int, int, str, list[int]]] = {
     28: (2, 9, "quad9", [*range(9)]),
     29: (3, 27, "hex27", [*range(27)]),
 }
-# what has no kind here: dimension, nodes (None: any number), name
+# unsupported cells: dimension, nodes (None: any number), name
 OTHERS: dict[int, tuple[int, int | None, str]] = {
     0: (0, 0, "empty cells"), 1: (0, 1, "points"), 2: (0, None, "points"), 3: (1, 2, "lines"), 4: (1, None, "lines"),
     6: (2, None, "triangle_strip"), 7: (2, None, "polygon"), 14: (3, 5, "pyramid"), 15: (3, 10, "penta_prism"),
@@ -54,16 +54,16 @@ OTHERS: dict[int, tuple[int, int | None, str]] = {
     81: (3, None, "bezier_pyramid"),
 }  # fmt: skip
 SUPPORTED = "hexahedron, hexahedron20, hexahedron27, wedge, wedge15, tetra, tetra10"
-GHOSTS = "vtkGhostType"  # an array that says which cells other pieces have, too, or are hidden
+GHOSTS = "vtkGhostType"  # an array that marks cells that are duplicated in other pieces or hidden
 
 
 class Fault(Exception):
-    """Why a file cannot be read."""
+    """The reason why a file cannot be read."""
 
 
 def guarded(path: Path, read: Callable[[str, bytes], RawMesh], cure: str) -> RawMesh:
-    """What `read`, given how messages call the file and its content, finds. Raises `InputError` for a `Fault`, with the
-    cure, for cells that are not supported, and without volume cells."""
+    """Result of `read`, called with the name of the file for messages and its content. Raises `InputError` for a
+    `Fault`, with the cure, for unsupported cells, and without volume cells."""
     label = f"mesh file {path.name}"
     try:
         return read(label, read_named(path, "mesh file"))
@@ -86,7 +86,7 @@ def numbers(words: Sequence[str] | Sequence[bytes], real: bool, what: str) -> Ar
             raise ValueError
         return np.array([float(w) for w in words]) if real else np.array([int(w) for w in words], dtype=np.int64)
     except (ValueError, OverflowError):
-        raise Fault(f"{what} holds something that is no number") from None
+        raise Fault(f"{what} contains an entry that is not a number") from None
 
 
 def raw_mesh(
@@ -99,12 +99,12 @@ def raw_mesh(
     unused: Sequence[str] = (),
 ) -> RawMesh:
     """The cells, `offsets` (c,) being where each ends in `connectivity`, with sets of the integer `arrays` (c, width);
-    `unused`: what else the file has, in words. Raises `InputError` for volume cells that are not supported."""
+    `unused`: other contents of the file, as text. Raises `InputError` for volume cells that are not supported."""
     sizes = np.diff(offsets, prepend=0)
     if len(types) != len(offsets) or np.any(sizes < 0) or (len(offsets) and offsets[-1] != len(connectivity)):
         raise InputError(f"{label}: cannot be read (its cells do not fit their nodes); export it again")
     if len(connectivity) and (connectivity.min() < 0 or connectivity.max() >= len(points)):
-        raise InputError(f"{label}: a cell refers to a node that the file does not hold")
+        raise InputError(f"{label}: a cell refers to a node that the file does not contain")
     ghosts = arrays.get(GHOSTS)
     if ghosts is not None and np.any(ghosts):
         raise InputError(
@@ -120,7 +120,7 @@ def raw_mesh(
         here = np.arange(first, stop)
         vtk = int(types[first])
         if vtk not in TYPES and vtk not in OTHERS:
-            raise InputError(f"{label}: cell {first} is of VTK's type {vtk}, which is not known; export it again")
+            raise InputError(f"{label}: cell {first} is of VTK's type {vtk}, which is not supported; export it again")
         dim, count, name = (TYPES.get(vtk) or OTHERS[vtk])[:3]
         wrong = here[sizes[here] != count] if count is not None else here[:0]
         if len(wrong):

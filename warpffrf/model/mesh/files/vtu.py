@@ -1,9 +1,9 @@
 """VTK's XML files of unstructured grids (.vtu), read here and strictly (VTK file formats, vtk.org).
 
-meshio keeps the cells of the last piece only, drops cells beside those that it knows, and unpacks whatever an array
-says of itself. Here how long each array is follows from the numbers of points and cells of its piece, and is held
-against what its blocks say of themselves before they are unpacked. Pieces of a file are one grid, cut up for writing:
-their cells are put one behind the other, and points of several pieces with the same coordinates are one.
+meshio keeps the cells of the last piece only, drops unsupported cells, and unpacks arrays of any declared size. Here
+the length of each array follows from the numbers of points and cells of its piece and is compared with the sizes in
+its blocks before they are unpacked. Pieces of a file are one grid, divided for writing: their cells are concatenated,
+and points of several pieces with the same coordinates are merged.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ Array = np.ndarray
 DTYPES = {"Int8": "i1", "Int16": "i2", "Int32": "i4", "Int64": "i8", "UInt8": "u1", "UInt16": "u2", "UInt32": "u4",
           "UInt64": "u8", "Float32": "f4", "Float64": "f8"}  # fmt: skip
 PLAIN = "save it with vtkZLibDataCompressor or without compression (ParaView: Compressor Type)"
-RATIO, FEW = 64, 1 << 26  # bytes unpacked: up to that many times the file's, or that many
+RATIO, FEW = 64, 1 << 26  # bytes unpacked: up to that multiple of the file's size, or that number
 
 
 class _File:
-    """The tree of a file, its appended data, and what is left of the bytes that it may unpack to."""
+    """The tree of a file, its appended data, and the number of bytes that may still be unpacked."""
 
     def __init__(self, content: bytes) -> None:
         self.appended, self.raw = b"", False
@@ -60,7 +60,7 @@ class _File:
         self.order = {"LittleEndian": "<", "BigEndian": ">"}.get(self.root.get("byte_order", "LittleEndian"), "")
         self.head = {"UInt32": "u4", "UInt64": "u8"}.get(self.root.get("header_type", "UInt32"), "")
         if not self.order or not self.head:
-            raise Fault("it does not say its order of bytes or its type of headers")
+            raise Fault("it does not declare its byte order or its header type")
         self.compressor = self.root.get("compressor")
         self.left = max(RATIO * len(content), FEW)
 
@@ -98,14 +98,14 @@ class _File:
         if self.compressor is None:
             found = self._part(stream, raw, 0, item + size, what)
             if len(found) != item + size or self._heads(found[:item])[0] != size:
-                raise Fault(f"{what} has not {size} bytes")
+                raise Fault(f"{what} does not have {size} bytes")
             return found[item:]
         unpack = {"vtkZLibDataCompressor": _zlib, "vtkLZMADataCompressor": _lzma}.get(self.compressor)
         if unpack is None:
             raise Fault(f"its arrays are compressed by {self.compressor[:40]}, which is not read: {PLAIN}")
         blocks, full, last = self._heads(self._part(stream, raw, 0, 3 * item, what, exact=True))
         if blocks > len(stream) or (blocks and (blocks - 1) * full + (last or full) != size) or (not blocks and size):
-            raise Fault(f"{what} has not {size} bytes")
+            raise Fault(f"{what} does not have {size} bytes")
         heads = (3 + blocks) * item
         sizes = self._heads(self._part(stream, raw, 0, heads, what, exact=True))[3:]
         begin = heads if raw else -(-heads // 3) * 4
@@ -118,7 +118,7 @@ class _File:
             except (zlib.error, lzma.LZMAError, EOFError) as error:
                 raise Fault(f"{what} cannot be unpacked: {error}") from None
             if len(part) != wanted:
-                raise Fault(f"{what} has not {size} bytes")
+                raise Fault(f"{what} does not have {size} bytes")
             parts.append(part)
             at += packed
         return b"".join(parts)
@@ -149,7 +149,7 @@ def _lzma(data: bytes, size: int) -> bytes:
 
 
 def read_vtu(path: Path) -> RawMesh:
-    """What a .vtu file holds; raises as `guarded` does."""
+    """Contents of a .vtu file; raises as `guarded` does."""
     return guarded(path, _read, "export it again")
 
 
@@ -166,7 +166,7 @@ def _read(label: str, content: bytes) -> RawMesh:
     for number, piece in enumerate(pieces):
         counts = [whole(piece.get(name, ""), name) for name in ("NumberOfPoints", "NumberOfCells")]
         if sum(counts) > file.left:
-            raise Fault(f"it says {sum(counts)} points and cells, far more than fit into it")
+            raise Fault(f"it declares {sum(counts)} points and cells, far more than fit into it")
         if number and not sum(counts):
             continue
         x, cells = _geometry(file, piece, *counts)
@@ -194,8 +194,8 @@ def _read(label: str, content: bytes) -> RawMesh:
 
 
 def _seams(pieces: list[Array]) -> tuple[Array, list[str]]:
-    """For each point of all pieces the number of the one that it is: the first in its place where several pieces have
-    one point there each. A piece with two points in one place means two, and they are left as they are."""
+    """For each point of all pieces the number of the point it is merged with: the first at its position if several
+    pieces have one point there each. Two points of one piece at one position remain separate."""
     count = sum(len(points) for points in pieces)
     number = np.arange(count)
     if len(pieces) == 1:
@@ -228,7 +228,7 @@ def _geometry(file: _File, piece: ET.Element, points: int, cells: int) -> tuple[
     found["connectivity"] = file.array(tags["connectivity"], int(ends[-1]) if len(ends) else 0, "connectivity")
     found["connectivity"] = found["connectivity"].astype(np.int64)
     if len(found["connectivity"]) and not 0 <= found["connectivity"].min() <= found["connectivity"].max() < points:
-        raise Fault("a cell refers to a node that the file does not hold")
+        raise Fault("a cell refers to a node that the file does not contain")
     return x, found
 
 
@@ -244,6 +244,6 @@ def _cell_arrays(file: _File, piece: ET.Element, cells: int, unused: dict[str, N
         if name in found:
             raise Fault(f"there are two arrays {name!r}")
         if len(values) and int(values.max()) > np.iinfo(np.int64).max:
-            raise Fault(f"array {name!r} holds numbers beyond 63 bits")
+            raise Fault(f"array {name!r} contains numbers beyond 63 bits")
         found[name] = values.astype(np.int64)
     return found

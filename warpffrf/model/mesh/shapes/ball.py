@@ -1,7 +1,7 @@
 r"""A solid ball with a small fine patch around +x, for a contact whose place on the ball is known.
 
 User frame: centre in the origin. On the patch nodes stand on lines of equal theta and of equal z of the sphere's chart
-about the axis y, with e_0 = +x and e_1 = -z as for every body that turns about y,
+about the axis y, with e_0 = +x and e_1 = -z as for every body of revolution about y,
 
     x = R D,      D = cos(phi) cos(theta) e_0 + cos(phi) sin(theta) e_1 + sin(phi) e_y,      sin(phi) = z/R,
 
@@ -33,7 +33,7 @@ from warpffrf.model.mesh.shapes.disc import (
 from warpffrf.model.messages.named_arguments import named_arguments
 
 CORE = 0.4  # half the side of the cube in the middle, in radii: its corners lie at 0.69 R
-ACROSS = 4  # cells along x of the cube and of the parts beside it: far from the patch, and coarse
+ACROSS = 4  # cells along x of the cube and of the parts next to it: far from the patch, and coarse
 LARGEST_PATCH = 0.4  # rad, half-width: the faces of the cube reach to pi/4, the shells need room
 
 

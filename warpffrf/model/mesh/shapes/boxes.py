@@ -1,7 +1,7 @@
 r"""Bodies of rectangular cells: a box, and everything that can be cut from a grid of boxes (beams, frames, trusses).
 
-Grid lines x_0 < x_1 < ..., y_0 < ..., z_0 < ... make cells; `filled[i, j, k]` says whether the one between x_i and
-x_(i+1), y_j and y_(j+1), z_k and z_(k+1) is there. Nodes that no cell uses are left out. The map of every cell to its
+Grid lines x_0 < x_1 < ..., y_0 < ..., z_0 < ... make cells; `filled[i, j, k]` states whether the one between x_i and
+x_(i+1), y_j and y_(j+1), z_k and z_(k+1) exists. Nodes that no cell uses are left out. The map of every cell to its
 reference cube is linear, so volume and mass are exact for any order of cells.
 
 Block. A block with a small fine patch in the middle of its top face, for a contact whose place is known.

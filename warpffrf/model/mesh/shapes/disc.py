@@ -2,8 +2,8 @@ r"""A disc of quadrilaterals, fine at its rim and coarse in its middle: the cros
 
 Plane coordinates (p, q) in radii of the disc; quadrilaterals run round counter-clockwise. Three parts, from the rim in:
 
-- *Rings* of `sectors` cells, whose layers grow inwards. A layer that has become deep beside the width of its cells
-  takes a *transition*: every four cells outside, p0 to p4, meet two inside, A, M and B,
+- *Rings* of `sectors` cells, whose layers grow inwards. A layer that is deep compared with the width of its cells
+  has a *transition*: every four cells outside, p0 to p4, meet two inside, A, M and B,
 
         p0    p1    p2    p3    p4
         |      \    |    /      |
@@ -11,33 +11,34 @@ Plane coordinates (p, q) in radii of the disc; quadrilaterals run round counter-
         |  /        |      \    |
         A --------- M --------- B
 
-  so that the number of cells around halves while their size doubles. Cells that four do not divide go through as they
-  are, spread between the blocks. Every quarter of the disc is meshed alike, and its inertia is that of a round body.
-- A *core* of k x k cells that fills a square with bulging sides, one side for each quarter of the turn,
+  so that the number of cells around halves while their size doubles. Cells in excess of a multiple of four continue
+  unchanged, spread between the blocks. The quarters of the disc have equal meshes, and its inertia is that of a round
+  body.
+- A *core* of k x k cells that fills a square with bulging sides, one side for each quarter of the revolution,
 
         p = s u sqrt(1 - B v^2/2),     q = s v sqrt(1 - B u^2/2),       -1 <= u, v <= 1,
 
-  turned by 45 degrees so that its corners lie on the axes p and q. Its lines end at equal angles.
+  rotated by 45 degrees so that its corners lie on the axes p and q. Its lines end at equal angles.
 - A few rings between the core and the circle of radius `CORE`. Three cells meet at a corner of the square; B makes
   their angles there nearly equal.
 
 Nodes in the middle of edges and cells have the mean radius and angle in the rings, so that all circles are true ones,
-and the mean place in the core.
+and the mean position in the core.
 
 Lattice. Meshes put together from lattices: bricks of points, hexahedra between them, equal points merged.
 
 A lattice (a, b, c, 3) holds the nodes of (a - 1)/o x (b - 1)/o x (c - 1)/o hexahedra of order o, wherever a smooth map
-has put them; a left-handed one is turned round. Neighbouring lattices share the points of their common face, found by
-their place, so that whoever makes them need not number anything.
+has put them; a left-handed one is reversed. Neighbouring lattices share the points of their common face, found by
+their coordinates, so that no numbering is required.
 
-A *nest* is what a small contact patch needs: a fine brick of equal cells under the patch, and shells around it whose
-cells grow outwards. Five lattices, one on each face of the brick but the top, run from it to the faces of a large
+A *nest* is the mesh around a small contact patch: a fine brick of equal cells under the patch, and shells around it
+whose cells grow outwards. Five lattices, one on each face of the brick but the top, run from it to the faces of a large
 brick: with corresponding points I and O of both and fractions f of the way,
 
     X(f) = (1 - f) I + f O,
 
-in whatever coordinates the map takes. The number of cells stays that of the patch all the way, while their size grows:
-a patch of n x n cells costs 3 n^2 cells a shell, and the shells grow in number with the logarithm of the body's size.
+in the coordinates of the map. The number of cells remains that of the patch throughout, while their size grows: a patch
+of n x n cells requires 3 n^2 cells per shell, and the shells grow in number with the logarithm of the body's size.
 """
 
 from __future__ import annotations
@@ -58,9 +59,9 @@ Array = np.ndarray
 CORE = 0.4  # radius of the circle around the core: its cells there are as large as those of layers that grow by 1.4
 SQUARE = 0.55  # s over CORE: the ring between is then as wide as the cells on both sides of it
 BULGE = 0.45  # B: the core's corner has 124 degrees, the two cells outside it 118 each
-DEEP = 1.6  # depth over width of a cell from which a layer takes a transition: its own cells are half as deep
+DEEP = 1.6  # depth over width of a cell from which a layer has a transition: its own cells are half as deep
 LEAST_QUARTER = 4  # cells in a quarter that can still be halved
-LEAST_SECTORS = 8  # two core cells a side
+LEAST_SECTORS = 8  # two core cells per side
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +94,7 @@ def disc(sectors: int, radii: Array, order: int) -> Disc:
 
 
 def _transitions(outer: float, inner: float, count: int) -> int:
-    """How many transitions a layer takes that has `count` cells at its outer radius."""
+    """Number of transitions of a layer with `count` cells at its outer radius."""
     width = 2.0 * np.pi * outer / count
     found = 0
     while outer - inner >= DEEP * (2.0 ** (found + 1) - 1.0) * width and count >= 4 * LEAST_QUARTER:
@@ -103,7 +104,7 @@ def _transitions(outer: float, inner: float, count: int) -> int:
 
 
 class _Plan:
-    """Corners and cells as they come; corners of the rings are known by radius and angle."""
+    """Corners and cells in the order of construction; corners of the rings have a radius and an angle."""
 
     def __init__(self) -> None:
         self.polar: list[Array] = []  # (m, 2): radius, angle
@@ -125,7 +126,7 @@ class _Plan:
         return inner
 
     def transition(self, outer: Array, above: float, radius: float) -> Array:
-        """Two cells inside every four of the ring `outer` at radius `above`, up to what is left over; the ring at
+        """Two cells inside every four of the ring `outer` at radius `above`, except for the remaining ones; the ring at
         `radius`."""
         n = len(outer)
         quarter = n // 4
@@ -141,7 +142,7 @@ class _Plan:
         o, i = first_o[block][:, None], first_i[block][:, None]
         p = outer[(o + np.arange(5)) % n]
         A, M, B = inner[(i + np.arange(3)) % m].T
-        # where the layer is deep, as high above A as half a cell is wide: sound angles at A and B
+        # in a deep layer, half a cell width above A: well-shaped angles at A and B
         middle = radius + min(0.5 * (above - radius), np.pi * radius / m)
         angle = np.pi * ((o + np.arange(1, 4)) / n + (i + np.array([0.5, 1.0, 1.5])) / m)  # means of both rings
         q = self.nodes(middle, angle.ravel()).reshape(angle.shape)
@@ -223,7 +224,7 @@ def _quadratic(corners: Array, quads: Array, radius: Array) -> tuple[Array, Arra
     turned = np.all(edges < len(radius), axis=1)
     middles[turned] = _mean_polar(corners, radius, edges[turned])
     points = np.concatenate([corners, middles])
-    # the middle of the four edges, which is the mean place of corners where the edges are straight
+    # the middle of the four edges, the mean of the corners where the edges are straight
     centers = 0.5 * points[number].sum(axis=1) - 0.25 * corners[quads].sum(axis=1)
     turned = np.all(quads < len(radius), axis=1)
     centers[turned] = _mean_polar(corners, radius, quads[turned])
@@ -362,7 +363,7 @@ def nest_tops(first: int = 0) -> list[Face]:
 
 
 def shell_fractions(start: float, end: float, cell: float, growth: float, order: int) -> Array:
-    """Fractions (s,) of the way from half-width `start` to `end` [m] at which shells, and their mid nodes, lie.
+    """Fractions (s,) of the distance from half-width `start` to `end` [m] at which shells, and their mid nodes, lie.
 
     Thicknesses begin at `FIRST_SHELL` cells of size `cell` and grow by `growth`, but not beyond the share `growth - 1`
     of the distance from the middle: farther out the cells' sides grow at that rate too, and they keep their shape.

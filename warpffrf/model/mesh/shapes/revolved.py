@@ -1,4 +1,4 @@
-r"""What all meshes of revolution share: layer depths, mid nodes, cells and facet sets numbered sector by sector.
+r"""Common parts of meshes of revolution: layer depths, mid nodes, cells and facet sets numbered sector by sector.
 
 Cylindrical coordinates about the axis e_a = +y with e_0 = +x and e_1 = e_a x e_0 = -z:
 
@@ -45,8 +45,8 @@ logger = logging.getLogger(__name__)
 
 ON_AXIS = 1e-9  # of the width: a shape's axis this close to y is y
 SAME_END = 1e-9  # of the width: boundaries that miss an end by round-off end there
-BESIDE_GROWTH = 1.4  # of the cells beside a tread, along the axis
-MOST_BESIDE = 0.25  # of the width beside it: largest cell there
+BESIDE_GROWTH = 1.4  # of the cells next to a tread, along the axis
+MOST_BESIDE = 0.25  # of the width next to it: largest cell there
 DEFAULT_GROWTH = 1.4  # layer growth when layers are chosen: neighbours within a factor 1.4 keep cells well shaped
 # Growth above which few layers are worth a warning. The measured pair of `structured` at g = 2, rim layer as
 # deep as wide, has 1 % less half-width and 3 % less approach than at g = 1.3; at g = 4 it is 5 % and 9 %.
@@ -58,8 +58,8 @@ def layer_depths(
 ) -> np.ndarray:
     """Depths of the layer boundaries (layers + 1,) behind the contact side, from 0 to `wall` [m].
 
-    `size` [m]: wanted thickness of the first layer; `layers`, `grading`: number and growth of the layers, chosen where
-    None; `label`: who asks, for messages. Raises `InputError` for a growth that never fills the wall.
+    `size` [m]: required thickness of the first layer; `layers`, `grading`: number and growth of the layers, chosen if
+    None; `label`: the caller, for messages. Raises `InputError` for a growth that never fills the wall.
     """
     if grading is not None:
         grading = require_number(grading, f"{label}: grading", positive=True)
@@ -111,7 +111,7 @@ def axial_lines(low: float, high: float, cells: Any, tread: float | None, label:
     """Boundaries (n + 1,) [m] of the cells from `low` to `high` [m] along the axis.
 
     `cells`: how many equal ones, or, with a `tread` [m], that many in a band of that width about 0 and growing ones
-    beside it; or the boundaries themselves. Raises `InputError` for a tread that does not fit, and for boundaries that
+    next to it; or the boundaries themselves. Raises `InputError` for a tread that does not fit, and for boundaries that
     do not rise from `low` to `high`.
     """
     if np.ndim(cells):
@@ -128,7 +128,7 @@ def axial_lines(low: float, high: float, cells: Any, tread: float | None, label:
 
 def _given_lines(low: float, high: float, places: Any, tread: float | None, label: str) -> np.ndarray:
     if tread is not None:
-        raise InputError(f"{label}: axial says where all cells are; leave tread out")
+        raise InputError(f"{label}: axial defines all cells; leave tread out")
     lines = require_array(places, f"{label}: axial", (None,))
     reach = SAME_END * (high - low)
     if len(lines) < 2 or abs(lines[0] - low) > reach or abs(lines[-1] - high) > reach or np.any(np.diff(lines) <= 0.0):
@@ -241,8 +241,8 @@ def sleeve(
     Parameters (lengths in m)
     -------------------------
     inner_radius, outer_radius, width: of the bore, of the outside, and along the axis.
-    sectors, axial, layers: cells around, along the axis, through the wall. `sectors` cells would fill the whole turn
-        also where only a part of it is fine.
+    sectors, axial, layers: cells around, along the axis, through the wall. `sectors` cells would fill a full
+        revolution, also where only a part of it is fine.
     grading: growth of the layer thickness from the bore outwards. `layers` and `grading` left out: a first layer as
         deep as the smaller side of a cell, growth 1.4 for chosen and solved for with given layers, as in `mesh.roller`.
     fine_arc: half the angle [rad] about +x that has cells of that size; behind it they grow. It adds the facet set
@@ -281,14 +281,14 @@ def ring(
     fine_arc: float | None = None,
     order: int = 2,
 ) -> Mesh:
-    """An outer ring with a groove on its inside: facet sets `groove`, `lands` (the bore beside it), `outside`, `ends`.
+    """An outer ring with a groove on its inside: facet sets `groove`, `lands` (the bore next to it), `outside`, `ends`.
 
     Parameters (lengths in m)
     -------------------------
     bore_radius: of the lands, the smallest; the groove is deepest at `bore_radius + groove_depth`.
     groove_radius: of the arc in planes through the axis, above half the groove's width.
     axial: equal cells across the groove; lands: cells across each land.
-    tread: width of a band in the middle of the groove that has all `axial` cells; beside it they grow. It adds the
+    tread: width of a band in the middle of the groove that has all `axial` cells; next to it they grow. It adds the
         facet set `tread`.
     outer_radius, sectors, layers, grading, order, fine_arc: as for `sleeve`; `patch` is the groove, or its tread,
     within `fine_arc`.
@@ -390,7 +390,9 @@ def _arc_lines(label: str, fine_arc: float, pitch: float) -> np.ndarray:
     fine = _fine_columns(half, pitch)
     rest = np.pi - 0.5 * fine * pitch
     if rest <= pitch:
-        raise InputError(f"{label}: fine_arc {half:g} rad leaves nothing to grow in; leave it out for equal cells")
+        raise InputError(
+            f"{label}: fine_arc {half:g} rad leaves no room for growing cells; leave it out for equal cells"
+        )
     sizes, size = [], pitch
     while sum(sizes) < rest:
         size = max(min(size * ARC_GROWTH, LARGEST_ANGLE), pitch)

@@ -81,22 +81,22 @@ def roller(
     outer_radius, inner_radius, width: the roller; `inner_radius=0` makes a solid one.
     crown_radius: radius of the crown's arc in a plane through the axis; None for a straight rim.
     profile: instead of a crown, the true radius of the rim along the axis: a surface shape (its `radius_at`), or a
-        function of positions y (n,) [m] that returns radii (n,) [m]; for tables, cones and everything else that turns.
+        function of positions y (n,) [m] that returns radii (n,) [m]; for tables, cones and other profiles.
         `outer_radius` then only sets the size of the cells. `crown_radius=outer_radius` makes a ball with flat ends.
-    sectors, layers, axial: cells around, through the wall, along the axis. What is left out follows `half_width`.
+    sectors, layers, axial: cells around, through the wall, along the axis. Omitted numbers follow from `half_width`.
         `axial` may be the boundaries (n + 1,) of the cells, rising from -width/2 to width/2: a sharp end that carries
-        pressure wants small cells there. Of a solid roller `sectors`, a multiple of 4 and at least 8, stand around in
-        the rim layer, fewer behind it where layers are deep beside their cells' width; `layers` counts those from the
-        rim to 0.4 `outer_radius`, where the core begins.
-    tread: width of a band in the middle that has all `axial` cells, equal ones; beside it cells grow. It adds the facet
-        set `tread`: for a contact that is narrow beside the roller, and for balls. None: the whole width. The rim layer
-        is then as deep as the smaller side of a cell.
+        pressure requires small cells there. Of a solid roller `sectors`, a multiple of 4 and at least 8, stand around
+        in the rim layer, fewer behind it where layers are deep compared with their cells' width; `layers` counts those
+        from the rim to 0.4 `outer_radius`, where the core begins.
+    tread: width of a band in the middle that has all `axial` cells, equal ones; next to it cells grow. It adds the
+        facet set `tread`: for a contact that is narrow compared with the roller, and for balls. None: the whole width.
+        The rim layer is then as deep as the smaller side of a cell.
     grading: growth of the layer thickness from one layer to the next, from the rim inwards; 1.0 is uniform. None:
         graded towards the rim by itself, so that the rim layer is as deep as a cell is wide around (as the cell that
-        `half_width` asks for, where given): growth solved for given `layers`, 1.4 for chosen ones. Layers too few for
+        `half_width` requires, where given): growth solved for given `layers`, 1.4 for chosen ones. Layers too few for
         that with a growth of 2 are logged as a warning.
     order: 1 for hex8, 2 for curved hex27 (isoparametric, nodes on the true circles).
-    half_width: wanted contact half-width; gives 2 linear or 1 quadratic cells per half-width around.
+    half_width: expected contact half-width; gives 2 linear or 1 quadratic cells per half-width around.
 
     The first node plane of sector 0 lies in the half plane x > 0, z = 0. In a plane nodes are numbered from the bore to
     the rim with the axial index fastest; a sector of hex27 holds a corner plane, then a mid plane. A solid roller is

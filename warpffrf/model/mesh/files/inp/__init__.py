@@ -1,8 +1,8 @@
-"""Abaqus and CalculiX input decks (.inp) as meshes, by a reader of our own.
+"""Reader of Abaqus and CalculiX input decks (.inp).
 
-`deck` makes keyword blocks of the lines, `parse` a `Deck` of the blocks, `select` picks the body, `solid` makes its
-nodes and cells, `sets` and `sections` its named sets and materials. What a deck says that a mesh cannot hold is listed
-in `Mesh.notes`, never passed over in silence.
+`deck` divides the lines into keyword blocks, `parse` reads them into a `Deck`, `select` selects the body, `solid`
+builds its nodes and cells, `sets` and `sections` its named sets and materials. Contents that a mesh cannot represent
+are listed in `Mesh.notes`.
 """
 
 from warpffrf.model.mesh.files.inp.build import read_inp

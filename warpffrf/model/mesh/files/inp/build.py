@@ -1,4 +1,4 @@
-"""A deck as a mesh: the pieces of this package put together."""
+"""Construction of a mesh from a deck."""
 
 from __future__ import annotations
 
@@ -18,13 +18,13 @@ def read_inp(path: str | Path, *, length_unit: str, part: int | str | None = Non
     """Read the mesh, sets, surfaces and materials of one body from an Abaqus or CalculiX deck.
 
     `length_unit` is the unit of the deck's coordinates (m, cm, mm, um, in, ft); points become metres, in the frame of
-    the assembly. `part` says which body: the name of an instance or of a part that is placed once; in a deck without
-    parts the name of an element set; or the number of a connected part (0 is that of the first cell). It must be said
-    when there are several. C3D4, 6, 8, 10, 15 and 20 are read with any formulation, which `Mesh.notes` reports
-    together with all that is left out.
+    the assembly. `part` selects the body: the name of an instance or of a part that is placed once; in a deck without
+    parts the name of an element set; or the number of a connected part (0 is that of the first cell). It is required
+    if there are several. C3D4, 6, 8, 10, 15 and 20 are read with any formulation, which `Mesh.notes` reports
+    together with all omissions.
 
-    Raises `InputError`, with file and line, for a deck that cannot be understood, refers to something that does not
-    exist, or holds several bodies; and for inverted cells or disconnected parts.
+    Raises `InputError`, with file and line, for a deck that is invalid, refers to something that does not
+    exist, or has several bodies; and for inverted cells or disconnected parts.
     """
     path = Path(path)
     if length_unit not in LENGTH_UNITS:

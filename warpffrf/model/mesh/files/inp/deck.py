@@ -1,11 +1,11 @@
 """An input deck as a list of keyword blocks: lines, continuations, comments and included files.
 
-A keyword line begins with `*`, a comment with `**`; a keyword line that ends in a comma goes on in the next line.
-Keywords, parameters and names do not depend on upper or lower case, blanks around them do not count, and quotes let a
-name hold blanks and commas. What follows a keyword line up to the next one are its data lines. `*Include` puts the
-lines of another file in its place, so data lines may lie in another file than their keyword.
+A keyword line begins with `*`, a comment with `**`; a keyword line that ends in a comma continues in the next line.
+Keywords, parameters and names do not depend on upper or lower case, surrounding blanks are ignored, and a quoted name
+may contain blanks and commas. The lines from a keyword line up to the next one are its data lines. `*Include` inserts
+the lines of another file, so data lines may be in another file than their keyword.
 
-Every block and every data line knows its file and line, for the messages.
+The file and line of every block and data line are stored for messages.
 """
 
 from __future__ import annotations
@@ -49,18 +49,18 @@ class Block:
     _segments: list[tuple[int, str, int]] = field(default_factory=list)  # first line's index, file, line number
 
     def extend(self, lines: list[str], file: str, first: int) -> None:
-        """Append data lines that stand in `file` from line `first` on."""
+        """Append data lines of `file` from line `first` on."""
         if lines:
             self._segments.append((len(self.lines), file, first))
             self.lines = self.lines + lines if self.lines else lines
 
     def place_of(self, index: int) -> Place:
-        """Where the data line with this index stands."""
+        """Place of the data line with this index."""
         start, file, first = next(s for s in reversed(self._segments) if s[0] <= index)
         return Place(file, first + index - start)
 
     def data(self) -> Iterator[tuple[str, int]]:
-        """The data lines that say something, stripped, with their index."""
+        """The nonempty data lines, stripped, with their index."""
         for index, line in enumerate(self.lines):
             text = line.strip()
             if text and not text.startswith("**"):
@@ -82,7 +82,7 @@ class Block:
         return self.parameters.get(parameter) or None
 
     def required(self, parameter: str) -> str:
-        """The value of a parameter that the keyword cannot do without."""
+        """The value of a required parameter."""
         value = self.value(parameter)
         if value is None:
             raise self.place.fault(f"*{self.keyword} needs {parameter}=")
@@ -100,7 +100,7 @@ def read_blocks(path: Path) -> list[Block]:
 
 
 class _Reader:
-    """Makes `blocks` of the lines of the deck `main` and of all that it includes."""
+    """Divides the lines of the deck `main` and of its includes into `blocks`."""
 
     def __init__(self, main: Path, blocks: list[Block]) -> None:
         self.main, self.blocks, self.budget = main, blocks, Budget()
@@ -122,7 +122,7 @@ class _Reader:
             _append(lines[data:stop], data, path, self.blocks)
 
     def _include(self, name: str, place: Place, path: Path, chain: list[Path]) -> None:
-        """Read the file `name`, looked for beside the including file, then beside the deck itself."""
+        """Read the file `name`, searched next to the including file, then next to the deck itself."""
         here = [*chain, path.resolve()]
         for folder in (path.parent, self.main.parent):
             candidate = folder / name.replace("\\", "/")
@@ -130,17 +130,17 @@ class _Reader:
                 if not candidate.exists():
                     continue
                 content, resolved = self.budget.read(candidate, len(here)), candidate.resolve()
-            except (OSError, ValueError) as error:  # a name that no file can have, or a file that may not be read
+            except (OSError, ValueError) as error:  # an invalid name, or a file that may not be read
                 raise place.fault(f"the included file {name[:200]!r} cannot be read ({reason(error)})") from None
             if resolved in here:
                 raise place.fault(f"{name!r} includes itself; remove one of the *Include lines")
             self.read(_lines(content), candidate, here)
             return
-        raise place.fault(f"the included file {name[:200]!r} does not exist; put it beside the deck")
+        raise place.fault(f"the included file {name[:200]!r} does not exist; put it next to the deck")
 
 
 def _append(lines: list[str], index: int, path: Path, blocks: list[Block]) -> None:
-    """Data lines go to the last keyword, wherever it stood."""
+    """Append data lines to the last keyword, which may be in another file."""
     if blocks:
         blocks[-1].extend(lines, path.name, index + 1)
         return
@@ -167,7 +167,7 @@ def _header(lines: list[str], start: int, stop: int) -> tuple[str, int]:
         index += 1
         if not more.startswith("**"):
             text += more
-            if not more:  # a blank line ends the keyword all the same
+            if not more:  # a blank line ends the keyword too
                 break
     return text, index
 
@@ -184,7 +184,7 @@ def _parse_header(text: str, place: Place) -> Block:
 
 
 def split_commas(text: str) -> list[str]:
-    """`text` split at the commas that stand outside quotes."""
+    """`text` split at the commas outside quotes."""
     if '"' not in text:
         return text.split(",")
     parts, current, quoted = [], [], False

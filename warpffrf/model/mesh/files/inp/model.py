@@ -1,16 +1,17 @@
-"""What a deck says, before anything is resolved: scopes with nodes, elements, sets and surfaces; instances; materials.
+"""Contents of a deck, before references are resolved: scopes with nodes, elements, sets and surfaces; instances;
+materials.
 
-A *scope* is where names and numbers hold: each part, what stands inside an instance, and the top (the assembly, or
-everything in a deck without parts). The same number or name in two scopes means two things.
+A *scope* is the range of names and numbers: each part, the contents of an instance, and the top (the assembly, or
+everything in a deck without parts). The same number or name in two scopes refers to different objects.
 
 Cells. Solid elements of Abaqus and CalculiX: which cell kind each becomes, and the numbering of their faces.
 
 Node orders are those of our cells: Abaqus numbers the corners of the bottom and of the top, then the edges of the
-bottom, of the top, and the vertical ones. (The first triangle of a wedge looks into the cell in both.)
+bottom, of the top, and the vertical ones. (The normal of the first triangle of a wedge points into the cell in both.)
 
 A solid element's type is `C3D`, the number of nodes, and letters for its formulation: R reduced integration,
 I incompatible modes (C3D10I: improved surface stress), H hybrid, M modified, S improved surface stress, T with
-temperatures. Here all of them become the plain, fully integrated element of the same shape; `formulation` says what
+temperatures. Here all of them become the plain, fully integrated element of the same shape; `formulation` states what
 was replaced. (Abaqus' own C3D8 averages the volumetric strain over the cell; ours does not.)
 
 Faces S1, S2, ... are given by their corners as in Abaqus (Analysis User's Guide, "Three-dimensional solid element
@@ -18,8 +19,8 @@ library") and CalculiX (manual, *DLOAD), which agree.
 
 Numbers. Tables of numbers in a deck: nodes, elements and the members of sets, read in bulk.
 
-A table of 100,000 lines is joined and converted in one go; only when that fails are the lines looked at one by one, to
-name the one at fault.
+A table of 100,000 lines is joined and converted at once; only if that fails are the lines read one by one, to
+name the wrong one.
 """
 
 from __future__ import annotations
@@ -72,7 +73,8 @@ class Members:
 
 @dataclass(eq=False)
 class SetDefinition:
-    """A named set: the union of all its definitions. `internal`: made by a preprocessor, of no meaning to the user."""
+    """A named set: the union of all its definitions. `internal`: created by a preprocessor, without meaning for the
+    user."""
 
     name: str
     place: Place
@@ -113,7 +115,7 @@ class Section:
 class Scope:
     """The nodes, elements, sets, surfaces and sections of a part, of an instance, or of the top of the deck.
 
-    A surface of nodes may have the name of one of element faces: the keys of `surfaces` say which it is.
+    A surface of nodes may have the name of one of element faces: the keys of `surfaces` distinguish them.
     """
 
     name: str
@@ -151,7 +153,7 @@ class Instance:
 
 @dataclass(eq=False)
 class MaterialText:
-    """A *Material as the deck gives it, in its own units; `faults` say why it cannot be taken over."""
+    """A *Material as the deck gives it, in its own units; `faults` state why it cannot be used."""
 
     name: str
     place: Place
@@ -163,7 +165,7 @@ class MaterialText:
 
 @dataclass(eq=False)
 class Deck:
-    """Everything a deck says. Parts and instances by folded name; `ignored` counts keywords that say nothing here."""
+    """Contents of a deck. Parts and instances by folded name; `ignored` counts keywords without effect here."""
 
     file: str
     top: Scope
@@ -182,12 +184,12 @@ _SHELL_KINDS = {3: "tri3", 4: "quad4", 6: "tri6", 8: "quad8"}
 _FORMULATIONS = {
     "R": "are integrated fully",
     "I": "have no incompatible modes here",
-    "H": "are hybrid where the material asks for it",
+    "H": "are hybrid where the material requires it",
     "M": "are not modified here",
     "S": "have the usual stress points here",
     "T": "have no temperatures here",
 }
-# corners of the faces S1, S2, ..., counted from 1 as the manuals do
+# corners of the faces S1, S2, ..., counted from 1 as in the manuals
 _FACES = {
     "hex": ((1, 2, 3, 4), (5, 8, 7, 6), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 8, 4), (4, 8, 5, 1)),
     "wedge": ((1, 2, 3), (4, 6, 5), (1, 4, 5, 2), (2, 5, 6, 3), (3, 6, 4, 1)),
@@ -197,7 +199,7 @@ FACE_COUNT = 6  # the largest number of faces of any kind
 
 
 def kind_of(element_type: str) -> str | None:
-    """The cell kind that an element type becomes, None where it is no solid element of ours."""
+    """The cell kind of an element type, None if it is not a supported solid element."""
     match = _TYPE.fullmatch(element_type.upper())
     return KINDS[int(match[1])] if match else None
 
@@ -209,12 +211,12 @@ def shell_kind_of(element_type: str) -> str | None:
 
 
 def is_volume(element_type: str) -> bool:
-    """Whether an element type fills a volume, one of ours or not: it cannot be left out without changing the body."""
+    """Whether an element type fills a volume, supported or not: omitting it would change the body."""
     return _VOLUMES.match(element_type.upper()) is not None
 
 
 def formulation(element_type: str) -> str | None:
-    """What is said about cells whose formulation is replaced, for example 'are integrated fully'; None for plain."""
+    """Text about cells whose formulation is replaced, for example 'are integrated fully'; None for plain cells."""
     match = _TYPE.fullmatch(element_type.upper())
     letters = match[2] if match else ""
     return " and ".join(_FORMULATIONS[letter] for letter in letters) or None
@@ -232,7 +234,7 @@ def faces_of(kind: str) -> tuple[tuple[str, np.ndarray], ...]:
     return tuple(by_corners[frozenset(c - 1 for c in corners)] for corners in _FACES[cell.domain])
 
 
-LARGEST_NUMBER = 2**53  # of a node or element: exact as a float, far above what a program numbers
+LARGEST_NUMBER = 2**53  # of a node or element: exact as a float, far above any numbering
 
 
 @dataclass(frozen=True, eq=False)
@@ -250,7 +252,7 @@ class Table:
 
 
 def node_table(block: Block) -> Table:
-    """Node numbers and coordinates (m, 3): `number, x, y, z`; what is not given is 0."""
+    """Node numbers and coordinates (m, 3): `number, x, y, z`; omitted coordinates are 0."""
     texts, lines = [], []
     for text, index in block.data():
         texts.append(text.rstrip(", \t"))
@@ -280,7 +282,7 @@ def _node(text: str, place: Place) -> list[float]:
 def element_table(block: Block, nodes: int) -> Table:
     """Element numbers and their node numbers (m, nodes); the numbers of one element may take several lines.
 
-    Raises `InputError` naming the line where an element has too many or too few numbers, or one that is none.
+    Raises `InputError` naming the line where an element has too many or too few numbers, or an invalid one.
     """
     wanted = nodes + 1
     texts: list[str] = []
@@ -302,7 +304,7 @@ def element_table(block: Block, nodes: int) -> Table:
             have = 0
     if have:
         place = block.place_of(indices[starts[-1]])
-        raise place.fault(f"the element has {have - 1} of {nodes} nodes; is the deck cut off here?")
+        raise place.fault(f"the element has {have - 1} of {nodes} nodes; is the deck truncated here?")
     values = _integers(",".join(texts)) if texts else np.zeros(0, dtype=np.int64)
     if values is None:
         row = next(i for i, text in enumerate(texts) if _integers(text) is None)
@@ -313,7 +315,7 @@ def element_table(block: Block, nodes: int) -> Table:
 
 
 def element_numbers(block: Block) -> np.ndarray:
-    """The numbers of elements whose nodes are of no interest; lines without one are passed over."""
+    """The numbers of elements whose nodes are not required; lines without one are skipped."""
     labels, begins = [], True
     for text, _ in block.data():
         if begins:
@@ -370,7 +372,7 @@ def reals(fields: list[str], place: Place, what: str, least: int) -> list[float]
 
 
 def _looks_like_number(text: str) -> bool:
-    return text[:1] in "+-.0123456789<"  # "<" is a *Parameter that a deck wants replaced
+    return text[:1] in "+-.0123456789<"  # "<" is a *Parameter to be replaced
 
 
 def _floats(text: str) -> np.ndarray | None:

@@ -1,7 +1,7 @@
-"""Keyword blocks -> `Deck`: one small function a keyword, in a registry.
+"""Keyword blocks -> `Deck`: a registry with one function per keyword.
 
-Keywords that are not in the registry say nothing about the body's shape, sets or elastic material and are counted.
-Those that make or move nodes and elements cannot be passed over and are refused.
+Keywords that are not in the registry have no effect on the body's shape, sets or elastic material and are counted.
+Unsupported keywords that create or move nodes and elements are refused.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ OTHER_FACES = {"SPOS", "SNEG", "SP", "SN", "EDGE", "E1", "E2", "E3", "E4", "END1
 
 
 class Parser:
-    """Goes through the blocks of a deck and collects what they say in `deck`."""
+    """Collects the contents of the blocks of a deck in `deck`."""
 
     def __init__(self, path: Path) -> None:
         self.deck = Deck(path.name, Scope("", Place(path.name, 1)))
@@ -48,13 +48,13 @@ class Parser:
 
     @property
     def scope(self) -> Scope:
-        """Where nodes, elements and sets go at present."""
+        """The current scope of nodes, elements and sets."""
         if self.instance is not None:
             return self.instance.scope
         return self.part if self.part is not None else self.deck.top
 
     def run(self, blocks: list[Block]) -> Deck:
-        """Read all blocks; raises `InputError` for what cannot be understood, or where something does not end."""
+        """Read all blocks; raises `InputError` for invalid blocks, or where an end is missing."""
         for block in blocks:
             handler = HANDLERS.get(block.keyword)
             if block.keyword in GENERATORS:
@@ -65,7 +65,7 @@ class Parser:
                 handler(self, block)
         if self.open:
             keyword, place = self.open[-1]
-            raise place.fault(f"*{keyword} has no *End {keyword.title()}; is the deck cut off?")
+            raise place.fault(f"*{keyword} has no *End {keyword.title()}; is the deck truncated?")
         for instance in self.deck.instances.values():
             if fold(instance.part) not in self.deck.parts:
                 known = ", ".join(repr(p.name) for p in self.deck.parts.values()) or "none"
@@ -74,12 +74,12 @@ class Parser:
 
 
 def parse(path: Path) -> Deck:
-    """What the deck at `path` and its included files say."""
+    """The contents of the deck at `path` and its included files."""
     return Parser(path).run(read_blocks(path))
 
 
 def _nothing(parser: Parser, block: Block) -> None:
-    """A title, an end of something that is not looked at."""
+    """A title, or the end of an ignored block."""
 
 
 def _begin(parser: Parser, block: Block, inside: tuple[str, ...]) -> None:
@@ -101,7 +101,7 @@ def _part(parser: Parser, block: Block) -> None:
     name = block.required("NAME")
     known = parser.deck.parts.get(fold(name))
     if known is not None:
-        raise block.place.fault(f"there is a part {name!r} already, in {known.place}")
+        raise block.place.fault(f"part {name!r} is defined already, in {known.place}")
     parser.part = parser.deck.parts[fold(name)] = Scope(name, block.place)
 
 
@@ -119,7 +119,7 @@ def _instance(parser: Parser, block: Block) -> None:
     name = block.required("NAME")
     known = parser.deck.instances.get(fold(name))
     if known is not None:
-        raise block.place.fault(f"there is an instance {name!r} already, in {known.place}")
+        raise block.place.fault(f"instance {name!r} is defined already, in {known.place}")
     placed = _placement(block)
     parser.instance = Instance(name, block.required("PART"), block.place, Scope(name, block.place), *placed)
     parser.deck.instances[fold(name)] = parser.instance
@@ -131,7 +131,8 @@ def _end_instance(parser: Parser, block: Block) -> None:
 
 
 def _placement(block: Block) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Translation (3,), a point of the axis (3,) and the rotation matrix: line 1 moves, then line 2 turns about a-b."""
+    """Translation (3,), a point of the axis (3,) and the rotation matrix: line 1 translates, then line 2 rotates about
+    a-b."""
     rows = list(block.fields())
     translation, point, rotation = np.zeros(3), np.zeros(3), np.eye(3)
     if len(rows) > 2:
@@ -199,7 +200,7 @@ def _surface(parser: Parser, block: Block) -> None:
         return
     known = parser.scope.surfaces.get((fold(name), kind == "NODE"))
     if known is not None:
-        raise block.place.fault(f"there is a surface {name!r} already, in {known.place}")
+        raise block.place.fault(f"surface {name!r} is defined already, in {known.place}")
     items = []
     for fields, place in block.fields():
         if not fields or not fields[0]:
@@ -227,12 +228,12 @@ def _material(parser: Parser, block: Block) -> None:
     name = block.required("NAME")
     known = parser.deck.materials.get(fold(name))
     if known is not None:
-        raise block.place.fault(f"there is a material {name!r} already, in {known.place}")
+        raise block.place.fault(f"material {name!r} is defined already, in {known.place}")
     parser.material = parser.deck.materials[fold(name)] = MaterialText(name, block.place)
 
 
 def _property(parser: Parser, block: Block, what: str, count: int) -> tuple[MaterialText, list[float]]:
-    """The material that is open, and the first row of a property table; further rows are noted."""
+    """The current material, and the first row of a property table; further rows are noted."""
     if parser.material is None:
         raise block.place.fault(f"*{block.keyword.title()} without a *Material before it")
     rows = list(block.fields())
@@ -242,7 +243,7 @@ def _property(parser: Parser, block: Block, what: str, count: int) -> tuple[Mate
     values = model.reals(rows[0][0], rows[0][1], what, count)
     if len(rows) > 1:
         at = f", at temperature {values[count]:g}" if len(values) > count else ""
-        material.notes.append(f"of the {len(rows)} rows of *{block.keyword.title()} the first is taken{at}")
+        material.notes.append(f"of the {len(rows)} rows of *{block.keyword.title()} the first is used{at}")
     return material, values
 
 

@@ -1,12 +1,12 @@
 """Named sets of a deck as sets of the mesh: of elements -> cell sets; surfaces, sets of shells, of nodes -> facet sets.
 
 Sets of the part (or of a deck without parts) keep their names. A set of the assembly has its own name too, unless the
-part uses it for something else: then it is called `assembly.NAME`. Sets that a preprocessor marks `internal` are left
-out, unless a material needs them. A set of shells (or membranes, plane elements: so meshers write the groups of a
-surface) becomes a facet set of the free faces they lie on, a node set one of the free faces all of whose nodes it
-holds; of one name, a surface goes first, then shells.
+part uses it for something else: then it is called `assembly.NAME`. Sets that a preprocessor marks `internal` are
+omitted, unless a material requires them. A set of shells (or membranes, plane elements, as meshers write the groups of
+a surface) becomes a facet set of the free faces they lie on, a node set one of the free faces all of whose nodes it
+contains; of one name, a surface takes precedence, then shells.
 
-Select. Which body of a deck is read: the only one, or the one that `part=` names.
+Select. The body of a deck that is read: the only one, or the one that `part=` names.
 
 Faces. The faces of a body's cells with their S numbers: surfaces and node sets become facets.
 
@@ -50,7 +50,8 @@ MANY = 8  # items shown in a note
 
 
 def cell_sets(body: Body, solid: Solid, needed: Iterable[str], notes: list[str]) -> dict[str, np.ndarray]:
-    """{name: cell numbers} of the element sets that hold cells; `needed` are own sets that are kept though internal."""
+    """{name: cell numbers} of the element sets that contain cells; `needed` are own sets that are kept although
+    internal."""
     keep = {fold(name) for name in needed}
     found: dict[str, np.ndarray] = {}
     for level, definition in _definitions(body, "elset"):
@@ -68,7 +69,7 @@ def cell_sets(body: Body, solid: Solid, needed: Iterable[str], notes: list[str])
 
 
 def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet]:
-    """{name: facets} of the surfaces, then of the node sets, that hold free faces."""
+    """{name: facets} of the surfaces, then of the node sets, that contain free faces."""
     faces = Faces(solid.cells)
     found: dict[str, FacetSet] = {}
     for level in body.levels():
@@ -80,7 +81,7 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
                 notes.append(f"surface {surface.name!r}: {inside} faces inside the body are left out")
             own = body.scopes(level)
             if surface.nodal and any((fold(surface.name), False) in scope.surfaces for scope in own):
-                notes.append(f"surface {surface.name!r} of nodes is not taken over, one of element faces has that name")
+                notes.append(f"surface {surface.name!r} of nodes is not used, a surface of element faces has that name")
                 continue
             _add(found, surface.name, facets, "surface", notes)
     for name, facets in shell_sets(body, solid, faces, notes):
@@ -97,16 +98,16 @@ def facet_sets(body: Body, solid: Solid, notes: list[str]) -> dict[str, FacetSet
             dropped.append(definition.name)
         elif fold(definition.name) in surfaces:
             if surfaces[fold(definition.name)] != len(facets):
-                notes.append(f"node set {definition.name!r} is not taken over, a surface has that name")
+                notes.append(f"node set {definition.name!r} is not used, a surface has that name")
         else:
             _add(found, definition.name, facets, "node set", notes)
     if dropped:
-        notes.append(f"node sets that hold no whole free face are not taken over: {listed([repr(n) for n in dropped])}")
+        notes.append(f"node sets without a complete free face are not used: {listed([repr(n) for n in dropped])}")
     return found
 
 
 def shell_sets(body: Body, solid: Solid, faces: Faces, notes: list[str]) -> list[tuple[str, FacetSet]]:
-    """(name, facets) of the element sets that hold shells on the surface of the cells, and no cells."""
+    """(name, facets) of the element sets that contain shells on the surface of the cells, and no cells."""
     shells = [
         (block.labels, block.shell, block.table.rows)
         for scope in body.own
@@ -118,7 +119,7 @@ def shell_sets(body: Body, solid: Solid, faces: Faces, notes: list[str]) -> list
         members = body.members(level, "elset", definition.name, definition.place)
         if definition.internal or len(solid.cell_numbers(members)):
             continue
-        on_body = 0  # shells all of whose corners are nodes of cells; others belong to parts that are left out
+        on_body = 0  # shells all of whose corners are nodes of cells; others belong to omitted parts
         blocks: dict[str, list[np.ndarray]] = {}
         for labels, shell, rows in shells:
             corners = rows[np.isin(labels, members), : facet_kind(shell).corner_count]
@@ -145,7 +146,7 @@ def listed(items: list[str]) -> str:
 
 
 def _definitions(body: Body, family: str) -> list[tuple[str, SetDefinition]]:
-    """All sets that reach the body, with their level; the first of a name in each level."""
+    """All sets with members of the body, with their level; the first of a name in each level."""
     found = []
     for level in body.levels():
         names = [key for scope in body.scopes(level) for key in scope.sets[family]]
@@ -192,15 +193,15 @@ def _add(found: dict[str, FacetSet], name: str, facets: FacetSet, what: str, not
 
 
 def _second_name(name: str, what: str, notes: list[str]) -> str:
-    """The name of a set of the assembly where the part has another one of that name."""
-    notes.append(f"the {what} {name!r} of the assembly is called {ASSEMBLY_PREFIX + name!r}, the part has another")
+    """The name of a set of the assembly if the part has another one of that name."""
+    notes.append(f"the {what} {name!r} of the assembly is called {ASSEMBLY_PREFIX + name!r}, the part has another one")
     return ASSEMBLY_PREFIX + name
 
 
 def choose(deck: Deck, part: str | None) -> Body:
     """The body that `part` names: an instance, else the one instance of a part, else a part without instances.
 
-    Without `part` the deck must hold one body. Raises `InputError` that lists the names.
+    Without `part` the deck must have one body. Raises `InputError` that lists the names.
     """
     if not deck.instances and not deck.parts:
         if not deck.top.has_cells:
@@ -215,7 +216,9 @@ def choose(deck: Deck, part: str | None) -> Body:
         if not bodies:
             raise _no_cells(deck)
         if len(bodies) > 1:
-            raise InputError(f"mesh file {deck.file}: there are {len(bodies)} bodies, say part= one of {names}")
+            raise InputError(
+                f"mesh file {deck.file}: there are {len(bodies)} bodies, select one with part=, one of {names}"
+            )
         return next(iter(bodies.values()))
     if fold(part) in bodies:
         return bodies[fold(part)]
@@ -224,19 +227,21 @@ def choose(deck: Deck, part: str | None) -> Body:
         return bodies[fold(of_part[0].name)]
     if len(of_part) > 1:
         placed = ", ".join(repr(i.name) for i in of_part)
-        raise InputError(f"mesh file {deck.file}: part {part!r} is placed more than once, say part= one of {placed}")
+        raise InputError(
+            f"mesh file {deck.file}: part {part!r} is placed more than once, select one with part=, one of {placed}"
+        )
     empty = deck.instances.get(fold(part))
     if empty is not None:
         scopes = (empty.scope, deck.parts[fold(empty.part)])
         raise empty.place.fault(
-            f"instance {part!r} holds no solid elements (element types: {_types(scopes)}); say part= one of "
-            f"{names or 'none'}"
+            f"instance {part!r} has no solid elements (element types: {_types(scopes)}); select one with part=, one "
+            f"of {names or 'none'}"
         )
     raise InputError(f"mesh file {deck.file}: there is no body {part!r}; known: {names or 'none'}")
 
 
 def _bodies(deck: Deck) -> dict[str, Body]:
-    """Instances with volume elements by folded name; parts that nobody placed when there is no instance at all."""
+    """Instances with volume elements by folded name; parts without instances if there are no instances at all."""
     bodies: dict[str, Body] = {}
     for key, instance in deck.instances.items():
         scopes = (instance.scope, deck.parts[fold(instance.part)])
@@ -297,7 +302,7 @@ class Faces:
             self.blocks[facet] = FaceBlock(nodes, cell, number, free)
 
     def selected(self, wanted: np.ndarray) -> tuple[FacetSet, int]:
-        """The free faces marked in `wanted` (cells, FACE_COUNT + 1), and the number of marked faces that are inside."""
+        """The free faces marked in `wanted` (cells, FACE_COUNT + 1), and the number of marked inner faces."""
         found, inside = {}, 0
         for facet, block in self.blocks.items():
             marked = wanted[block.cell, block.number]
@@ -344,7 +349,7 @@ def _single(corners: np.ndarray) -> np.ndarray:
 
 
 def sections_of(deck: Deck, body: Body, solid: Solid) -> list[tuple[str, MaterialText]]:
-    """Element sets (their names) that hold cells, with their materials.
+    """Element sets (their names) that contain cells, with their materials.
 
     Raises `InputError` for an unknown set or material and for a set with two sections.
     """
@@ -372,7 +377,7 @@ def _material(deck: Deck, section: Section) -> MaterialText:
 
 
 def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, notes: list[str]) -> dict[str, Material]:
-    """{cell set: Material} [SI] of the sections; what cannot be taken over is said in `notes`."""
+    """{cell set: Material} [SI] of the sections; `notes` list omitted data."""
     if not sections:
         return {}
     system = system_of(length_unit, notes)
@@ -387,7 +392,7 @@ def materials_of(sections: list[tuple[str, MaterialText]], length_unit: str, not
         if material is not None:
             made[elset] = material
     if made:
-        notes.append(f"materials are read in {units}, the system that goes with lengths in {length_unit}")
+        notes.append(f"materials are read in {units}, the system of units with lengths in {length_unit}")
     return made
 
 
@@ -403,5 +408,5 @@ def _si(text: MaterialText, stress: float, density: float, notes: list[str]) -> 
                 return Material(stress * text.elastic[0], text.elastic[1], density * text.density, name=text.name)
         except InputError as error:
             faults.append(str(error))
-    notes.append(f"material {text.name!r} ({text.place}) is not taken over: {'; '.join(faults)}")
+    notes.append(f"material {text.name!r} ({text.place}) is not used: {'; '.join(faults)}")
     return None

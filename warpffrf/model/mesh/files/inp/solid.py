@@ -1,17 +1,18 @@
-"""The nodes and solid cells of one body: numbers of the deck become indices, unused nodes go, the instance is placed.
+"""The nodes and solid cells of one body: numbers of the deck become indices, unused nodes are removed, the instance is
+placed.
 
 Nodes are ordered by their number in the deck, cells by kind in the order in which the kinds appear, then as in the
-deck. A number that is given to several nodes means the last of them, as in Abaqus.
+deck. A number of several nodes refers to the last of them, as in Abaqus.
 
-Body. One body of a deck, and what the names and numbers of sets mean for it.
+Body. One body of a deck, and the meaning of names and numbers of sets for it.
 
-A body is an instance with its part, a part without an instance, or a deck without parts. Two levels of names reach it:
+A body is an instance with its part, a part without an instance, or a deck without parts. Two levels of names apply:
 
-- its *own* scopes (what stands inside the instance, then the part), where a number is one of its nodes or elements;
-- the *assembly*, where numbers belong to the instance of `INSTANCE=`, and `instance.name` or `instance.number` reaches
-  into an instance.
+- its *own* scopes (the contents of the instance, then the part), where a number is one of its nodes or elements;
+- the *assembly*, where numbers belong to the instance of `INSTANCE=`, and `instance.name` or `instance.number` refers
+  to an object of an instance.
 
-Sets may name other sets, defined before or after. What a set says about other instances is passed over.
+Sets may name other sets, defined before or after. Members of other instances are ignored.
 """
 
 from __future__ import annotations
@@ -46,8 +47,8 @@ from warpffrf.model.mesh.files.raw_mesh import face_numbers, left_over, repeated
 @dataclass(frozen=True, eq=False)
 class Solid:
     """`points` (n, 3) [file's unit] of the used nodes with their numbers `node_labels` (n,), ascending;
-    `cells` {kind: (m, k) indices}; `cell_labels` (N,) in the order of the blocks; `notes` what was taken differently.
-    `became` {element: {face: face}}: of elements that are read as what is left of them, their S numbers (`collapsed`).
+    `cells` {kind: (m, k) indices}; `cell_labels` (N,) in the order of the blocks; `notes` the replacements.
+    `became` {element: {face: face}}: S numbers of elements that are read as the remaining cell (`collapsed`).
     """
 
     points: np.ndarray
@@ -58,7 +59,7 @@ class Solid:
     became: Mapping[int, Mapping[int, int]]
 
     def face_numbers(self, numbers: np.ndarray, face: int) -> np.ndarray:
-        """Of cells with these numbers, the S number that `face` of the deck has here; 0 where it is gone."""
+        """Of cells with these numbers, the S number that `face` of the deck has here; 0 if it has vanished."""
         found = np.full(len(numbers), face)
         for i in np.flatnonzero(np.isin(self.cell_labels[numbers], list(self.became))) if self.became else ():
             found[i] = self.became[int(self.cell_labels[numbers[i]])].get(face, 0)
@@ -69,7 +70,7 @@ class Solid:
         return np.isin(self.node_labels, labels)
 
     def cell_numbers(self, labels: np.ndarray) -> np.ndarray:
-        """Sorted cell numbers of the elements with these numbers; those that are no solid cells are passed over."""
+        """Sorted cell numbers of the elements with these numbers; those that are no solid cells are ignored."""
         ordered, order = self._by_label
         return np.sort(order[np.searchsorted(ordered, present(labels, ordered))])
 
@@ -118,7 +119,8 @@ def solid_of(body: Body, part: int | str | None, file: str) -> Solid:
 def _uncollapsed(
     cells: Mapping[str, np.ndarray], numbers: np.ndarray, file: str
 ) -> tuple[dict[str, np.ndarray], np.ndarray, dict[int, Mapping[int, int]], list[str]]:
-    """Cells and their numbers in the deck, those with a node twice as what is left of them at the end of its kind."""
+    """Cells and their numbers in the deck, with the remaining cells of those with a node twice at the end of their
+    kind."""
     kept: dict[str, list[np.ndarray]] = {}
     labels: dict[str, list[np.ndarray]] = {}
     moved: dict[str, list[tuple[int, list[int]]]] = {}
@@ -135,13 +137,13 @@ def _uncollapsed(
             left = left_over(kind, nodes[row])
             if left is None:
                 raise InputError(
-                    f"mesh file {file}: element {own[row]} ({kind}) has nodes repeated, and what is left is no "
-                    "wedge or tetrahedron; mesh it so"
+                    f"mesh file {file}: element {own[row]} ({kind}) has repeated nodes and is neither a wedge nor a "
+                    "tetrahedron; mesh with these instead"
                 )
             moved.setdefault(left[0], []).append((int(own[row]), left[1]))
             became[int(own[row])] = face_numbers(faces_of(kind), nodes[row], faces_of(left[0]), np.array(left[1]))
         if bad.any():
-            notes.append(f"{np.sum(bad)} {kind} cells with nodes repeated are read as wedges or tetrahedra")
+            notes.append(f"{np.sum(bad)} {kind} cells with repeated nodes are read as wedges or tetrahedra")
     for kind, rows in moved.items():
         kept.setdefault(kind, []).append(np.array([nodes for _, nodes in rows], dtype=np.int64))
         labels.setdefault(kind, []).append(np.array([label for label, _ in rows], dtype=np.int64))
@@ -151,7 +153,7 @@ def _uncollapsed(
 
 
 def _nodes(body: Body) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Sorted node numbers, their coordinates, and a note where one number has several places."""
+    """Sorted node numbers, their coordinates, and a note where one number has several positions."""
     tables = [table for scope in reversed(body.own) for table in scope.nodes]
     labels = np.concatenate([np.zeros(0, dtype=np.int64), *(t.labels for t in tables)])
     coordinates = np.concatenate([np.zeros((0, 3)), *(t.rows for t in tables)])
@@ -160,7 +162,9 @@ def _nodes(body: Body) -> tuple[np.ndarray, np.ndarray, list[str]]:
     moved = np.unique(labels[::-1][np.any(kept[inverse.ravel()] != coordinates[::-1], axis=1)])
     notes = []
     if len(moved):
-        notes.append(f"{len(moved)} node numbers are defined twice with different places, the last counts: {moved[0]}")
+        notes.append(
+            f"{len(moved)} node numbers are defined twice with different positions, the last is used: {moved[0]}"
+        )
     return unique, kept, notes
 
 
@@ -198,14 +202,14 @@ def _indices(table: Table, labels: np.ndarray) -> np.ndarray:
 def _wanted(
     body: Body, part: int | str, file: str, cells: Mapping[str, np.ndarray], numbers: np.ndarray, node_count: int
 ) -> np.ndarray:
-    """Which cells (N,) belong to the wanted part."""
+    """Which cells (N,) belong to the requested part."""
     if isinstance(part, str):
         if body.definition(OWN, "elset", part) is None:
             known = ", ".join(repr(d.name) for d in body.own[0].sets["elset"].values()) or "none"
             raise InputError(f"mesh file {file}: there is no element set {part!r} for part=; known: {known}")
         mask = np.isin(numbers, body.members(OWN, "elset", part, body.place))
         if not mask.any():
-            raise InputError(f"mesh file {file}: element set {part!r} holds no solid cells")
+            raise InputError(f"mesh file {file}: element set {part!r} has no solid cells")
         return mask
     found = part_labels(node_count, cells)
     order = found[np.sort(np.unique(found, return_index=True)[1])]  # parts in the order of their first cells
@@ -223,19 +227,19 @@ def _kept(
 
 
 def _placed(body: Body, points: np.ndarray, file: str) -> np.ndarray:
-    """Points of the instance in the assembly: first moved, then turned about the axis."""
+    """Points of the instance in the assembly: first translated, then rotated about the axis."""
     if body.instance is None:
         return points
     at = body.instance
     with np.errstate(over="ignore", invalid="ignore"):
         points = (points + at.translation - at.axis_point) @ at.rotation.T + at.axis_point
     if not np.isfinite(points).all():
-        raise at.place.fault("the instance lies too far away to be computed")
+        raise at.place.fault("the translation of the instance is too large")
     return points
 
 
 def _element_notes(blocks: list[Elements]) -> list[str]:
-    """Cells whose formulation is replaced, and elements that are left out, with their numbers."""
+    """Cells whose formulation is replaced, and omitted elements, with their numbers."""
     replaced: Counter[tuple[str, str, str]] = Counter()
     others: Counter[str] = Counter()
     for block in blocks:
@@ -252,7 +256,7 @@ def _element_notes(blocks: list[Elements]) -> list[str]:
     return notes
 
 
-NESTING = 100  # sets inside sets; deeper is taken for garbage
+NESTING = 100  # sets inside sets; deeper nesting is refused
 OWN, ASSEMBLY = "own", "assembly"
 
 
@@ -260,7 +264,7 @@ OWN, ASSEMBLY = "own", "assembly"
 class Body:
     """The scopes that define a body, and the sorted numbers of all its nodes and elements.
 
-    `missing` counts members of sets that name a node or an element which the body does not have.
+    `missing` counts members of sets that refer to a node or an element that the body does not have.
     """
 
     name: str
@@ -278,13 +282,13 @@ class Body:
         self._memo: dict[tuple[str, str, str], np.ndarray] = {}
 
     def scopes(self, level: str) -> tuple[Scope, ...]:
-        """The scopes that a level looks into, in this order."""
+        """The scopes of a level, in the order of search."""
         if level == OWN:
             return self.own
         return () if self.assembly is None else (self.assembly,)
 
     def levels(self) -> tuple[str, ...]:
-        """The levels of names that reach the body."""
+        """The levels of names that apply to the body."""
         return (OWN,) if self.assembly is None else (OWN, ASSEMBLY)
 
     def definition(self, level: str, family: str, name: str) -> SetDefinition | None:
@@ -292,7 +296,7 @@ class Body:
         return next((s.sets[family][fold(name)] for s in self.scopes(level) if fold(name) in s.sets[family]), None)
 
     def members(self, level: str, family: str, name: str, place: Place, chain: tuple[str, ...] = ()) -> np.ndarray:
-        """Sorted numbers of this body's nodes ("nset") or elements ("elset") in a set; `place` is who asks.
+        """Sorted numbers of this body's nodes ("nset") or elements ("elset") in a set; `place`: of the reference.
 
         Raises `InputError` for an unknown set and for sets that contain themselves.
         """
@@ -334,7 +338,7 @@ class Body:
         return sorted(found, key=lambda surface: surface.nodal)
 
     def _one(self, level: str, family: str, owner: SetDefinition, m, chain: tuple[str, ...]) -> np.ndarray:
-        """What one definition adds to the set of `owner`."""
+        """Members that one definition adds to the set of `owner`."""
         inner = level
         if level == ASSEMBLY and m.instance is not None:
             if fold(m.instance) not in self.instances:

@@ -1,4 +1,4 @@
-"""Bodies that come as mass and stiffness matrices: files of FE programs, the order of their rows, and checks."""
+"""Bodies given by mass and stiffness matrices: files of FE programs, the order of their rows, and checks."""
 
 from warpffrf.model.mesh.files.matrices.build import from_matrices
 from warpffrf.model.mesh.files.matrices.files import read_matrix

@@ -12,25 +12,25 @@ are multiplied by `F/L` and lengths by L:
 | in | lbf | lbf/in | lbf s2/in |
 | ft | lbf | lbf/ft | slug |
 
-Dofs. Rows of matrices in the order of a mesh: dof `3*node + component`, three displacements a node.
+Dofs. Rows of matrices in the order of a mesh: dof `3*node + component`, three displacements per node.
 
 With `s(3 a + i)` the row that belongs to component i of node a, the ordered matrix is `A'_rc = A_s(r),s(c)`. Rows of
 rotations are left out where they are empty, as those of solid elements in a Nastran g-set are; one that carries
 stiffness or mass belongs to shells, beams or rigid elements and cannot be dropped without changing the body.
 
-Checks. What can be known of K and M without the elements: size, symmetry, sign.
+Checks of K and M without the elements: size, symmetry, sign.
 
-An unsymmetric matrix is refused above `SYMMETRIC`; below it `(A + A^T)/2` is used. Signs are looked at in the scaled
+An unsymmetric matrix is refused above `SYMMETRIC`; below it `(A + A^T)/2` is used. Signs are determined from the scaled
 matrix `S = D^-1/2 A D^-1/2`, D the diagonal: its eigenvalues have the signs of those of A, and no unit.
 
 - Any vector with `v^T S v < 0` proves A indefinite. The smallest Ritz value of `LANCZOS_STEPS` Lanczos steps is such a
   quotient (Golub, Van Loan 2013, ch. 10): K or M with a wrong sign or a lost block is found, negative eigenvalues
-  hidden among many others near zero may stay.
+  hidden among many others near zero may remain undetected.
 - Up to `EXACT_DOFS` the count is exact: `S + tau I = L D L^T` has as many negative pivots as S has eigenvalues below
-  `-tau` (Sylvester's law of inertia). With `-tau` for `tau` this counts the motions of K without energy: a body has
+  `-tau` (Sylvester's law of inertia). With `-tau` for `tau` this is the number of zero-energy motions of K: a body has
   six.
 
-What is not seen here is met by the factorisation of the reduction, which refuses a matrix that is not definite.
+Undetected errors appear in the factorisation of the reduction, which rejects a matrix that is not definite.
 """
 
 from __future__ import annotations
@@ -59,8 +59,8 @@ from warpffrf.model.messages.named_arguments import named_arguments
 logger = logging.getLogger("warpffrf.mesh")
 POUND = 4.4482216152605  # N, one pound-force by definition
 UNITS = {"m": (1.0, 1.0), "cm": (1e-2, 1.0), "mm": (1e-3, 1.0), "in": (0.0254, POUND), "ft": (0.3048, POUND)}  # m, N
-ROUND_OFF = 1e-12  # of the largest entry: unsymmetry of sums taken in another order, not worth a note
-LEAST_NODES = 4  # fewer cannot resist all deformations and yet have a volume
+ROUND_OFF = 1e-12  # of the largest entry: unsymmetry by another order of summation, without a note
+LEAST_NODES = 4  # fewer cannot resist all deformations and enclose a volume
 CURE_K = "a dof without stiffness belongs to no element: leave such nodes out, and export without constraints"
 CURE_M = "give the elements a density, and export the consistent mass matrix"
 
@@ -78,24 +78,24 @@ def from_matrices(
     matrix_units: str | None = None,
     name: str = "",
 ) -> Mesh:
-    """A body from its mass and stiffness matrices, free and unloaded, with three displacements a node.
+    """A body from its mass and stiffness matrices, free and unloaded, with three displacements per node.
 
     Parameters
     ----------
-    M, K: SciPy sparse or NumPy matrices, `FileMatrix`, or paths of files (`read_matrix` has the formats). One triangle
-        in a file is completed; an array must be whole.
+    M, K: SciPy sparse or NumPy matrices, `FileMatrix`, or paths of files (formats: see `read_matrix`). One triangle
+        in a file is completed; an array must be complete.
     nodes: (n, 3) coordinates of all nodes of the matrices, in `length_unit`; their frame is the body's user frame.
     dof_map: (rows, 2) integers, for each row the node (position in `nodes`) and the component: 0 to 2 displacements,
-        3 to 5 rotations, whose rows must be empty. None: what the file says, else nodes in order with three rows each,
+        3 to 5 rotations, whose rows must be empty. None: as in the file, else nodes in order with three rows each,
         or six.
     node_numbers: (n,) the number of each node in the FE program, for files that name nodes; None: 1, 2, 3, ...
     facets: {set name: FacetSet, or nodes (m, k) as positions in `nodes`, or {kind: nodes}}, in the node order of VTK
-        with outward normals; the width k tells the kind (3 tri3, 4 quad4, 6 tri6, 8 quad8, 9 quad9). Orientation is
-        checked against K: the nodes that are coupled with a facet lie behind it.
+        with outward normals; the width k determines the kind (3 tri3, 4 quad4, 6 tri6, 8 quad8, 9 quad9). Orientation
+        is checked against K: the nodes that are coupled with a facet lie behind it.
     length_unit: "m", "cm", "mm", "in" or "ft", with the units of force and mass that go with it (module docstring).
     matrix_units: the same for M and K, where they differ from the nodes' (nodes of a mesh that was read are in m).
 
-    Returns a `Mesh` with `matrices` [N/m, kg] and without cells; `notes` tell what was left out or rounded. Raises
+    Returns a `Mesh` with `matrices` [N/m, kg] and without cells; `notes` list omitted and rounded data. Raises
     `InputError` for matrices of unequal size, unsymmetric, not finite, found indefinite, with supports or hinges; nodes
     or dofs in another order (rigid motion must cost no energy); facets out of range, inside the body or inside out.
     """
@@ -133,7 +133,7 @@ def from_matrices(
 
 def _check(K: Any, M: Any, points: np.ndarray, notes: list[str]) -> None:
     require_no_support_marks(K)
-    residual = require_free(K, M, points)  # before the signs: a wrong order explains more than what follows from it
+    residual = require_free(K, M, points)  # before the signs: a wrong order also causes wrong signs
     if residual > RIGID_NOTE:
         notes.append(f"K R of rigid motions is {residual:.2g} of the sum of magnitudes: rounded coordinates or entries")
     require_positive_diagonal(K, "K", CURE_K)
@@ -161,7 +161,7 @@ def _dofs(A: FileMatrix, dof_map: Any, numbers: np.ndarray, what: str) -> np.nda
     label = what if A.source == what else f"{what} ({A.source})"
     if A.dofs is not None:
         if dof_map is not None:
-            raise InputError(f"{label}: the file says which dof each row is; leave dof_map out")
+            raise InputError(f"{label}: the file gives the dof of each row; leave dof_map out")
         return numbered_dofs(A.dofs, numbers, label)
     if dof_map is not None:
         return mapped_dofs(dof_map, rows, len(numbers), label)
@@ -173,7 +173,7 @@ def _numbers(node_numbers: Any, count: int) -> np.ndarray:
         return np.arange(1, count + 1)
     numbers = np.asarray(node_numbers)
     if numbers.shape != (count,) or not np.issubdtype(numbers.dtype, np.integer):
-        raise InputError(f"node_numbers must be {count} integers, one a node, got {numbers.shape} of {numbers.dtype}")
+        raise InputError(f"node_numbers must be {count} integers, one per node, got {numbers.shape} of {numbers.dtype}")
     if len(np.unique(numbers)) != count:
         raise InputError("node_numbers: a number occurs twice; each node has its own")
     return numbers.astype(np.int64)
@@ -245,7 +245,7 @@ def numbered_dofs(dofs: np.ndarray, node_numbers: np.ndarray, what: str) -> np.n
 def ordered(matrix: Any, dofs: np.ndarray, node_count: int, what: str) -> tuple[Any, int]:
     """csr (3 n, 3 n) in the order `3*node + component`, and the number of empty rotation rows left out.
 
-    Raises `InputError` for a rotation that carries something, a dof with two rows, and one without.
+    Raises `InputError` for a rotation with nonzero entries, a dof with two rows, and one without.
     """
     turned = np.flatnonzero(dofs[:, 1] >= 3)
     if len(turned):
@@ -254,7 +254,7 @@ def ordered(matrix: Any, dofs: np.ndarray, node_count: int, what: str) -> tuple[
             node, component = dofs[carrying[0]]
             raise InputError(
                 f"{what}: row {carrying[0]}, the rotation about {AXES[component - 3]} of node {node}, is not empty; "
-                "bodies here have three displacements a node: condense the rotations, or export solid elements"
+                "bodies have three displacements per node: condense the rotations, or export solid elements"
             )
     rows = np.flatnonzero(dofs[:, 1] < 3)
     target = 3 * dofs[rows, 0] + dofs[rows, 1]
@@ -277,9 +277,9 @@ def ordered(matrix: Any, dofs: np.ndarray, node_count: int, what: str) -> tuple[
 
 
 SYMMETRIC = 1e-6  # of the largest entry: files in single precision round to 6e-8; friction and follower loads give 1e-3
-INDEFINITE = 1e-6  # of the largest eigenvalue of S: what rounding the entries of K to single precision does to a zero
+INDEFINITE = 1e-6  # of the largest eigenvalue of S: change of a zero one by rounding K to single precision
 ENERGY_FREE = 1e-12  # of the largest eigenvalue of S: above round-off, below the first bending of 500 cells in a row
-SUPPORT_MARK = 1e30  # N/m on a diagonal: no stiffness of a body, but the 1e36 that Abaqus puts on supported dofs
+SUPPORT_MARK = 1e30  # N/m on a diagonal: above any stiffness of a body, below the 1e36 of Abaqus for supported dofs
 EXACT_DOFS = 5_000  # a factorisation of this size takes about a second
 LANCZOS_STEPS = 60
 RIGID_MOTIONS = 6
@@ -343,7 +343,7 @@ def require_positive_diagonal(A: Any, what: str, cure: str) -> None:
 
 
 def require_no_support_marks(K: Any) -> None:
-    """Raise `InputError` where the diagonal of K holds the huge numbers that stand for supports."""
+    """Raise `InputError` where the diagonal of K has the huge numbers that mark supports."""
     marked = np.flatnonzero(K.diagonal() > SUPPORT_MARK)
     if len(marked):
         raise InputError(
@@ -353,7 +353,7 @@ def require_no_support_marks(K: Any) -> None:
 
 
 def require_semidefinite(A: Any, what: str) -> None:
-    """Raise `InputError` for a matrix found to have a negative eigenvalue; see the module docstring for what is seen.
+    """Raise `InputError` for a matrix found to have a negative eigenvalue; limits: see the module docstring.
 
     The diagonal must be positive.
     """

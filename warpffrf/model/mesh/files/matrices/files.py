@@ -1,11 +1,11 @@
-"""Matrices in the files of FE programs: one reader a format, chosen by the name and the first line of the file.
+"""Matrices in the files of FE programs: one reader per format, chosen by the name and the first line of the file.
 
-| file | reader | what its rows are |
+| file | reader | dofs of its rows |
 |---|---|---|
-| `.mtx` beginning with `%%MatrixMarket` | `matrix_market` | not said |
-| `.mtx` of Abaqus, `*MATRIX OUTPUT` | `abaqus` | node and dof in every line (MATRIX INPUT), or not said (COORDINATE) |
-| `.sti`, `.mas` of CalculiX | `calculix` | in the `.dof` file beside them |
-| `.op4`, `.op2` of Nastran | `nastran` | not said |
+| `.mtx` beginning with `%%MatrixMarket` | `matrix_market` | not given |
+| `.mtx` of Abaqus, `*MATRIX OUTPUT` | `abaqus` | node and dof in every line (MATRIX INPUT), or not given (COORDINATE) |
+| `.sti`, `.mas` of CalculiX | `calculix` | in the `.dof` file next to them |
+| `.op4`, `.op2` of Nastran | `nastran` | not given |
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def read_matrix(path: str | Path, name: str | None = None, *, role: str = "stiff
     """The matrix in the file `path`; see the module's table of formats.
 
     `name`: which matrix, for files of several (Nastran); without it the usual names of the `role`, "stiffness" or
-    "mass", are looked for. One triangle of a symmetric matrix is completed. Raises `InputError` for a file that is
+    "mass", are searched. One triangle of a symmetric matrix is completed. Raises `InputError` for a file that is
     missing, garbled (with the number of the line), of an unknown format, or without such a matrix.
     """
     if role not in ROLES:
@@ -68,7 +68,7 @@ def _readers() -> dict[str, Callable[[Path, str | None, str], FileMatrix]]:
 
 
 def _mtx(file: Path, name: str | None, role: str) -> FileMatrix:
-    """Matrix Market and Abaqus share a suffix: the banner decides."""
+    """Matrix Market and Abaqus share a suffix; the banner distinguishes them."""
     banner = read_named(file, "matrix file")[: len(formats.BANNER)]
     read = formats.read if banner.lower() == formats.BANNER else formats.read_abaqus
     return read(file, name, role)
@@ -78,7 +78,7 @@ def completed(matrix: Any) -> Any:
     """A csr matrix with both triangles: where no entry off the diagonal has a partner, each gets one.
 
     FE programs write one triangle of a symmetric matrix, upper or lower in *their* order of rows, which in the order
-    of node numbers is a mixture. A matrix some of whose entries have partners is taken as it is.
+    of node numbers is a mixture. A matrix some of whose entries have partners is left unchanged.
     """
     import scipy.sparse as sp
 

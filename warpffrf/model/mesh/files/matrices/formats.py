@@ -1,19 +1,19 @@
-"""What the reader of a format hands over: the matrix of a file, and which dofs its rows are.
+"""Result of the readers: the matrix of a file, and the dofs of its rows.
 
 Text table. Tables of numbers in text files, with the number of the line that cannot be read.
 
 Matrix Market files, coordinate or array (Boisvert, Pozo, Remington 1996, NISTIR 5935), read here and strictly.
 
-SciPy's reader ends a number at the first character that it does not know, so that 1.5D6 is 1.5 to it, and a file that
-is cut off can crash the interpreter. Here every line has to be one of the format, in full: real, integer or pattern;
-general, symmetric or skew-symmetric; one entry a line, none twice. Exponents may be Fortran's: 1.5D6, and 1.5+106 for
-1.5e106. What a file declares is held against its own size before memory is taken for it.
+SciPy's reader ends a number at the first unknown character, so that it reads 1.5D6 as 1.5, and a truncated file can
+crash the interpreter. Here every line must conform to the format completely: real, integer or pattern;
+general, symmetric or skew-symmetric; one entry per line, none twice. Exponents may be Fortran's: 1.5D6, and 1.5+106 for
+1.5e106. Declared sizes are compared with the size of the file before memory is allocated.
 
-Abaqus text matrices, made by `*MATRIX GENERATE, STIFFNESS, MASS` and `*MATRIX OUTPUT, STIFFNESS, MASS`.
+Abaqus text matrices, written by `*MATRIX GENERATE, STIFFNESS, MASS` and `*MATRIX OUTPUT, STIFFNESS, MASS`.
 
 - FORMAT=MATRIX INPUT, the default: `row node, dof, column node, dof, value`; a symmetric matrix as one triangle
   (Abaqus Keywords Guide, *MATRIX INPUT). Nodes and rows are matched by number, so the order of lines does not matter.
-- FORMAT=COORDINATE: `row column value`, counted from 1; nothing says which dof a row is: nodes in ascending order of
+- FORMAT=COORDINATE: `row column value`, counted from 1; the dofs of the rows are not given: nodes in ascending order of
   their numbers, three rows each, for a model of solid elements without constraints.
 
 The files are `<job>_STIF<step>.mtx` and `<job>_MASS<step>.mtx`. Abaqus marks a supported dof by 1e36 on the diagonal,
@@ -23,15 +23,15 @@ CalculiX matrices: `<job>.sti`, `<job>.mas` and `<job>.dof` of a `*FREQUENCY, SO
 
 A line of .sti (stiffness) and .mas (mass) is `row column value`, counted from 1, one triangle, 14 digits; line i of
 .dof is `node.direction` of row i, directions from 1 (written by `matrixstorage.c` of CalculiX 2.20; files of that
-version are among the tests). Dofs that a boundary condition or an equation takes away have no row.
+version are among the tests). Dofs eliminated by a boundary condition or an equation have no row.
 
 Nastran matrices in OUTPUT4 (.op4, text or binary) and OUTPUT2 (.op2) files, through pyYeti (extra `matrices`).
 
-The g-set matrices KGG and MGG have six rows a grid point in ascending order of its number; rotations of solid elements
-are empty rows. Files of Nastran do not say what the rows are; where the a-set lacks dofs give `dof_map`.
+The g-set matrices KGG and MGG have six rows per grid point in ascending order of its number; rotations of solid
+elements are empty rows. Files of Nastran do not give the dofs of the rows; where the a-set lacks dofs, give `dof_map`.
 
-pyYeti reads what it finds, so the form of a file is looked at before: a text has lines of whole numbers, of numbers of
-one width, and heads; a binary file is a chain of Fortran's records, each with its length before and behind it.
+pyYeti does not validate, so the form of a file is checked before: a text has lines of whole numbers, of numbers of
+one width, and heads; a binary file is a chain of Fortran's records, each with its length before and after it.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class FileMatrix:
     """A matrix of a file in the file's own units and order.
 
     `matrix`: scipy.sparse csr (d, d). `dofs` (d, 2) int64: of each row the node's number *in the FE program* and the
-    component (0 to 2 displacements, 3 to 5 rotations); None where the file does not say. `source`: for messages.
+    component (0 to 2 displacements, 3 to 5 rotations); None where the file does not give them. `source`: for messages.
     """
 
     matrix: Any
@@ -82,7 +82,7 @@ def read_table(file: Path, columns: tuple[int, ...], meaning: str) -> np.ndarray
     exponents are understood. Raises `InputError` naming the first line that has another number of columns, a word, or
     a value that is not finite, and `meaning`, what a line should hold.
     """
-    text = read_named(file, "matrix file").decode("latin-1")  # any byte is a character: comments may hold anything
+    text = read_named(file, "matrix file").decode("latin-1")  # any byte is a character: comments may contain any
     plain = text.translate(_TO_PLAIN)
     try:
         with warnings.catch_warnings():
@@ -143,7 +143,7 @@ _SIZES = re.compile(rb"[ \t]*+([0-9]++(?:[ \t]++[0-9]++)*+)[ \t\r]*+(?:\n|\Z)")
 
 @dataclass(frozen=True)
 class _Head:
-    """What the first lines say, and where the entries begin: the byte and the line."""
+    """Contents of the first lines, and the byte and the line where the entries begin."""
 
     layout: str
     field: str
@@ -156,8 +156,8 @@ class _Head:
 
 
 def read(file: Path, name: str | None, role: str) -> FileMatrix:
-    """The matrix of a Matrix Market file; it does not say what its rows are. Raises `InputError` for anything that is
-    not of the format, with the number of the line."""
+    """The matrix of a Matrix Market file; the dofs of its rows are not given. Raises `InputError` with the number of
+    the line for anything that is not of the format."""
     text = read_named(file, "matrix file")
     head = _head(file, text)
     numbers = _numbers(file, text, head)
@@ -173,17 +173,17 @@ def _market_fault(file: Path, line: int, what: str) -> InputError:
 
 
 def _head(file: Path, text: bytes) -> _Head:
-    """The banner and the sizes, held against the size of the file."""
+    """The banner and the sizes, checked against the size of the file."""
     banner, _, _ = text.partition(b"\n")
     words = banner[:200].decode("ascii", errors="replace").lower().split()
     if len(words) != 5 or words[1] != "matrix":
         raise _market_fault(file, 1, "is not '%%MatrixMarket matrix LAYOUT FIELD SYMMETRY'")
     for word, known in zip(words[2:], (LAYOUTS, FIELDS, SYMMETRIES), strict=True):
         if word not in known:
-            raise _market_fault(file, 1, f"{word!r} is not read here, one of {', '.join(known)} is")
+            raise _market_fault(file, 1, f"{word!r} is not supported; known: {', '.join(known)}")
     layout, field, symmetry = words[2:]
     if layout == "array" and field == "pattern":
-        raise _market_fault(file, 1, "an array of a pattern holds nothing")
+        raise _market_fault(file, 1, "an array of a pattern has no entries")
     at = len(banner) + 1
     comments = _COMMENTS.match(text, at)
     at = comments.end() if comments else at
@@ -213,7 +213,7 @@ def _array_entries(symmetry: str, rows: int, columns: int) -> int:
 
 
 def _numbers(file: Path, text: bytes, head: _Head) -> np.ndarray:
-    """The numbers of the lines (entries, numbers a line), all of them read as they are written."""
+    """The numbers of the lines (entries, numbers a line), all of them read exactly."""
     index, value = rb"[0-9]++", {"real": _REAL, "integer": _INTEGER, "pattern": b""}[head.field]
     words = [index, index] if head.layout == "coordinate" else []
     words += [value] if value else []
@@ -228,12 +228,12 @@ def _numbers(file: Path, text: bytes, head: _Head) -> np.ndarray:
         raise _market_fault(file, line, f"{_shown(body, end)} is not {what}")
     if head.field == "real":
         body = _WIDE.sub(rb"\1e\2", body.translate(_PLAIN_MARKET))
-    # of nothing NumPy makes one number
+    # NumPy returns one number for an empty text
     numbers = np.fromstring(body.decode("ascii"), sep=" ") if body.strip() else np.zeros(0)
     numbers = numbers.reshape(-1, len(words))
     if len(numbers) != head.entries:
         raise InputError(
-            f"matrix file {file.name}: has {len(numbers)} entries, line {head.line - 1} says {head.entries}; "
+            f"matrix file {file.name}: has {len(numbers)} entries, line {head.line - 1} declares {head.entries}; "
             "export it again"
         )
     return numbers
@@ -256,7 +256,7 @@ def _coordinates(file: Path, text: bytes, head: _Head, numbers: np.ndarray) -> t
 
 
 def _refuse_twice(file: Path, text: bytes, head: _Head, i: np.ndarray, j: np.ndarray) -> None:
-    """Raise where two lines are of one entry, or, where one triangle says all, of an entry and its partner."""
+    """Raise where two lines have the same entry, or, if one triangle is complete, an entry and its partner."""
     a, b = (i, j) if head.symmetry == "general" else (np.maximum(i, j), np.minimum(i, j))
     place = a * head.columns + b
     order = np.argsort(place, kind="stable")
@@ -264,9 +264,7 @@ def _refuse_twice(file: Path, text: bytes, head: _Head, i: np.ndarray, j: np.nda
     if len(again):
         first, second = order[again[0]], order[again[0] + 1]
         lines = _line_of(text, head, int(first)), _line_of(text, head, int(second))
-        raise _market_fault(
-            file, lines[1], f"row {i[second] + 1}, column {j[second] + 1} is that of line {lines[0]} again"
-        )
+        raise _market_fault(file, lines[1], f"row {i[second] + 1}, column {j[second] + 1} repeats line {lines[0]}")
 
 
 def _array(file: Path, text: bytes, head: _Head, numbers: np.ndarray) -> tuple[np.ndarray, ...]:
@@ -336,8 +334,8 @@ def read_abaqus(file: Path, name: str | None, role: str) -> FileMatrix:
 
 
 def read_calculix(file: Path, name: str | None, role: str) -> FileMatrix:
-    """The matrix of a .sti or .mas file, with the dofs of the .dof file beside it. Raises `InputError` for a garbled or
-    missing one, and for rows that the .dof file does not know."""
+    """The matrix of a .sti or .mas file, with the dofs of the .dof file next to it. Raises `InputError` for a garbled
+    or missing one, and for rows that the .dof file does not list."""
     table = read_table(file, (3,), "'row column value'")
     numbers = whole_numbers(table[:, :2], file, "row and column")
     dofs = _dofs(file.with_suffix(".dof"))
@@ -375,7 +373,7 @@ _REALS = re.compile(rb"(?> *+[+-]?+[0-9]*+\.[0-9]++(?>[ED][+-]?+[0-9]++|[+-][0-9
 _HEAD = re.compile(
     rb"[ 0-9-]{32,64}+[A-Za-z][A-Za-z0-9_ ]{7}(?:\s*+(?:1P,)?([0-9]{1,2})[EeDd]([0-9]{1,2})\.[0-9]{1,2})?\s*+"
 )
-_WIDTH = 16  # characters of a number where a head says none
+_WIDTH = 16  # characters of a number where a head has none
 
 
 def read_op4(file: Path, name: str | None, role: str) -> FileMatrix:
@@ -388,7 +386,7 @@ def read_op4(file: Path, name: str | None, role: str) -> FileMatrix:
         raise InputError(f"matrix file {file.name}: cannot be read as OUTPUT4 ({fault}); export it again")
     try:
         matrices = op4.read(str(file), sparse=True)
-    except Exception as error:  # the reader raises what it stumbles over: ValueError, IndexError, struct.error
+    except Exception as error:  # the reader raises various errors: ValueError, IndexError, struct.error
         raise InputError(f"matrix file {file.name}: cannot be read as OUTPUT4 ({error}); export it again") from None
     return _chosen(matrices, file, name, role)
 
@@ -407,7 +405,7 @@ def read_op2(file: Path, name: str | None, role: str) -> FileMatrix:
 
 
 def _text_fault(content: bytes) -> str:
-    """What is wrong with the form of a text; "" for nothing."""
+    """Error in the form of a text; "" if there is none."""
     width = _WIDTH
     for number, line in enumerate(content.split(b"\n"), start=1):
         line = line.rstrip(b"\r")
@@ -416,7 +414,9 @@ def _text_fault(content: bytes) -> str:
             width = int(head[2]) if head[2] else _WIDTH
             sizes = [abs(int(w)) for w in line[:16].split()]
             if max(sizes, default=0) > len(content):
-                return f"line {number} says a matrix of {' by '.join(map(str, sizes))}, more than fits into the file"
+                return (
+                    f"line {number} declares a matrix of {' by '.join(map(str, sizes))}, more than fits into the file"
+                )
         elif not line.strip() or _WHOLE.fullmatch(line):
             continue
         elif not _REALS.fullmatch(line) or len(line.rstrip()) % width:
@@ -425,7 +425,7 @@ def _text_fault(content: bytes) -> str:
 
 
 def _record_fault(content: bytes) -> str:
-    """What is wrong with the chain of records of a binary file; "" for nothing."""
+    """Error in the chain of records of a binary file; "" if there is none."""
     orders = [o for o in ("little", "big") if 0 < int.from_bytes(content[:4], o) <= len(content) - 8]  # type: ignore
     for order in orders:
         at = 0

@@ -8,26 +8,26 @@ nodes that are not on the facet,
     s = sum d_j / sum |d_j|
 
 is -1 where all of them lie behind the facet, as on the surface with an outward normal, +1 with an inward one, and near
-0 for a face between two cells. The median over a set counts, so that a single odd cell does not.
+0 for a face between two cells. The median over a set is used, so that a single odd cell has no effect.
 
-A condensed K couples every node with every other and says nothing: rows longer than `LONGEST_ROW` are not looked at.
+A condensed K couples all nodes with each other and gives no information: rows longer than `LONGEST_ROW` are skipped.
 
 Surfaces. Facet sets of a body without cells.
 
-Where there are cells a facet takes its orientation from the cell it lies on. Here the orientation is taken as given,
-and what can be checked is checked: neighbours pass their common edge in opposite directions, a surface without edges
+Where there are cells a facet takes its orientation from the cell it lies on. Here the given orientation is used
+and checked: neighbours pass their common edge in opposite directions, a surface without edges
 encloses a positive volume, `V = 1/3 sum x . n A > 0` over its triangles, and the nodes that K couples with a facet lie
-behind it (`inner_side`). With a dense, condensed K an open surface that is wholly inside out is not seen.
+behind it (`inner_side`). With a dense, condensed K an open surface that is completely inside out is not detected.
 
-Motion. The test of the order of nodes and dofs: rigid motion, which costs no energy and carries the whole mass.
+Motion. Test of the order of nodes and dofs: rigid motion has no strain energy and the total mass.
 
 With R (3 n, 6) the rigid motions of the nodes, `K R = 0`; each row of K R is a sum that must cancel, so it is compared
-with the sum of its magnitudes, `|K R|_r <= RIGID (|K| |R|)_r`. Nodes or components in another order than the rows break
-it: translations see exchanged components, rotations exchanged nodes too. The mass of a body is the same in the three
-directions, `R_t^T M R_t = m I`. An M whose nodes have another order than those of K shows in entries that couple nodes
-which K does not couple; a lumped M tells nothing of that kind.
+with the sum of its magnitudes, `|K R|_r <= RIGID (|K| |R|)_r`. Nodes or components in another order than the rows
+violate it: translations detect exchanged components, rotations exchanged nodes too. The mass of a body is the same in
+the three directions, `R_t^T M R_t = m I`. An M whose nodes have another order than those of K shows in entries that
+couple nodes which K does not couple; a lumped M does not show it.
 
-Neither test sees a wrong unit of length: lengths and stiffnesses together are judged by `plausibility`.
+Neither test detects a wrong unit of length: lengths and stiffnesses together are checked by `plausibility`.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def _holds(common: Any, nodes: np.ndarray) -> np.ndarray:
 
 
 def _side(common: Any, corners: np.ndarray, nodes: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """s (m,) of each facet; -1 where nothing is known."""
+    """s (m,) of each facet; -1 where it is unknown."""
     x = points[corners]
     normal = np.cross(x, np.roll(x, -1, axis=1)).sum(axis=1)
     normal /= np.linalg.norm(normal, axis=1)[:, None]
@@ -115,8 +115,8 @@ KIND_OF_WIDTH = {len(facet_kind(kind).nodes): kind for kind in FACET_KINDS}
 def facet_sets(facets: Mapping[str, Any] | None, points: np.ndarray, K: Any = None) -> dict[str, FacetSet]:
     """Facet sets from {name: `FacetSet`, nodes (m, k), or {kind: nodes (m, k)}}, nodes counted from 0, checked.
 
-    With the stiffness `K` (3n, 3n) csr it is also seen which facets are no face of a cell. Raises `InputError` for a
-    width that is no facet, node numbers out of range, facets without area, and facets that are turned against their
+    With the stiffness `K` (3n, 3n) csr facets that are no face of a cell are detected too. Raises `InputError` for a
+    width that is no facet, node numbers out of range, facets without area, and facets that are oriented against their
     neighbours, enclose a negative volume, lie inside the body or have normals into it.
     """
     if facets is not None and not isinstance(facets, Mapping):
@@ -227,7 +227,7 @@ def _without_repeats(sets: Mapping[str, FacetSet]) -> FacetSet:
 
 
 RIGID = 1e-5  # of the sum of magnitudes: coordinates written with six digits; a wrong order gives 1e-3 to 1
-RIGID_NOTE = 1e-9  # above it the body is told to come from rounded files: double precision leaves 1e-12
+RIGID_NOTE = 1e-9  # above it a note states that the files are rounded: double precision leaves 1e-12
 SAME_MASS = 1e-6  # of the mass: matrices in single precision sum to it
 FOREIGN = 0.1  # of M's couplings may lie where K has none: exact zeros of K are few, a wrong order makes nearly all
 USUAL_DENSITY = (10.0, 3e4)  # kg/m3 of mass over bounding box: foams to heavy metals; thin rings fill little of it
@@ -253,7 +253,7 @@ def require_free(K: Any, M: Any, points: np.ndarray) -> float:
         raise InputError(
             "M and K look exchanged: M vanishes for rigid motions and K does not; call from_matrices(M, K)"
         )
-    motion = int(np.argmax(residual.max(axis=0) > RIGID))  # translations first: they say more
+    motion = int(np.argmax(residual.max(axis=0) > RIGID))  # translations first: they are more specific
     bad = np.unique(np.flatnonzero(residual[:, motion] > RIGID) // 3)
     raise InputError(
         f"K does not vanish for a rigid {NAMES[motion]}: residual {residual[:, motion].max():.2g} of the sum of "
@@ -280,7 +280,7 @@ def require_mass(M: Any, points: np.ndarray) -> float:
 
 
 def require_one_body(K: Any, M: Any) -> None:
-    """Raise `InputError` where K falls apart into several bodies, or M couples nodes that K does not."""
+    """Raise `InputError` where K is of several bodies, or M couples nodes that K does not."""
     import scipy.sparse as sp
     from scipy.sparse.csgraph import connected_components
 
@@ -289,8 +289,8 @@ def require_one_body(K: Any, M: Any) -> None:
     if count > 1:
         sizes = ", ".join(str(n) for n in np.sort(np.bincount(label))[::-1][:5])
         raise InputError(
-            f"K falls apart into {count} bodies, the largest of {sizes} nodes; a body is one part: export one, or "
-            "leave out nodes without elements"
+            f"K consists of {count} unconnected bodies, the largest of {sizes} nodes; a body is one part: export one, "
+            "or leave out nodes without elements"
         )
     foreign = heavy - heavy.multiply(stiff)
     off_diagonal = heavy.nnz - heavy.shape[0]
@@ -303,7 +303,7 @@ def require_one_body(K: Any, M: Any) -> None:
 
 
 def plausibility(K: Any, M: Any, points: np.ndarray, mass: float) -> list[str]:
-    """Warnings where mass, size and stiffness look wrong together; empty where they do not.
+    """Warnings where mass, size and stiffness are implausible together.
 
     Density over the bounding box, and the speed `h sqrt(trace K / trace M)` over the typical distance `h = (box/n)^1/3`
     of nodes: of the order of the speed of sound, within a factor of ten on graded meshes and thin bodies.
@@ -317,7 +317,7 @@ def plausibility(K: Any, M: Any, points: np.ndarray, mass: float) -> list[str]:
     if not USUAL_DENSITY[0] <= density <= USUAL_DENSITY[1]:
         found.append(f"mass over bounding box is {density:.3g} kg/m3: are length_unit and matrix_units right?")
     if not USUAL_SPEED[0] <= speed <= USUAL_SPEED[1]:
-        found.append(f"waves would run at about {speed:.2g} m/s: are length_unit and matrix_units right?")
+        found.append(f"the estimated wave speed is about {speed:.2g} m/s: are length_unit and matrix_units right?")
     return found
 
 
