@@ -124,7 +124,8 @@ class Result(reprs.Shown):
         return list(self.history.lumped_contacts)
 
     def lumped_contact(self, name: str) -> LumpedHistory:
-        """Force, position, approach and slip of the lumped contact called `name`; raises InputError if there is none."""
+        """Force, position, approach and slip of the lumped contact called `name`; raises InputError if there is
+        none."""
         return _named(self.history.lumped_contacts, "lumped contact", name)
 
     @property

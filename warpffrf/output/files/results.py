@@ -520,7 +520,8 @@ def _check_lap_cells(lap: Any, name: str, scene: Any) -> None:
 
 
 def _check_owner(owner: Any, fields: Any, name: str, steps: int) -> None:
-    """Check the quantities of one owner; dimensions of the same name must have the same length. None has no quantities."""
+    """Check the quantities of one owner; dimensions of the same name must have the same length. None has no
+    quantities."""
     if owner is None:
         return
     sizes: dict[str, int] = {}

@@ -117,7 +117,8 @@ def force(result: Any, ax: Any) -> None:
 
 
 def _profile(ax: Any, contact: Any, x: np.ndarray, p: np.ndarray, lines: np.ndarray) -> None:
-    """Pressures p (n,) at x (n,) along a section: linear between nodes, or constant on cells between `lines` (n + 1,)."""
+    """Pressures p (n,) at x (n,) along a section: linear between nodes, or constant on cells between `lines` (n +
+    1,)."""
     if isinstance(contact, CellContactResult):
         ax.stairs(p, lines, lw=1.0, color=PROFILE, label="computed, on the cells")
         ax.plot(x, p, "o", ms=3.0, color=PROFILE)

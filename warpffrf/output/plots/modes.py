@@ -219,7 +219,8 @@ def draw_shape(ax: Any, skins: Sequence[MovedSkin], title: str, *, drawn: float 
 
 
 def outward(skin: MovedSkin) -> MovedSkin:
-    """The skin with triangles oriented so that the normals of a closed one point outwards, by the sign of its volume."""
+    """The skin with triangles oriented so that the normals of a closed one point outwards, by the sign of its
+    volume."""
     corners = skin.points[skin.triangles] - skin.points.mean(axis=0)
     volume = np.einsum("ti,ti->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
     return skin if volume >= 0.0 else MovedSkin(skin.points, skin.triangles[:, ::-1], skin.displacement)
