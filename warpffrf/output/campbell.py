@@ -62,9 +62,7 @@ ALIKE = 0.2  # MAC below which two modes belong to different curves
 SENSE = 0.1  # of the whirl: below it a mode is neither forward nor backward
 MOST_WAVES = 6  # largest number of circumferential waves considered
 SLICES = 16  # of a body along its axis
-PLAINLY = (
-    1.05  # times the sum of fewer waves: more are accepted only above it, as few circumferential points are ambiguous
-)
+PLAINLY = 1.05  # times the sum of fewer waves: required to accept more; few circumferential points are ambiguous
 SPINS = 0.99  # of the kinetic energy in the spin of bodies: above it the mode is no curve
 SLOW = 1e-2  # of the speed of rotation: smallest frequency of a curve
 GROWS = 1e-5  # negative damping ratio that exceeds round-off

@@ -24,10 +24,7 @@ FEWEST_ROWS, FEWEST_WINDOWS = 16, 3  # of a window and of a waterfall
 OVERLAP = 4  # windows that share a row
 STEADY = 1e-3  # of the largest speed: a smaller range is a constant speed
 FLOOR = 1e-3  # of the largest amplitude: lower limit of the colour scale
-SEEN, BEYOND = (
-    0.02,
-    1.3,
-)  # of the largest amplitude, and of the highest frequency that reaches it: upper limit of a plot
+SEEN, BEYOND = 0.02, 1.3  # of the largest amplitude, and of the highest frequency that reaches it: end of a plot
 NARROW = 0.05  # of the axis: order lines that end closer to its start are labelled on the right
 ORDERS = (1, 2, 3)  # default order lines
 ORDER = "#6fe3ff"

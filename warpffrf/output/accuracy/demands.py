@@ -41,10 +41,7 @@ from warpffrf.output.budget.figures import is_main
 ON_MESH = 2.0  # times the rule: linear cells as wide as the node spacing add the same error again (`grid_rule`)
 FINER = 1.15  # times the steps according to second order
 LEAST, MOST = 1.2, 3.0  # times the steps of the previous run: more would overshoot while vibrations are not resolved
-CELLS = (
-    2.0,
-    4.0,
-)  # refinement factors of `cell_error`: less gives the same number of cells, more gives twice as many strips
+CELLS = 2.0, 4.0  # refinement factors: less gives the same cells, more gives twice as many strips
 TIGHTER, LEAST_TOLERANCE = 0.1, 1e-8  # factor of the energy tolerance, and its smallest value
 WITHOUT_ESTIMATE = 2.0  # factor of the steps if a run with twice the step fails
 

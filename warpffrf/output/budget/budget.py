@@ -132,7 +132,7 @@ def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
 
 
 def _named(quantity: str) -> str:
-    """The line as a sentence."""
+    """The quantity as text."""
     return quantity if quantity.startswith("all ") else f"the {quantity}"
 
 
