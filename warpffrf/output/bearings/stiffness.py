@@ -37,7 +37,7 @@ from warpffrf.online import History, find_equilibrium
 
 MOVE = 1e-3  # of the largest approach under load: far above the equilibrium tolerance, quadratic error 1e-6 of K
 LEAST = 1e-9  # m
-SOFTEST = 0.1  # of the largest root of a diagonal entry of its kind, for scaling: the axial rotation has no stiffness
+SOFTEST = 0.1  # smallest root of a diagonal entry for scaling, of the largest of its kind: zero about the axis
 SIDES = ("inner", "outer")
 
 
