@@ -2,10 +2,12 @@ r"""Loops of force against displacement: loss per cycle, equivalent damping, sti
 
 Channels. One scalar history of a run, by the name of its owner and its component, as an axis of a loop.
 
-("push", "x") x of a force, a joint's reaction, a lap, contact or film [N], of a body's position [m] ("push",
-"torque_z") a torque [N m] ("tip", "x") a component of a sensor "hinge" a joint's coordinate, a sensor with one
-component, a spring with one deformation ("joint", "hinge", "x") with its kind, if items of several kinds have the name
-array (T,) any history
+("push", "x")              x of a force, a joint's reaction, a lap, contact or film [N], of a body's position [m]
+("push", "torque_z")       a torque [N m]
+("tip", "x")               a component of a sensor
+"hinge"                    a joint's coordinate, a sensor with one component, a spring with one deformation
+("joint", "hinge", "x")    with its kind, if items of several kinds have the name
+array (T,)                 any history
 
 Cycles. Times at which cycles begin and end, and values between saved steps.
 

@@ -26,7 +26,7 @@ whose stress the mesh has to a few tenths. The forces are spread to f over `SPRE
 node, a load that the mesh resolves; the remainder is computed in the half-space tangent to the body at the patch, cut
 at its free ends,
 
-    sigma = sigma_FE(f) + sigma_H(cells) - sigma_H(hats of f),
+    sigma = sigma_FE(f) + sigma_H(cells) - sigma_H(nodes of f),
 
 both sigma_H in closed form (`half_space_stress`), the nodes with the pressure M^-1 f of the recovered stress
 sigma_FE(f) at the surface. The difference between body and half-space is smooth over the depth of the material behind
@@ -255,7 +255,7 @@ class PatchStress:
         return parts / parts.sum(axis=0)
 
     def forces(self, i: int) -> np.ndarray:
-        """Outward hat forces (columns, rows) [N] of saved step `i`, spread."""
+        """Outward nodal forces (columns, rows) [N] of saved step `i`, spread."""
         forces = self._around @ self.loads.forces(i)
         rows = np.flatnonzero(np.any(self.loads.contact.pressure[i] > 0.0, axis=0))
         z = self.surface.grid.z

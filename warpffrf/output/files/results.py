@@ -3,13 +3,13 @@
     /time (time), /step_size, /iterations, /factorisations
     /body_position (time, body, axis), /contact_force (time, pair, axis), ...   stacked over the owners
     /lumped_force (time, lumped_contact, axis), ...   over the lumped contacts, if any
-    /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, where
-                             there are any; /film_theta/<film>, /film_z/<film> coordinates of the nodes
+    /film_force (time, film, axis), /film_pressure/<film> (time, film_column, film_row), ...   over the oil films, if
+                             any; /film_theta/<film>, /film_z/<film> coordinates of the nodes
     /lap_force (time, lap, axis), /lap_pressure/<lap> (time, lap_cell), ...   over the small-sliding contacts, if any;
                              /lap_point/<lap>, /lap_area/<lap>, ... their cells
     /contact_friction_power (time, friction_pair), ...   over the contacts with friction, if any
-    /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the pairs whose pressure
-                             stands on cells that travel with the patch, where there are any
+    /contact_cell_half_width (time, cell_pair), /contact_cell_z/<pair> (time, row), ...   over the contacts
+                             whose pressure is given on cells that move with the patch, if any
     /contact_pressure/<pair> (time, column, row), /body_modal/<body>, ...       one dataset per owner
     /sensor/<name> (time, component)
     /energy (time, line)

@@ -1,6 +1,6 @@
 r"""A rigid body has mass and inertia, but no shape. It is drawn as the solid box with the same principal moments,
 
-I_x = m (b^2 + c^2)/3, ... => a^2 = 3 (I_y + I_z - I_x)/(2 m), ... half lengths a, b, c.
+I_x = m (b^2 + c^2)/3, ...    =>    a^2 = 3 (I_y + I_z - I_x)/(2 m), ...    half lengths a, b, c.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """One scene run with many settings and compared with a reference: cost and error of each; `study.speed_error`.
 
 choices    settings: available choices, combinations to run
-machines   where scenes come from: a Scene, a function that builds one, a scene file; settings applied to them; what
+machines   scene sources: a Scene, a function that builds one, a scene file; settings applied to them; environment
            of timings
 errors     measures of two results: at the saved times that all steps have in common, of motions of points, of
            pressure on common points

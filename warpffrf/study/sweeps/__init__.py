@@ -14,5 +14,5 @@ cluster      executor of dask.distributed
 folder       the folder of a sweep: definition, lock, completed runs
 table        all rows in one HDF5 file, which xarray opens lazily
 outcome      result of a sweep
-sweep        `sweep`: public function: sends rows and collects answers
+sweep        `sweep`, the public function: sends rows and collects answers
 """
