@@ -148,7 +148,7 @@ class Campbell(reprs.Shown):
             for c in crossed:
                 lines.append(f"{what}: curve {c.branch} at {c.speed:.5g} rad/s, {c.frequency:.5g} Hz, fixed frame")
             if not crossed:
-                lines.append(f"{what}: meets no curve")
+                lines.append(f"{what}: crosses no curve")
         return "\n".join(lines)
 
     __str__ = report
@@ -207,7 +207,7 @@ class Campbell(reprs.Shown):
             met = [c.speed / TURN for c in self.critical_speeds()]
             axes.plot(met, np.zeros(len(met)), "o", ms=9.0, mfc="none", color="black", mew=0.8, clip_on=False)
         axes.set(xlim=(0.0, last or 1.0), ylim=(0.0, top))
-        axes.set(xlabel="speed of rotation [turns/s]", ylabel="natural frequency [Hz]")
+        axes.set(xlabel="speed of rotation [rev/s]", ylabel="natural frequency [Hz]")
         seen, met = ("fixed frame", "orders meet curves") if fixed else ("axes that turn", "unbalance meets curves")
         axes.set_title(f"Campbell diagram, {seen}; circles: {met}", fontsize=10)
         if self.notes:
@@ -252,18 +252,18 @@ def campbell(
     count = require_count(count, "campbell: count", 1)
     rates = require_array(speeds, "campbell: speeds", (None,))
     if not len(rates) or np.any(rates < 0.0) or np.any(np.diff(rates) <= 0.0):
-        raise InputError("campbell: speeds must rise, and be 0 or more [rad/s]")
+        raise InputError("campbell: speeds must ascend, and be 0 or more [rad/s]")
     if not callable(build):
-        raise InputError(f"campbell: build must be a function of the speed that makes a scene, got {build!r}")
+        raise InputError(f"campbell: build must be a function of the speed that returns a scene, got {build!r}")
     modes = []
     for speed in rates:
         made = build(float(speed))
         if not isinstance(made, Scene | Result):
-            raise InputError(f"campbell: build({speed:g}) must make a Scene or a Result, got {made!r}")
+            raise InputError(f"campbell: build({speed:g}) must return a Scene or a Result, got {made!r}")
         scene, about = (made, "initial") if isinstance(made, Scene) else (made.scene, made)
         modes.append(eigenmodes(scene, ALL, about=about, progress=progress))
     if len({len(m.found.linear.M) for m in modes}) > 1:
-        raise InputError("campbell: build must make the same bodies at every speed")
+        raise InputError("campbell: build must return the same bodies at every speed")
     doubts = _doubts(rates, modes)
     for doubt in doubts:
         log.warning("campbell: %s", doubt)
@@ -284,13 +284,14 @@ def _doubts(speeds: Array, modes: list[Modes]) -> list[str]:
     off = np.flatnonzero(np.abs(turned - speeds) > SAME_SPEED * np.maximum(speeds, 1.0))
     if len(off):
         notes.append(
-            f"the fastest body turns otherwise than asked for at {len(off)} of {len(speeds)} speeds, as at "
+            f"the speed of the fastest body differs from the requested one at {len(off)} of {len(speeds)} speeds: "
             f"{turned[off[0]]:.5g} instead of {speeds[off[0]]:.5g} rad/s"
         )
     rates = [np.linalg.norm(list(_spins(m).values()), axis=1) for m in modes if _spins(m)]
     if any(rate.min() < (1.0 - SAME_SPEED) * rate.max() for rate in rates):
         notes.append(
-            "bodies turn at different speeds: a mode is seen from the fixed frame by that of the body it moves most"
+            "bodies rotate at different speeds: a mode is transformed to the fixed frame with the speed of the body "
+            "that it moves most"
         )
     return notes
 
@@ -471,8 +472,8 @@ def _growing(speeds: Array, ratios: Array) -> str:
     if not found:
         return ""
     return (
-        f"motions grow (damping below zero): curve {', '.join(found)}; damping= of a body that turns is internal and "
-        "turns with it, so that it drives whirl above the critical speed: dampers to the ground hold against it"
+        f"motions grow (negative damping): curve {', '.join(found)}; damping= of a rotating body is internal "
+        "(rotating) damping, which destabilises whirl above the critical speed: dampers to the ground stabilise it"
     )
 
 

@@ -183,7 +183,7 @@ class Comparison:
             name = f"{d.label} [{d.units}]"
             lines.append(f"{name:{width}}  {relative}  {d.largest:18.4e}  {d.at:10.6g}  {d.size:12.4e}")
         if len(listed) < len(apart):
-            lines.append(f"... and {len(apart) - len(listed)} that are nearer to each other")
+            lines.append(f"... and {len(apart) - len(listed)} that differ less")
         return "\n".join(lines)
 
     def figure(self, labels: Sequence[str] | None = None) -> Any:

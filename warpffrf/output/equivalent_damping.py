@@ -79,7 +79,7 @@ class EquivalentDamping:
         rubs = order[self.damping_ratio[order] > 0.0]
         ax.loglog(self.amplitude[rubs], 100.0 * self.damping_ratio[rubs], marker="o")
         ax.set(
-            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of the laps [%]",
+            xlabel=f"amplitude at {self.place} [{self.unit}]", ylabel="damping ratio of friction in laps [%]",
             title=f"Mode {self.mode}, {self.linear_frequency:.5g} Hz",
         )  # fmt: skip
         ax.grid(visible=True, which="both", alpha=0.3)
@@ -100,9 +100,7 @@ def equivalent_damping(
     cycles = require_count(cycles, f"{label}: cycles", FEWEST_CYCLES)
     steps = require_count(steps, f"{label}: steps", FEWEST_STEPS)
     if steps % 4:
-        raise InputError(
-            f"{label}: steps must be a multiple of four, so that both ends of a cycle are met, got {steps}"
-        )
+        raise InputError(f"{label}: steps must be a multiple of four, to include both ends of a cycle, got {steps}")
     given = require_array(amplitude if np.ndim(amplitude) else [amplitude], f"{label}: amplitude", (None,))
     if not len(given):
         raise InputError(f"{label}: give one amplitude at least")
@@ -117,11 +115,11 @@ def equivalent_damping(
         change = abs(loss - loop.before)
         if change > UNSETTLED * loss and change > 0.0:
             notes.append(
-                f"amplitude {a:.4g}: the loss still changes from cycle to cycle ({loop.before:.4g} J, then {loss:.4g} "
+                f"amplitude {a:.4g}: the loss still varies from cycle to cycle ({loop.before:.4g} J, then {loss:.4g} "
                 "J); take more cycles"
             )
     if not np.all(numbers[:, 0] > 0.0):
-        notes.append("where nothing slips the loss is zero; of micro-slip smaller than a cell, smaller cells see more")
+        notes.append("without slip the loss is zero; smaller cells resolve micro-slip below the cell size")
     names = [lap.name for lap in modes.scene.laps]
     return EquivalentDamping(
         mode=i, linear_frequency=mode.omega / (2.0 * np.pi), place="the mode's coordinate" if at is None else at.label,

@@ -291,7 +291,7 @@ class LapResult(reprs.Shown):
             row, cell = np.unravel_index(int(np.argmax(ratio)), ratio.shape)
             found.append(
                 f"cell {cell} slid by {self.shift_distance[row, cell] * 1e3:.4g} mm, {ratio[row, cell]:.2g} of its "
-                f"size {self.size[cell] * 1e3:.4g} mm, and partners of cells are fixed: beyond {SLIDES:g} of a cell "
+                f"size {self.size[cell] * 1e3:.4g} mm, but partners of cells are fixed: beyond {SLIDES:g} of a cell "
                 "forces act at other places than they would; model such motion as a contact"
             )
         zone = self.slip_zone()

@@ -154,7 +154,7 @@ class Modes(reprs.Shown):
         if any(body.reduced is not None for body in self.scene.bodies):
             lines += ["", *_errors_told(self.frequency_errors)]
         if np.any(self.damping_ratios < -UNDAMPED):
-            lines += ["", "Damping below zero: the motion grows, the state is unstable."]
+            lines += ["", "Negative damping: the motion grows, the state is unstable."]
         if len(self.notes):
             lines += ["", *(f"note: {note}" for note in self.notes)]
         return "\n".join(lines)
@@ -217,13 +217,13 @@ def _errors_told(errors: np.ndarray) -> list[str]:
     lines = []
     if len(known):
         told = ", ".join(f"{number}: {percent(errors[number])}" for number in known if errors[number] >= FLOOR)
-        lines.append(f"errors of frequencies by the bases of bodies: {told + '; others ' if told else ''}{SMALL}")
+        lines.append(f"frequency errors due to the bases of bodies: {told + '; others ' if told else ''}{SMALL}")
     if missing := [str(number) for number in np.flatnonzero(np.isnan(errors))]:
         lines.append(
             f"not estimated: those of modes {', '.join(missing)} (bases that do not say which vibrations they hold, or "
             "hold none so high where a contact is closed)"
         )
-    return [*lines, "not estimated: what the meshes make of frequencies (it takes the bodies on other ones)"]
+    return [*lines, "not estimated: mesh errors of frequencies (require the bodies on other meshes)"]
 
 
 def _new_axes() -> Any:

@@ -139,7 +139,7 @@ class Outputs:
         if self.resume and not self.overwrite:
             found = run.load()
             if found is not None:
-                log.info("results: going on from '%s', %d parts", run.folder, run.parts)
+                log.info("results: continuing from '%s', %d parts", run.folder, run.parts)
             return start if found is None else replace(found, start=start)
         if run.has_checkpoint() and not self.overwrite:
             raise InputError(

@@ -28,4 +28,4 @@ class Recorded:
         return self if result is None else self.read(result)
 
     def __set__(self, result: Any, value: Any) -> None:
-        raise AttributeError(f"{type(result).__name__}.{self.__name__} is what was recorded, and stays")
+        raise AttributeError(f"{type(result).__name__}.{self.__name__} is a recorded quantity and cannot be set")

@@ -200,7 +200,7 @@ class Result(reprs.Shown):
         return frequency_spectrum(self.time, *self._history(history))
 
     def orders(self, history: str | np.ndarray, body: str, axis: Any = None) -> Spectrum:
-        """Order spectrum of a `history`, `.place` [1/turn], over the rotation of the body called `body` about `axis`
+        """Order spectrum of a `history`, `.place` [1/rev], over the rotation of the body called `body` about `axis`
         (3,) in the world frame (None: its mean angular velocity); also for variable speed.
 
         Raises InputError as `spectrum`, and for a body that rotates by fewer than 2 revolutions or reverses.
@@ -215,7 +215,7 @@ class Result(reprs.Shown):
     ) -> Waterfall:
         """Spectra, as of `spectrum`, of consecutive windows of a history over time: `.time` (w,) [s], `.frequency` (n,)
         [Hz], `.amplitude` (w, n), `.report()`, `.draw(ax)`; or over the rotational speed of the body called `speed`
-        about `axis` as of `orders`: `.speed` (w,) [turns/s], drawn with lines of constant order.
+        about `axis` as of `orders`: `.speed` (w,) [rev/s], drawn with lines of constant order.
 
         window: length of a window [s], an eighth of the run if None; its inverse is the frequency resolution. Raises
         InputError as `spectrum`, for fewer than 3 windows or 16 rows per window, and for a speed that does not vary.

@@ -132,7 +132,7 @@ def simulate(
             energy_tolerance=energy_tolerance, project_start=project_start or None, stages=stages,
         )  # fmt: skip
     if resume and results is None:
-        raise InputError("simulate: resume goes on from what stands beside the results; give results")
+        raise InputError("simulate: resume continues from the files of a run; give results")
     require_number(keep_every, "simulate: keep_every", positive=True)
     if record_every is not None:
         require_count(record_every, "simulate: record_every", 1, most=MOST_COUNTED)
@@ -180,7 +180,7 @@ def _run(
         return run_static(scene, duration, **own)
     if energy_tolerance is not None:
         if isinstance(integrator, CHECK_INTEGRATORS):
-            raise InputError("simulate: energy_tolerance halves steps, and these are all alike here; leave it out")
+            raise InputError("simulate: energy_tolerance halves steps, which this integrator cannot; leave it out")
         options["settings"] = Settings(energy_tolerance=energy_tolerance)
     return run(scene, duration, integrator=DEFAULT_INTEGRATOR if integrator is None else integrator, **options)
 
@@ -205,7 +205,7 @@ def refuse_in_statics(where: str, **options: Any) -> None:
     """Raises `InputError` for an option that does not apply to static runs."""
     for name, value in options.items():
         if value is not None:
-            raise InputError(f"{where}: {name} is for runs in time, and kind='static' has none; leave one of them out")
+            raise InputError(f"{where}: {name} is for runs in time, not for kind='static'; leave one of them out")
 
 
 def _accurate(
@@ -268,7 +268,7 @@ def _staged(
             except KeyboardInterrupt:
                 if not parts:
                     raise
-                interrupted = f"interrupted before stage {stage.name!r} had begun"
+                interrupted = f"interrupted before stage {stage.name!r} started"
                 break
             part.history.scene = scene  # a stage read from a file has only the scene data of the file
             parts[stage.name], beginning = part, part.history

@@ -35,12 +35,12 @@ LINE = "#1b6ca8"
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """Amplitudes of the history `label`, `largest` in magnitude, in `units`: `place` (n,) [Hz], for orders [1/turn],
+    """Amplitudes of the history `label`, `largest` in magnitude, in `units`: `place` (n,) [Hz], for orders [1/rev],
     and `amplitude` (n,) of a sine there. `of` names the abscissa; `notes` list the preprocessing of the values."""
 
     label: str
     units: str
-    of: str  # "frequency [Hz]" or "order of the rotation of 'shaft' [1/turn]"
+    of: str  # "frequency [Hz]" or "order of the rotation of 'shaft' [1/rev]"
     place: np.ndarray
     amplitude: np.ndarray
     notes: list[str] = field(default_factory=list)
@@ -48,7 +48,7 @@ class Spectrum:
 
     @property
     def resolution(self) -> float:
-        """Spacing of the spectrum [Hz or 1/turn]."""
+        """Spacing of the spectrum [Hz or 1/rev]."""
         return float(self.place[1] - self.place[0])
 
     def peaks(self, count: int = 5) -> list[tuple[float, float]]:
@@ -131,17 +131,17 @@ def order_spectrum(
             f"{FEWEST_TURNS}; simulate longer, or look at frequencies with spectrum"
         )
     if np.any(np.diff(turns) < 0.0):
-        raise InputError(f"orders: body '{body}' turns back on the way; look at frequencies with spectrum instead")
+        raise InputError(f"orders: body '{body}' reverses during the run; look at frequencies with spectrum instead")
     begin = max(turns[-1] - whole, 0.0)
     count = int(np.count_nonzero(turns > begin))
     if count < 2 * whole:
         raise InputError(
-            f"orders: {count} rows in {whole} turns of body '{body}' tell no order; save more of them, save_every=1"
+            f"orders: {count} rows in {whole} turns of body '{body}' resolve no order; save more rows, save_every=1"
         )
     even = begin + (turns[-1] - begin) * np.arange(count) / count
     place, amplitude = amplitudes(np.interp(even, turns, values), (even[1] - even[0]))
     notes = [f"the last {whole} turns of {turns[-1]:.4g}, interpolated linearly to {count} equal angles"]
-    of = f"order of the rotation of '{body}' [1/turn]"
+    of = f"order of the rotation of '{body}' [1/rev]"
     return Spectrum(label, units, of, place, amplitude, notes, float(np.max(np.abs(values))))
 
 

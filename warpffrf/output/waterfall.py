@@ -33,7 +33,7 @@ ORDER = "#6fe3ff"
 @dataclass(frozen=True, eq=False)
 class Waterfall:
     """Amplitudes (w, n) of the history `label` in `units` at the frequencies `frequency` (n,) [Hz], in windows about
-    the times `time` (w,) [s]; with `body` at its speeds `speed` (w,) [turns/s], else None; `notes` list the
+    the times `time` (w,) [s]; with `body` at its speeds `speed` (w,) [rev/s], else None; `notes` list the
     preprocessing of the values, whose largest magnitude is `largest`."""
 
     label: str
@@ -54,7 +54,7 @@ class Waterfall:
     def report(self) -> str:
         """Windows, resolution and the largest amplitude, in a few lines."""
         w, k = np.unravel_index(int(np.argmax(self.amplitude)), self.amplitude.shape)
-        where = f"{self.time[w]:.4g} s" if self.speed is None else f"{self.speed[w]:.4g} turns/s of '{self.body}'"
+        where = f"{self.time[w]:.4g} s" if self.speed is None else f"{self.speed[w]:.4g} rev/s of '{self.body}'"
         lines = [f"{self.label}: {len(self.time)} windows of {1.0 / self.resolution:.4g} s"]
         lines.append(f"largest {self.amplitude[w, k]:.5g} {self.units} at {self.frequency[k]:.6g} Hz, {where}")
         return "\n".join(lines + [f"note: {note}" for note in self.notes])
@@ -74,7 +74,7 @@ class Waterfall:
         shown = self.frequency <= highest
         at, label = self.time, "time [s]"
         if self.speed is not None:
-            at, label = self.speed, f"speed of '{self.body}' [turns/s]"
+            at, label = self.speed, f"speed of '{self.body}' [rev/s]"
         rows = np.argsort(at, kind="stable")
         most = float(self.amplitude.max())
         scale = LogNorm(FLOOR * most, most) if most > 0.0 else None
@@ -126,12 +126,12 @@ def over_speed(found: Waterfall, time: np.ndarray, spin: np.ndarray, body: str, 
     speed = (high - low) / (2.0 * half)
     if np.ptp(speed) <= STEADY * np.max(np.abs(speed)):
         raise InputError(
-            f"waterfall: body '{body}' turns at {np.mean(speed):.4g} turns/s all the time; draw it over time, without "
+            f"waterfall: body '{body}' turns at {np.mean(speed):.4g} rev/s throughout; draw it over time, without "
             "speed, or drive the body through a run-up"
         )
     notes = list(found.notes)
     if np.any(np.diff(speed) < 0.0) and np.any(np.diff(speed) > 0.0):
-        notes.append("the speed rises and falls: windows stand in the order of their speeds")
+        notes.append("the speed rises and falls: windows are sorted by speed")
     return Waterfall(
         found.label, found.units, found.time, found.frequency, found.amplitude, body, speed, notes, found.largest
     )

@@ -131,8 +131,8 @@ def _grids(scene: Scene, result: Any, limits: Limits) -> list[Choice]:
 def _told(force: float, pressure: float) -> str:
     """Errors of the nodes of the contact grid, as text."""
     if np.isnan(force + pressure):
-        return "no rule tells how hats would err"
-    return f"hats would err by {percent(force)} of the force, {percent(pressure)} of pressures"
+        return "there is no error rule for nodes of the contact grid"
+    return f"errors at nodes of the contact grid: {percent(force)} of the force, {percent(pressure)} of pressures"
 
 
 def _hats_errors(contact: Any, loaded: Any) -> tuple[float, float]:

@@ -367,9 +367,7 @@ class BearingResult(reprs.Shown):
     def _warnings(self, row: int, loaded: int) -> list[str]:
         """Warnings about a bearing without load, or loaded on flanks that are not designed for it."""
         if not loaded:
-            return [
-                "no element is loaded: the inner ring is free within the play, or the load unloads the bearing wholly"
-            ]
+            return ["no element is loaded: the inner ring is free within the play, or the load unloads all elements"]
         nominal = getattr(self.raceways, "contact_angle", 0.0)
         turned = np.count_nonzero(np.nan_to_num(self.inner_angle[row]) * nominal < 0.0)
         if not turned:

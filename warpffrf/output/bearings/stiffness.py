@@ -64,7 +64,7 @@ def bearing_stiffness(scene: Scene, name: str, history: History, row: int = -1) 
     both = history.lumped_contacts | history.contacts
     approach = max(float(both[contact.name].approach[row]) for contact in bearing.contacts.values())
     if approach <= 0.0:
-        return _unknown("no element is loaded, and there is no stiffness; load the bearing first")
+        return _unknown("no element is loaded, so the stiffness is zero; load the bearing first")
     h = max(MOVE * approach, LEAST)
     arm = 0.5 * bearing.raceways.pitch_diameter
     steps = np.array([h] * 3 + [h / arm] * 3)
@@ -142,7 +142,7 @@ def _refuse_rings(scene: Scene, bearing: Bearing) -> None:
     flexible = [ring for ring in (bearing.inner, bearing.outer) if ring.reduced is not None]
     if len(flexible) == 2:
         raise InputError(
-            f"bearing {bearing.name!r}: stiffness: both rings are flexible, and none of them moves as a whole; take a "
+            f"bearing {bearing.name!r}: stiffness: both rings are flexible, so neither moves as a rigid body; take a "
             "rigid ring for the one that is held stiffly"
         )
     for ring in flexible:

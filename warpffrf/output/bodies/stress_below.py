@@ -61,7 +61,7 @@ def poisson_ratios(view: Any) -> dict[float, list[str]]:
         material = body.reduced.provenance.get("contact_materials", {}).get(surface.name)
         if not material:
             raise InputError(
-                f"contact '{view.name}': body '{body.name}' does not say its material, so the stress below is not "
+                f"contact '{view.name}': body '{body.name}' has no material data, so the stress below is not "
                 "known; reduce the body again"
             )
         found.setdefault(float(material["poisson_ratio"]), []).append(body.name)

@@ -85,14 +85,14 @@ def _of_steps(run: Run) -> list[BudgetLine]:
         "each load step ends in an equilibrium; its length matters to the path of friction, and to works, by what the "
         "ledger leaves open"
     )
-    return [BudgetLine(TIME_STEP, "all results", np.nan, basis, "run it once more with smaller load steps, to see")]
+    return [BudgetLine(TIME_STEP, "all results", np.nan, basis, "repeat the run with smaller load steps")]
 
 
 def why_not(result: Any) -> str:
     """The reason why there is no budget of `result`, or ""."""
     history = result.history
     if history.marks is None or not hasattr(history.scene, "contacts"):
-        return "it takes the run itself, in the process that made it, and not by an integrator for checks"
+        return "it requires the process of the run, and an integrator other than those for checks"
     if len(history.time) < (1 if history.marks.static else 2):
         return "no step was saved"
     return ""
@@ -110,7 +110,7 @@ def largest_of_each(lines: Sequence[BudgetLine]) -> list[BudgetLine]:
 
 def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
     """The lines of a report: the largest of each source, and the largest of all."""
-    text = ["error budget      largest of each source, found without a run to compare with"]
+    text = ["error budget      largest of each source, estimated without a reference run"]
     largest = []
     for source in dict.fromkeys(line.source for line in lines if line.source != UNKNOWN):
         every = [line for line in lines if line.source == source]
@@ -127,7 +127,7 @@ def budget_text(lines: Sequence[BudgetLine]) -> list[str]:
         if worst.size >= FLOOR and worst.cure:
             text.append(f"  largest                     {worst.source}, {percent(worst.size)}; cure: {worst.cure}")
         elif worst.size < FLOOR:
-            text.append(f"  largest                     all that were found are {SMALL}")
+            text.append(f"  largest                     all estimates are {SMALL}")
     return text
 
 

@@ -65,15 +65,15 @@ from warpffrf_kernels.core.model import LINE_OF_CENTRES
 PATCHES = {"line": "line", "point": "ellipse"}  # kinds of patches covered by the rule
 FORCE, PRESSURE = "force", "pressure"
 MEAN = 0.5  # of the rule, which is for the worst position of a patch on its grid
-GAPS = "gaps along lines of centres"
+GAPS = "parallel-axes kinematics"
 EDGE = 0.01  # of the force times half the width
 ADVANCE = "friction of large steps"
-MESH_CURE = "a finer mesh; body.mesh_error(the same body on another one) says it exactly"
+MESH_CURE = "a finer mesh; body.mesh_error(the same body on another mesh) computes it exactly"
 USUAL = 11  # strips of a patch; with so many, moments overestimate half-widths by
 MOMENTS = {"line": (0.003, 1.0), "line_around": (0.003, 1.0), "point": (0.01, 2.0)}  # this, with a power of the strips
 PEAK = 0.5  # of the change of the largest pressure with the cells: a peak is that of the parabola through them
 ROLLING = {"creepage": 2.0, "friction power": 2.0, "wear index": 10.0, WORK: 0.5}  # times `FRICTION_ERROR`
-HALF_WIDTHS = "moments of pressures at the middles of strips, by studies of cylinders and balls"
+HALF_WIDTHS = "moments of pressures at strip centres, by studies of cylinders and balls"
 GRID, POINTS, MESH, TOLERANCE = "contact grid", "sampling points", "FE mesh", "iteration"
 
 
@@ -177,7 +177,7 @@ def gap_lines(result: Any, engine: Engine) -> list[BudgetLine]:
         lean = Leaning.of(contact, result.history.contacts[contact.name], result.history)
         beside = max(lean.moment, EDGE * lean.force * 0.5 * float(np.ptp(contact.a.surface.grid.z)))
         size = lean.left / beside if beside > 0.0 else 0.0
-        basis = f"axes lean towards each other by {lean.tilt:.2g} rad"
+        basis = f"axes are inclined by {lean.tilt:.2g} rad"
         lines.append(BudgetLine(GAPS, f"moment of contact {contact.name!r}", size, basis, 'kinematics="closest_point"'))
     return lines
 
@@ -194,7 +194,7 @@ def friction_lines(result: Any) -> list[BudgetLine]:
                     ADVANCE,
                     f"largest friction force of contact {contact.name!r}",
                     FRICTION_ERROR * advance / MOST_CELLS["cells"],
-                    f"the patch advances {advance:.2g} cells a step",
+                    f"the patch advances {advance:.2g} cells per step",
                     "a smaller step, or fewer strips in cells=",
                 )  # fmt: skip
             )
@@ -228,9 +228,9 @@ def mesh_lines(result: Any) -> list[BudgetLine]:
         yields = [_softness(reduced, surface.name) for reduced, surface in sides]
         known = bool(errors) and None not in errors and None not in yields
         size = float(np.dot(errors, yields) / np.sum(yields)) if known else np.nan  # type: ignore[arg-type]
-        basis = "rule of far fields and walls" if found.loaded == "cells" else "rule of the cells behind the surface"
+        basis = "rule of far fields and walls" if found.loaded == "cells" else "rule of the elements behind the surface"
         if not known:
-            basis = "there is no rule for the cells behind points on hats; needs the bodies on another mesh"
+            basis = "there is no rule for the elements behind point contacts at nodes; use bodies on another mesh"
         if not sides:
             size, basis = 0.0, "rigid bodies"
         lines.append(BudgetLine(MESH, _force(contact.name), size, basis, MESH_CURE))
@@ -317,10 +317,10 @@ def highest_frequency(body: Any) -> float:
 
 def _missed(time: np.ndarray, force: np.ndarray, highest: float) -> tuple[float, str]:
     if highest == 0.0:
-        return np.nan, "a body has no vibration modes, which would say what their inertia does"
+        return np.nan, "a body has no vibration modes to estimate the effect of their inertia"
     step = np.diff(time)
     if len(time) < LEAST_ROWS or np.ptp(step) > UNEVEN * step.max():
-        return np.nan, "needs a force saved at even times"
+        return np.nan, "requires a force saved at even times"
     bend = np.diff(force, 2, axis=0) / step[0] ** 2
     size = np.sqrt(np.mean(np.sum(bend**2, axis=1)) / np.mean(np.sum(force**2, axis=1)))
     return float(size / (2.0 * np.pi * highest) ** 2), f"how fast the force changes, beside {highest:.4g} Hz"
@@ -371,9 +371,9 @@ def film_lines(history: History) -> list[BudgetLine]:
         check = history.film_checks.get(str(film.name))
         if check is None:
             continue
-        basis = f"all hats in {len(check.time)} states of the run"
+        basis = f"all nodes in {len(check.time)} states of the run"
         if not len(check.time):
-            basis = "the film of all hats was found in no state of the run"
+            basis = "the film at all nodes was found in no state of the run"
         for of, size, where in (
             ("force", check.force, "where the bodies are"),
             ("smallest gap", check.gap, "under the same force"),

@@ -237,16 +237,16 @@ def _why(name: str, result: Any) -> str:
     """The reason why no source covers the quantity."""
     kind, owner = kind_and_owner(name)
     if owner.startswith(("film", "lap")):
-        return f"what its grid does, which takes the {owner.split()[0]} on a finer one"
+        return f"grid error: requires the {owner.split()[0]} on a finer grid"
     if owner.startswith("contact") and kind in RUBBED:
-        return "what its grid does to friction, which takes another one"
+        return "grid error of friction: requires another grid"
     if owner.startswith("contact"):
-        return "what its grid does, which takes another one"
+        return "grid error: requires another grid"
     if kind == WORK:
-        return "what the grids of contacts do to micro-slip, which takes other ones"
+        return "grid error of micro-slip: requires other contact grids"
     if any(body.reduced is not None for body in result.history.scene.bodies):
-        return "what the meshes of bodies do, which takes other ones"
-    return "the run has no second one to be held against"
+        return "mesh error of bodies: requires other meshes"
+    return "there is no second run to compare with"
 
 
 def figure_text(lines: Sequence[BudgetLine]) -> list[tuple[str, str]]:

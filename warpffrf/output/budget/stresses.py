@@ -23,7 +23,7 @@ STRESS, PEAK = "stress recovery", "peak pressure of contact "
 BELOW_CELLS = 0.004
 NEAR = 3.0  # half-widths: the stress of a pressure has decreased to a third of its maximum
 CURE = "a finer mesh behind the contact"
-AWAY = "it takes the points on a second mesh"
+AWAY = "requires the points on a second mesh"
 
 
 def stress_lines(result: Any) -> list[BudgetLine]:
@@ -64,7 +64,7 @@ def _below(found: Any, row: int, body: str) -> tuple[float, str]:
         return BELOW_CELLS, "the half-space under cells, by studies of cylinders and balls"
     known = found.stress_errors(row)
     if body not in known:
-        return np.nan, "the rule below contacts on hats is that of hexahedra"
+        return np.nan, "the rule below contacts on nodes of the contact grid is for hexahedra"
     one = known[body]
     return one.von_mises, one.reason or f"{one.spacings:.2g} spacings of nodes in the half-width"
 

@@ -85,9 +85,7 @@ def time_step_lines(history: History, view: SceneView, engine: Engine, *, progre
         again = marks.again(engine, *parts[i])
         if again is None:
             bar.close()
-            return [
-                BudgetLine(SOURCE, "all results", np.nan, "with twice the step the run fails", "a smaller step, to see")
-            ]
+            return [BudgetLine(SOURCE, "all results", np.nan, "with twice the step the run fails", "a smaller step")]
         found.append(again)
         bar.update(n + 1)
     own = of(history)
@@ -140,7 +138,7 @@ def _with_finer(
             d = replace(fine[line.of], most=own[line.of].most).apart(finer[line.of].values)
             size = going_on(d, parts) / own[line.of].size
             if not line.size >= size:
-                line = replace(line, size=size, basis=f"{part} of the run once more with 1/{FINER} of the step")
+                line = replace(line, size=size, basis=f"{part} of the run repeated with 1/{FINER} of the step")
         found.append(line)
     return found
 
@@ -163,7 +161,7 @@ def _unseen(history: History, step: float) -> str:
     touching = bool(history.contacts or history.lumped_contacts or history.films or history.laps)
     if not touching and not any(np.any(body.reduced.frequencies > highest) for body in _flexible(history)):
         return ""
-    return f"; vibrations above {highest:.3g} Hz, which it does not resolve, are not in it"
+    return f"; vibrations above {highest:.3g} Hz, which it does not resolve, are not included"
 
 
 def _flexible(history: History) -> list[Any]:
@@ -183,14 +181,14 @@ def _by_whole(history: History, own: Found, time: Array, coarse: Found) -> list[
         np.abs(history.time[np.minimum(at, len(history.time) - 1)] - time) < SAME_TIME * step
     )
     if not np.any(same):
-        return [BudgetLine(SOURCE, "all results", np.nan, "no saved step is an even one; use save_every of 1 or 2")]
+        return [BudgetLine(SOURCE, "all results", np.nan, "no saved step has an even number; use save_every of 1 or 2")]
     lines = []
     for name, quantity in own.items():
         if name not in coarse:
             continue
         d = quantity.apart(coarse[name].values[same], at[same])
         size = float(np.sqrt(np.mean(d**2))) / quantity.size / _divisor(history)
-        lines.append(BudgetLine(SOURCE, name, size, "the run once more with twice the step", CURE))
+        lines.append(BudgetLine(SOURCE, name, size, "the run repeated with twice the step", CURE))
     return lines
 
 

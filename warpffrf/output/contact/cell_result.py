@@ -176,7 +176,7 @@ class CellContactResult(PairResult):
         """NaN with the reason: the rule counts nodes in the half-width, but the cells of such a contact are finer than
         the mesh, whose stress is corrected by the half-space below them."""
         why = (
-            "its rule is that of a pressure on the contact grid, and this one stands on cells that travel with the "
+            "its rule is that of a pressure on the contact grid, and this one is on cells that travel with the "
             'patch; compare with Contact(..., grid="body_fixed") on a fine mesh'
         )
         return {body.name: unknown(self, why) for body, _ in flexible_sides(self.view)}

@@ -253,7 +253,7 @@ class FrictionResult:
         most, allowed = float(np.nanmax(self.cells_per_step)), MOST_CELLS[self.contact.loaded]
         errs = "is not resolved" if allowed == 1.0 else f"errs by more than {FRICTION_ERROR:.0%} of its largest force"
         return (
-            f"contact '{self.contact.name}': the patch advances up to {most:.3g} cells a step, in "
+            f"contact '{self.contact.name}': the patch advances up to {most:.3g} cells per step, in "
             f"{int(self.too_fast.sum())} of {len(self.too_fast)} saved rows more than {allowed:g}, so that friction "
             f"{errs}; take steps {most / allowed:.3g} times shorter, or {COARSER[self.contact.loaded]}"
         )

@@ -103,7 +103,7 @@ def effective_modulus(view: PairView) -> float:
         material = body.reduced.provenance.get("contact_materials", {}).get(surface.name)
         if not material:
             raise InputError(
-                f"contact '{view.name}': body '{body.name}' does not say its material, so Hertz cannot be computed; "
+                f"contact '{view.name}': body '{body.name}' has no material data, so Hertz cannot be computed; "
                 "reduce the body again"
             )
         compliance += (1.0 - material["poisson_ratio"] ** 2) / material["youngs_modulus"]
@@ -124,7 +124,7 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
         )
     K = contact.curvature(i)
     if not (np.linalg.eigvalsh(K)[0] > 0.0 if kind == "point" else K[0, 0] > 0.0):
-        raise InputError(f"{label}: the surfaces curve into each other, so that the patch has no edge")
+        raise InputError(f"{label}: the surfaces conform without a gap at the edge, so that the patch has no boundary")
     found = (
         hertz_point(float(contact.normal_load[i]), K, modulus)
         if kind == "point"
@@ -147,7 +147,7 @@ def hertz(contact: Any, i: int) -> HertzLine | HertzPoint:
         if wall is not None and extent > THIN * wall:
             raise InputError(
                 f"{label}: its half-width would be {extent:.3g} m, and body '{body.name}' is only {wall:.3g} m deep "
-                "behind its surface, no half-space; compare with a solution for a layer"
+                "behind its surface, which is not a half-space; compare with a solution for a layer"
             )
     return found
 

@@ -54,7 +54,7 @@ def stress_errors(contact: Any, i: int) -> dict[str, StressError]:
     if not contact.touching[i]:
         why = f"nothing touches in saved step {i}; choose one of those where `touching` is true"
     elif contact.patch_kind != "line":
-        why = "it was measured for lines across the width, and this is none"
+        why = "the rule is for lines across the width, and this is another kind"
     found = {}
     for body, surface in flexible_sides(contact.view):
         spacing = body.reduced.provenance.get("contact_node_spacings", {}).get(surface.name)

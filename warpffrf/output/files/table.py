@@ -162,7 +162,7 @@ def column(result: Any, name: str) -> tuple[np.ndarray, str]:
         return known[name]
     near = get_close_matches(name, known, n=MOST_NEAR, cutoff=0.3) or list(known)[:MOST_NEAR]
     said = ", ".join(map(repr, near))
-    raise InputError(f"the result has no history {name!r}; near to it: {said}; to_dataframe and to_csv have all")
+    raise InputError(f"the result has no history {name!r}; similar names: {said}; to_dataframe and to_csv list all")
 
 
 def to_dataframe(result: Any) -> Any:
@@ -394,6 +394,6 @@ def _unknown(result: Any, name: str) -> NoQuantity:
     ]
     near = get_close_matches(name, known, n=MOST_NEAR, cutoff=0.3) or known[:MOST_NEAR]
     return NoQuantity(
-        f"the result has no quantity {name!r}; near to it: {', '.join(map(repr, near))}; Result.to_dataframe and "
+        f"the result has no quantity {name!r}; similar names: {', '.join(map(repr, near))}; Result.to_dataframe and "
         "to_csv have all histories"
     )

@@ -159,9 +159,9 @@ class UnfinishedRun:
             self.wait = max(self.every, (time.monotonic() - begin) / SHARE)
         except Exception as error:  # errors of any kind must not stop the run
             if not self.troubles:
-                log.warning("results: '%s' cannot be written during the run (%s); going on", self.folder, error)
+                log.warning("results: '%s' cannot be written during the run (%s); it continues", self.folder, error)
             said = str(error) or type(error).__name__
-            self.troubles = [f"results: what was done could not be kept during the run ({said})"]
+            self.troubles = [f"results: completed parts could not be saved during the run ({said})"]
         finally:
             self.last = time.monotonic()
 
@@ -240,7 +240,7 @@ def _read_source(folder: Path) -> Source:
         except Exception as error:  # attributes missing in another version raise in its methods
             reason = f"it is of another version of warpffrf ({error})"
     raise InputError(
-        f"unfinished run '{folder}': {SCENE} cannot be made a scene again ({reason}); go on with the run, with "
+        f"unfinished run '{folder}': {SCENE} cannot be converted to a scene ({reason}); go on with the run, with "
         "resume=True (--resume), which does not need it"
     )
 
@@ -255,7 +255,7 @@ def read_unfinished(folder: Path) -> History:
     """The rows of an unfinished run as a History with status "unfinished". Raises `InputError` if there are none."""
     found = read_checkpoint(folder)
     if found is None:
-        raise InputError(f"'{folder}' holds nothing of a run yet; a part is written now and then while it runs")
+        raise InputError(f"'{folder}' has no rows of a run yet; parts are written at intervals while it runs")
     checkpoint, about = found
     source, rows = _read_source(folder), _rows(folder, about["parts"])
     try:
@@ -276,7 +276,7 @@ def different(options: Mapping[str, str], others: Mapping[str, str]) -> str:
     for name in {**options, **others}:
         before, now = (HASH.sub("", of.get(name, "not given")) for of in (others, options))
         if options.get(name) != others.get(name):
-            said.append(f"{name} was {before}, is {now}" if before != now else f"{name} is another one")
+            said.append(f"{name} was {before}, is {now}" if before != now else f"{name} differs")
     return ", ".join(said)
 
 

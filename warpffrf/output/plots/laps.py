@@ -44,7 +44,7 @@ def loss(lap: LapResult, ax: Any, row: int) -> None:
     """Friction energy per area, with one colour range for the run."""
     top = largest([lap.loss_density])
     colors = _map(lap, ax, lap.loss_density[row], WEAR_STOPS, top)
-    ax.figure.colorbar(colors, ax=ax, label="loss so far [J/m²]", shrink=SHRINK)
+    ax.figure.colorbar(colors, ax=ax, label="accumulated loss [J/m²]", shrink=SHRINK)
     ax.set_title(f"Lap '{lap.name}': loss {lap.loss[row]:.4g} J so far, {_at(lap, row)}", fontsize=10)
 
 

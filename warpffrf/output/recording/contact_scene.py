@@ -200,7 +200,7 @@ FRICTION_PLOTS = {
     "friction_power": "Friction power [W]",
     "contact_area": "Contact, stick and slip area [mm²]",
     "wear": "Largest wear index, pressure times slip [W/mm²]",
-    "cells_per_step": "Columns that the patch advances a step [-]",
+    "cells_per_step": "Columns that the patch advances per step [-]",
 }
 
 

@@ -305,8 +305,8 @@ class _Recorder:
             "# What this shows",
             f"Flexible bodies are coloured by {COLOR_NAMES.get(self.color, self.color)}, contact patches by pressure; "
             "the ranges hold for the whole run. The red, green and blue lines are x, y, z of each body's user frame "
-            "and turn with it. "
-            "A rigid body is the box with its mass and moments of inertia, with bars to the places that hold it.",
+            "and rotate with it. "
+            "A rigid body is the box with its mass and moments of inertia, with bars to its joints and forces.",
             "Green arrows are reactions of joints on their second body, orange ones forces on the body that they load, "
             "blue ones those of lumped contacts on their first body; "
             f"one length for all, the largest is {force_text(self.glyphs.top_force)}.",
@@ -329,7 +329,7 @@ class _Recorder:
         series = machine_series(result)
         for c in self.contacts:
             series += contact_series(c)
-        series.append((("solver", "iterations"), "Newton iterations a step", history.iterations))
+        series.append((("solver", "iterations"), "Newton iterations per step", history.iterations))
         series.append((("solver", "factorisations"), "factorisations a step", history.factorisations))
         series.append(
             (("solver", "energy_residual"), "energy residual over the largest energy at hand", result.energy_residual)

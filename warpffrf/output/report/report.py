@@ -56,7 +56,7 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
     residual, idle = result.energy_residual, idle_energy(result)
     if result.energy_scale <= idle:
         lines.append(
-            "energy residual   no share is told: nothing moves, the energies are round-off of forces times lengths, "
+            "energy residual   not computed: nothing moves, energies are round-off of forces times lengths, "
             f"{idle:.2g} J"
         )
     else:
@@ -70,8 +70,8 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
         lines.append(f"friction          {friction[-1]:+.6g} J, work of friction since the start")
     if result.contact_names and defect is not None and result.energy_scale > idle and np.isfinite(defect[-1]):
         lines.append(
-            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, moved because patches "
-            "travel over nodes of finite spacing"
+            f"contact grid      {defect[-1] / result.energy_scale:+.3e} of the energy scale, exchanged as patches "
+            "move over nodes of finite spacing"
         )
     return "\n".join([*lines, *_budget_lines(result, progress, pairs), *_notes(history, pairs)])
 
@@ -113,10 +113,10 @@ def _contact_lines(contact: Any) -> list[str]:
     if isinstance(found, HertzPoint):
         a, b = found.semi_axes
         values = f"semi-axes {a * 1e6:.5g} and {b * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa, approach "
-        values += f"{found.approach * 1e6:.5g} um at the load {found.load:.5g} N found"
+        values += f"{found.approach * 1e6:.5g} um at the computed load {found.load:.5g} N"
     else:
         values = f"half-width {found.half_width * 1e6:.5g} um, peak {found.peak_pressure / 1e6:.5g} MPa "
-        values += f"at the line load {found.line_load / 1e3:.5g} N/mm found at mid-width"
+        values += f"at the computed line load {found.line_load / 1e3:.5g} N/mm at mid-width"
     return [*lines, f"  Hertz           {values}", *_stress_lines(contact), *friction]
 
 
@@ -165,7 +165,7 @@ def _friction_lines(contact: Any) -> list[str]:
         f"  friction power  {friction.power[-1]:.5g} W, largest of the run {np.nanmax(friction.power):.5g} W",
         f"  wear index      {friction.wear_peak[-1] / 1e6:.5g} W/mm2 at most, {friction.wear_rate[-1]:.5g} W in all "
         "(pressure times slip speed)",
-        f"  cells a step    {friction.cells_per_step[-1]:.3g}, largest of the run "
+        f"  cells per step  {friction.cells_per_step[-1]:.3g}, largest of the run "
         f"{np.nanmax(friction.cells_per_step):.3g}",
     ]
     return lines if warning is None else [*lines, f"  warning         {warning}"]
@@ -201,7 +201,7 @@ def item_lines(result: Any, pairs: Pairs = "folded") -> list[str]:
         lines = [line for block in folded(list(blocks.values()), kind, pairs) for line in block]
         more = 0 if pairs == "all" else max(len(lines) - MOST_LINES, 0)
         found += lines[: len(lines) - more]
-        found += [f'... and {more} more lines of {kind}s; report(pairs="all") has them'] if more else []
+        found += [f'... and {more} more lines of {kind}s; use report(pairs="all")'] if more else []
     return found
 
 
@@ -301,12 +301,12 @@ TOLD = {  # name of a counter -> its words in a report; always listed
     "build_seconds": "preparation [s]",
     "loop_seconds": "time stepping [s]",
     "finish_seconds": "evaluation [s]",
-    "outer_columns": "other unknowns",
+    "outer_columns": "retained unknowns",
 }
 EXPLAINED = {  # explanations of these words
-    "build_seconds": "with kernels that were compiled or loaded",
+    "build_seconds": "including compilation and loading of kernels",
     "seconds_in_graph": "kernels alone",
-    "outer_columns": "solved for together: 6 a body, modes that couple, one a held direction",
+    "outer_columns": "6 per body, coupled modes, constraints",
 }
 IN_BRACKETS = {"loop_seconds": "seconds_in_graph"}
 WHERE_THERE = {  # listed if not zero
@@ -318,12 +318,12 @@ WHERE_THERE = {  # listed if not zero
     "dense_fallbacks": "dense solves",
 }
 MEANINGS = {
-    "rejected_steps": "taken again in halves",
-    "coarse_steps": "less accurate than asked for, and as short as steps may be",
-    "repeated_steps": "taken again as impacts",
+    "rejected_steps": "repeated with half the step",
+    "coarse_steps": "less accurate than required, at the smallest step",
+    "repeated_steps": "repeated as impacts",
     "impulsive_steps": "with an impact",
-    "forgetful_steps": "by implicit Euler, where friction or a pretension changes over",
-    "dense_fallbacks": "where the sparse solver met a pivot too small",
+    "forgetful_steps": "by implicit Euler, at transitions of friction or pretension",
+    "dense_fallbacks": "after a small pivot of the sparse solver",
 }
 IN_NEWTON = {"max_iterations", "mean_iterations"}
 
@@ -336,7 +336,7 @@ def counter_lines(history: Any) -> list[str]:
         every_step = counters.get("steps", 0) <= len(history.iterations) - 1  # otherwise rows sum over steps
         lines.append(
             f"newton            mean {history.iterations[1:].mean():.2f}, "
-            f"largest {int(history.iterations[1:].max())} iterations a {'step' if every_step else 'saved row'}"
+            f"largest {int(history.iterations[1:].max())} iterations per {'step' if every_step else 'saved row'}"
         )
     for name, value in counters.items():
         if name in brackets or (name in IN_NEWTON and lines) or (name in WHERE_THERE and not value):

@@ -110,7 +110,7 @@ def default_choices(scene: Any, base: Setting) -> Choices:
     if any(_patch_ready(contact) for contact in scene.contacts):
         alone += [("cell_error", error) for error in (4.0 * CELL_ERROR, CELL_ERROR, 0.2 * CELL_ERROR)]
     elif scene.contacts:
-        found.left_out.append(("cell_error", "all", "no contact has cells that travel with the patch"))
+        found.left_out.append(("cell_error", "all", "no contact has cells that move with the patch"))
     found.settings += [{**base, name: value} for name, value in alone]
     unique = {label_of(setting): setting for setting in found.settings}
     found.settings = list(unique.values())

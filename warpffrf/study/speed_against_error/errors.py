@@ -240,13 +240,13 @@ def common_interval(steps: Sequence[float], duration: float) -> float:
     else:
         shown = ", ".join(f"{step:g}" for step in sorted(set(steps), reverse=True))
         raise InputError(
-            f"speed_error: the steps {shown} s have no times in common within {MOST_MULTIPLES} of the coarsest; take "
+            f"speed_error: the steps {shown} s have no common times within {MOST_MULTIPLES} of the coarsest; take "
             "steps in ratios of small whole numbers, such as halves"
         )
     interval = n * coarsest
     if interval > duration * (1.0 + WHOLE):
         raise InputError(
-            f"speed_error: the steps meet only every {interval:g} s, which is longer than the run of {duration:g} s; "
+            f"speed_error: the common times are only every {interval:g} s, longer than the run of {duration:g} s; "
             "take steps in ratios of small whole numbers, or a longer run"
         )
     rows = int(np.floor(duration / interval + SAME))

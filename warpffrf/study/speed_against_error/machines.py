@@ -61,7 +61,7 @@ class GivenScene:
         """A given scene has no parameters."""
         if names:
             raise InputError(
-                f"speed_error: {names[0]!r} is no choice of a Scene, which is built already; known: "
+                f"speed_error: {names[0]!r} cannot be chosen for a Scene that is already built; known: "
                 f"{', '.join(map(repr, BUILT_IN))}; for other parameters give a function that builds the scene from "
                 "them, or a scene file"
             )
@@ -245,11 +245,11 @@ def stated(facts: Mapping[str, Any]) -> str:
     on, load = facts["machine"], facts.get("load_before")
     versions = ", ".join(f"{name} {version}" for name, version in facts["versions"].items())
     if load is None:
-        beside = "what else ran is not known"
+        beside = "other load is unknown"
     elif load < BUSY:
         beside = f"on a quiet machine (load average {load:.2g} before)"
     else:
-        beside = f"beside other work (load average {load:.2g} before), so that times are preliminary"
+        beside = f"with other work (load average {load:.2g} before), so that times are preliminary"
     return (
         f"Times taken on {on['processor']}, {on['cores']} cores, {on['platform']}, Python {on['python']}, {versions}; "
         f"{beside}. U = {facts['unit_seconds'] * 1e6:.4g} us (Cholesky factor-and-solve of size 128, one thread)."

@@ -74,7 +74,7 @@ class SpeedError:
         least_known = max(known, key=lambda m: known[m], default=None)
         if least_known is not None and error < known[least_known]:
             raise InputError(
-                f"speed_error: an error of {error:g} cannot be told by this study: in {least_known} its reference "
+                f"speed_error: an error of {error:g} cannot be assessed by this study: in {least_known} its reference "
                 f"differs from twice its own step by {known[least_known]:.2g}; "
                 "give it a finer step, reference={'step': ...}"
             )
@@ -247,9 +247,9 @@ def report(study: SpeedError) -> str:
     unit = unit_of(study.sittings)
     apart = ", ".join(f"{m} {100.0 * e:.2g} %" for m, e in study.reference["apart"].items())
     parts = [
-        f"Reference: {study.reference['label']}; from twice its step it differs by {apart or 'nothing measured'}.",
+        f"Reference: {study.reference['label']}; difference with twice the step: {apart or 'nothing measured'}.",
         *(stated(facts) for facts in study.sittings),
-        "Fastest within a wanted error of all measures against the reference:",
+        "Fastest setting for a required error of all measures against the reference:",
         table(*wanted_table(study)),
     ]
     against = [m for m in study.measures if m not in OWN]
@@ -259,13 +259,13 @@ def report(study: SpeedError) -> str:
     orders = study.orders()
     if orders:
         parts += [
-            "Order in the step, from differences of runs whose steps follow one another, coarse to fine:",
+            "Order in the step, from differences of runs with consecutive steps, coarse to fine:",
             table(*order_table(orders)),
         ]
     head, lines, same = shortened(*full_table(study.rows, study.measures, unit))
     parts += ["All runs:", table(head, lines)]
     if same:
-        parts.append("The same in all of them: " + ", ".join(f"{name} {value}" for name, value in same.items()) + ".")
+        parts.append("Equal in all runs: " + ", ".join(f"{name} {value}" for name, value in same.items()) + ".")
     if UNITS in head:
         parts.append("`step U` is the time of a step in units of U.")
     parts += [f"Left out: {name} {value}: {reason}." for name, value, reason in study.left_out]

@@ -120,7 +120,7 @@ def _figure(
         ax.grid(which="both", alpha=0.25, lw=0.5)
         zero = sum(row.timed and row.errors.get(measure) == 0.0 for row in rows)
         if zero:
-            ax.text(0.02, 0.02, f"{zero} of no error, not shown", transform=ax.transAxes, fontsize=8)
+            ax.text(0.02, 0.02, f"{zero} with zero error, not shown", transform=ax.transAxes, fontsize=8)
     keys = [
         Line2D([], [], marker=MARKS[n // len(COLORS) % len(MARKS)], ms=4.0, lw=0.9, color=COLORS[n % len(COLORS)])
         for n in range(len(labels))

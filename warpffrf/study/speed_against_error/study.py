@@ -110,7 +110,7 @@ def speed_error(
             coarse, _ = run_setting(machines, {**finest, "step": 2.0 * finest["step"]}, interval, duration, options)
             for result in (best, coarse):
                 if common_rows(result.time, interval, duration) is None:
-                    raise InputError(f"speed_error: the reference ended early, {result.status}: {result.message}; "
+                    raise InputError(f"speed_error: the reference run ended early, {result.status}: {result.message}; "
                                      "give it other values, reference={...}")  # fmt: skip
             at, at_coarse = (common_rows(r.time, interval, duration) for r in (best, coarse))
             assert at is not None and at_coarse is not None

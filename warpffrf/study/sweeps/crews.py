@@ -200,7 +200,7 @@ class Processes:
             worker.end()
             if not begun:
                 raise InputError(
-                    "sweep: a worker process ended before it had begun; a script must call sweep below the line "
+                    "sweep: a worker process ended during its start; a script must call sweep below the line "
                     "if __name__ == '__main__':, because every worker reads the script; or run it here, workers=1"
                 ) from None
             self.free.append(_started(worker.device))
@@ -223,7 +223,7 @@ def refuse_in_workers() -> None:
     """Raises `InputError` in a process started by `Processes` whose script calls the sweep again."""
     if multiprocessing.current_process().name == WORKER:
         raise InputError(
-            "sweep: a worker process has come to the sweep that started it, because it reads the script; put the call "
+            "sweep: a worker process reached the sweep call that started it, because it reads the script; put the call "
             "below the line if __name__ == '__main__':"
         )
 
@@ -252,10 +252,10 @@ class Elsewhere:
         try:
             return found_by(future)
         except CancelledError:
-            raise InputError("sweep: the executor has cancelled runs; go on with resume=True, on another one") from None
+            raise InputError("sweep: the executor has cancelled runs; continue with resume=True on another") from None
         except BrokenExecutor as error:
             raise InputError(
-                f"sweep: the executor given is broken ({error}); go on with resume=True, on another one"
+                f"sweep: the given executor is broken ({error}); continue with resume=True, on another one"
             ) from None
         except (ImportError, AttributeError, pickle.UnpicklingError) as error:
             raise InputError(

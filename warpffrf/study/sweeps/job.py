@@ -137,7 +137,7 @@ class Job:
         if built.equilibrium is not None:
             return "equilibrium", dict(built.equilibrium)
         raise NoCall(
-            "sweep: nothing says how to run the scene; give simulate={'duration': ..., 'step': ...}, or equilibrium={}"
+            "sweep: the scene has no run options; give simulate={'duration': ..., 'step': ...}, or equilibrium={}"
         )
 
     def answers(self, rows: Numbered, device: str | None) -> list[Answer]:
@@ -338,13 +338,13 @@ def outputs_of(given: Any, taken: Sequence[str]) -> dict[str, Output]:
             raise InputError(f"sweep: outputs must be {{name: text or function}}, or a list of texts, got {given!r}")
         given = {one: one for one in given}
     if not given:
-        raise InputError("sweep: no output is asked for; give for example outputs=['max(energy[kinetic])']")
+        raise InputError("sweep: no output is given; for example outputs=['max(energy[kinetic])']")
     found: dict[str, Output] = {}
     for name, what in given.items():
         if not isinstance(name, str) or not name or "/" in name or name in (".", ".."):
             raise InputError(f"sweep: {name!r} is no name of an output; give it another one, {{name: what}}")
         if name in taken:
-            raise InputError(f"sweep: an output cannot be called {name!r}, which the table has already; rename it")
+            raise InputError(f"sweep: an output cannot be called {name!r}, which is used in the table; rename it")
         if isinstance(what, str):
             found[name] = _named(name, what)
         elif callable(what):

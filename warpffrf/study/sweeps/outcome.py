@@ -74,7 +74,7 @@ class Sweep(reprs.Shown):
                 return np.full(self.count, np.nan)  # no run has it yet
             if name == TIME and TIME_OF_RUN in known:
                 raise InputError(
-                    f"sweep: runs have times of their own, {name!r} of all does not exist; see {TIME_OF_RUN!r}"
+                    f"sweep: runs have different times, a common {name!r} does not exist; see {TIME_OF_RUN!r}"
                 )
             raise unknown_name("sweep: variable", name, list(dict.fromkeys([*known, *self.output_names])))
 

@@ -41,7 +41,7 @@ from warpffrf.model.errors import InputError, require_count, unknown_name
 
 EVEN, RATIOS = "", "log"
 MEANT = (RATIOS, "lin")  # prefixes of a range, and a common mistaken one
-QUOTED = "a text like that stands in quotes"
+QUOTED = "put such a text in quotes"
 QUOTE, SEPARATED = re.compile("['\"]"), re.compile(r"[;\s]+")
 WHOLE = re.compile(r"[+-]?\d+")
 CALL = re.compile(r"\s*(\w+)\s*\((.*)\)\s*")
@@ -142,7 +142,7 @@ class Range:
     def grid(self) -> list[Any]:
         """The values, including both ends; integers if the ends were and all are."""
         if self.count is None:
-            raise InputError(f"a range {self.text!r} says no number of values; write {self.text}:5, or give sample=")
+            raise InputError(f"a range {self.text!r} has no number of values; write {self.text}:5, or give sample=")
         found = self._between(np.linspace(0.0, 1.0, self.count))
         found[0], found[-1] = self.first, self.last if self.count > 1 else self.first
         if self.whole and all(value == round(value) for value in found):
@@ -230,7 +230,7 @@ def _refuse_mistyped(text: str, parts: Sequence[str], values: Sequence[Any]) -> 
     if len(parts) > 1 and (parts[0] in MEANT or (numbers and numbers >= len(parts) - 1)):
         raise InputError(f"{text!r} is no range 'first:last:count' or 'log:first:last:count'; {QUOTED}")
     if "" in values:
-        raise InputError(f"{text!r} has nothing between two commas; leave one out")
+        raise InputError(f"{text!r} has an empty value between commas; remove a comma")
     if not QUOTE.search(text):
         for value in values:
             several = SEPARATED.split(value) if isinstance(value, str) else []
@@ -256,9 +256,9 @@ def _number(text: str) -> bool:
 def _range(text: str, ends: list[str], ratios: bool) -> Range:
     first, last = float(ends[0]), float(ends[1])
     if ratios and (first <= 0.0 or last <= 0.0):
-        raise InputError(f"range {text!r} goes in equal ratios; its ends must be greater than zero")
+        raise InputError(f"range {text!r} is in equal ratios; its ends must be greater than zero")
     if first == last:
-        raise InputError(f"range {text!r} ends where it begins; write 'first:last:count'")
+        raise InputError(f"range {text!r} has equal ends; write 'first:last:count'")
     count = None
     if len(ends) == 3:
         count = require_count(ends[2] if not _number(ends[2]) else float(ends[2]), f"the number in range {text!r}", 2)
@@ -304,7 +304,7 @@ def sobol(count: int, dimensions: int, seed: int) -> np.ndarray:
     from scipy.stats import qmc
 
     if count & (count - 1):
-        log.warning("sweep: a Sobol sample of %d points is less even than one of a power of two", count)
+        log.warning("sweep: a Sobol sample of %d points is less evenly distributed than one of a power of two", count)
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="The balance properties")  # stated in the documentation
         return qmc.Sobol(dimensions, **_drawn_with(qmc.Sobol, seed)).random(count)
@@ -344,7 +344,7 @@ def sampled(sample: str, dimensions: int, seed: int) -> np.ndarray:
     if kind not in SAMPLES:
         raise unknown_name("sweep: sample", kind, SAMPLES)
     if not colon or not number.isdecimal() or int(number) < 1:
-        raise InputError(f"sweep: sample {sample!r} says no number of points; write {kind}:64")
+        raise InputError(f"sweep: sample {sample!r} has no number of points; write {kind}:64")
     count, rows = int(number), int(number)
     if kind == saltelli.__name__:
         rows = count * (dimensions + 2)

@@ -125,7 +125,7 @@ def sweep(
             reason = getattr(error, "strerror", None) or str(error) or type(error).__name__
             raise InputError(
                 f"sweep: the system refuses what store '{folder.path}' needs ({reason}); rows that have been run are "
-                "kept: see to it, and go on with resume=True (--resume)"
+                "kept: correct this, and continue with resume=True (--resume)"
             ) from error
         finally:
             folder.release()
@@ -206,7 +206,7 @@ def _run(crew: Crew, left: list[tuple[int, Row]], worlds: int, folder: Folder, c
         _dispatch(crew, left, worlds, keeping)
     except KeyboardInterrupt:
         log.warning(
-            "sweep: interrupted, %d of %d rows have been run; go on with resume=True (--resume)", keeping.done, count
+            "sweep: interrupted, %d of %d rows have been run; continue with resume=True (--resume)", keeping.done, count
         )
     finally:
         bar.close()

@@ -124,7 +124,7 @@ def _of_rows(subject: str, values: Values, names: tuple[str, ...], n: int) -> Se
             "surface through the rows that there are"
         )
     if n & (n - 1):
-        raise InputError(f"{subject}: a sample of 'saltelli:{n}' does not do; take a power of two")
+        raise InputError(f"{subject}: a sample of 'saltelli:{n}' is not possible; use a power of two")
     return _indices(subject, values.name, names, values.numbers, n, f"from {len(values.numbers)} rows", False)
 
 
@@ -149,9 +149,9 @@ def _indices(
 ) -> Sensitivities:
     """Estimate and bootstrap, from outputs y at the points A, B, AB_1, ..., AB_d, n of each."""
     if len(names) < 2:
-        raise InputError(f"{subject}: {''.join(names)} varies alone, and all variance is its own; vary two parameters")
+        raise InputError(f"{subject}: {''.join(names)} varies alone, so all variance is due to it; vary two parameters")
     if np.ptp(y) <= CONSTANT * np.abs(y).max():
-        raise InputError(f"{subject}: it is {y[0]:g} in all rows, there is no variance to share out")
+        raise InputError(f"{subject}: it is {y[0]:g} in all rows, so there is no variance")
     parts, rng = y.reshape(len(names) + 2, n), np.random.default_rng(SEED)
     first, total = _estimated(parts, np.arange(n))
     # scipy's bootstrap uses the global random state of the process; this one is reproducible

@@ -92,7 +92,7 @@ class Surface(reprs.Shown):
         columns = []
         for (name, (low, high)), is_log in zip(self.ranges.items(), self.logarithmic, strict=True):
             if name not in point:
-                raise InputError(f"response of {self.name!r}: say {name} too, between {low:g} and {high:g}")
+                raise InputError(f"response of {self.name!r}: give {name} too, between {low:g} and {high:g}")
             p = np.asarray(point[name], dtype=float)
             if not np.all((p >= low - OUTSIDE * (high - low)) & (p <= high + OUTSIDE * (high - low))):
                 raise InputError(
@@ -163,7 +163,7 @@ def surface(
                 f"{' and '.join(axis.words[:2])}; choose one with where={{{axis.name!r}: {axis.words[0]!r}}}"
             )
     if not axes:
-        raise InputError(f"response of {output!r}: no parameter varies in these rows, one row says it all")
+        raise InputError(f"response of {output!r}: no parameter varies in these rows; sweep at least one")
     return _through(values, rows, axes)
 
 
