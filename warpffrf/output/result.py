@@ -297,9 +297,10 @@ class Result(reprs.Shown):
         """Stress [Pa] of the body at the `points` named in its reduction (`reduce(..., stress={name: points})`):
         `.tensor` (T, p, 6), `.von_mises`, `.principal`, `.max_shear`.
 
-        rows: indices (r,) of saved steps, negative ones from the end; only: indices (p,) of points; None: all, which
-        takes 48 bytes per point and step, so select rows if there are many points. Raises InputError for a body without
-        stress points of that name (the message lists the available names), and for rows and points that do not exist.
+        rows: index numbers (r,) of saved steps, negative ones from the end; only: index numbers (p,) of points; None:
+        all, which takes 48 bytes per point and step, so select rows if there are many points. Raises InputError for a
+        body without stress points of that name (the message lists the available names), and for rows and points that do
+        not exist.
         """
         from warpffrf.output.bodies.stress import stress_result
 
@@ -462,8 +463,8 @@ class Result(reprs.Shown):
             )  # fmt: skip
 
     def lap_page(self, lap: str | None = None, times: Vector | None = None) -> Figure:
-        """A matplotlib Figure of one small-sliding contact, the first one if None: pressure, state and loss at the
-        saved steps nearest to `times` [s], three of the run if None. Raises InputError for an unknown name and for
+        """A matplotlib Figure of one small-sliding contact, `lap`, the first one if None: pressure, state and loss at
+        the saved steps nearest to `times` [s], three of the run if None. Raises InputError for an unknown name and for
         times outside of the run."""
         from warpffrf.output.plots.laps import lap_figure
 

@@ -87,18 +87,18 @@ class PairResult(reprs.Shown, ABC):
     torque = Recorded("(T, 3) N m, its torque on the first body about that body's user origin, world axes.")
     force_second = Recorded(
         "(T, 3) N, the force on the second body, world axes, integrated on its own surface: the opposite of `force` up "
-        "to what the two grids differ."
+        "to the difference of the two grids."
     )
     torque_second = Recorded(
         "(T, 3) N m, its torque on the second body about that body's user origin, of the ground about the world's, "
         "world axes."
     )
     approach = Recorded(
-        "(T,) m, by how much the bodies have come closer than touch without deforming: of rollers the sum of the radii "
-        "less the distance of the axes at mid-width, of pairs at points minus the smallest undeformed gap. Negative "
-        "where they are apart."
+        "(T,) m, approach of the bodies beyond undeformed contact: for parallel axes the sum of the radii minus the "
+        "distance of the axes at mid-width, for closest points minus the smallest undeformed gap. Negative if they are "
+        "apart."
     )
-    active_hats = Recorded("(T,) number of functions of the contact grid, or cells, that carry pressure.")
+    active_hats = Recorded("(T,) number of active nodes of the contact grid, or of loaded cells.")
 
     def __init__(self, history: Any, view: PairView, bodies: dict[str, Any] | None = None) -> None:
         """bodies: motions by name, `History.bodies`; without them both user frames are at the world's origin."""

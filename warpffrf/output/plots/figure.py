@@ -213,8 +213,8 @@ def energy(result: Any, ax: Any) -> None:
         )
     ax.axhline(0.0, color="0.7", lw=0.6)
     about_zero(ax, LEAST)
-    ax.set(xlabel="time [ms]", ylabel="over the energy at hand [-]")
-    ax.set_title(f"Energy residual; energy at hand {scale:.3g} J", fontsize=10)
+    ax.set(xlabel="time [ms]", ylabel="over the energy scale [-]")
+    ax.set_title(f"Energy residual; energy scale {scale:.3g} J", fontsize=10)
     ax.legend(frameon=False, fontsize=8)
 
 

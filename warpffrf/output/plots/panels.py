@@ -233,7 +233,7 @@ def numbers_of(result: Any, contact: Any, friction: Any, film: Any, lap: Any) ->
     if lap is not None:
         found["normal force of the lap"] = f"{lap.normal_force[0] * 1e-3:.4g} kN"
         found["slipping area of the lap"] = f"{lap.slip_area[0] * 1e6:.4g} mm²"
-    found["energy at hand"] = f"{result.energy_scale:.4g} J"
+    found["energy scale"] = f"{result.energy_scale:.4g} J"
     return found
 
 

@@ -45,7 +45,7 @@ class LapColors:
         self._scales: dict[str, ColorScale | ColorClasses] = {
             "pressure": ColorScale("pressure of laps [MPa]", pressure, 1e-6, PRESSURE_STOPS),
             "state": ColorClasses("state of the cells of laps", STATES, STATE_COLORS),
-            "loss": ColorScale("loss of laps by friction so far [J/m²]", loss, 1.0, WEAR_STOPS),
+            "loss": ColorScale("accumulated friction loss of laps [J/m²]", loss, 1.0, WEAR_STOPS),
         }
 
     def scale(self, field: str) -> ColorScale | ColorClasses:

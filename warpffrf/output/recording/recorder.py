@@ -100,8 +100,8 @@ def record(
     "pressure", with friction "traction" and "state", and for contacts with friction "slip" and "wear"; "von_mises" for
     bodies reduced with `stress={"skin": "skin"}` (surfaces without stress are dark grey).
 
-    deformation_factor: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...; rigid motion is
-    never magnified. Every `every`th saved row and the last are drawn; None: at most `max_frames` rows; at most
+    deformation_factor [-]: magnification of the elastic displacement; None: chosen from 1, 2, 5, 10, ...; rigid motion
+    is never magnified. Every `every`th saved row and the last are drawn; None: at most `max_frames` rows; at most
     `max_points` points of each body's surface. Rows with non-finite values are omitted and listed in the return value
     and in the recording. progress: report the progress on stderr. Raises InputError for a path that cannot be written,
     a factor or count that is not positive, a colour that the run does not have, a run without saved rows, and an
@@ -331,9 +331,7 @@ class _Recorder:
             series += contact_series(c)
         series.append((("solver", "iterations"), "Newton iterations per step", history.iterations))
         series.append((("solver", "factorisations"), "factorisations a step", history.factorisations))
-        series.append(
-            (("solver", "energy_residual"), "energy residual over the largest energy at hand", result.energy_residual)
-        )
+        series.append((("solver", "energy_residual"), "energy residual over the energy scale", result.energy_residual))
         series.append((("solver", "step_size"), "step size [s]", history.step_size))
         for parts, label, values in series:
             path = self.path(*parts)

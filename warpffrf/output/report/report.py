@@ -52,7 +52,7 @@ def report_text(result: Any, progress: bool = False, pairs: Pairs = "folded") ->
     ]
     lines += [line for block in folded(contacts, "contact", pairs) for line in block]
     lines += item_lines(result, pairs)
-    lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy at hand")
+    lines.append(f"energy scale      {result.energy_scale:.6g} J, the largest energy of the run")
     residual, idle = result.energy_residual, idle_energy(result)
     if result.energy_scale <= idle:
         lines.append(
